@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use hallsweep::api::journal;
 use hallsweep::runtime::store::StoreStatus;
-use hallsweep::storage::sqlite::{self, Opened, Reading};
+use hallsweep::storage::sqlite::{self, Opened, ReadOnlyJournal};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::state::PersistentState;
@@ -93,7 +93,7 @@ fn long_journal(folder: &Path) {
     drop(sqlite::open(&data, None).expect("the folder is ours"));
     println!("opened, from an entry that says everything, in {:.2?}", start.elapsed());
     let start = Instant::now();
-    let findings = Reading::open(&data).and_then(|reading| reading.check()).expect("it can be read");
+    let findings = ReadOnlyJournal::open(&data).and_then(|reading| reading.check()).expect("it can be read");
     println!("checked in {:.2?}", start.elapsed());
     goals::met(&format!("a journal without faults: {} found", findings.count), findings.count == 0);
 }

@@ -15,12 +15,12 @@ use tokio::task::JoinHandle;
 use crate::access;
 use crate::config::Settings;
 use crate::doors::coap::Resources;
+use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
-use crate::doors::room::Room;
 pub use crate::robots::Adapter;
 use crate::robots::{Adapters, Robots};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
@@ -48,12 +48,12 @@ mod threads;
 
 use data_folder::DataFolder;
 pub use emulator::emulate;
-pub use entry::Entry;
+pub use entry::FirstAccess;
 use entry::Opened;
 pub use error::{AppError, Port};
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Place};
+pub use ports::{BoundPort, Doors};
 use threads::Threads;
 
 /// Time after which work that is still busy at the end (drawing a photo) is abandoned.
@@ -64,17 +64,17 @@ const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// Serves until SIGINT, SIGTERM or SIGHUP. Calls `announce` with the real ports and the way to sign in, as soon as requests are
 /// answered.
-pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
 /// Like `serve`, with another searching robot than that of the settings: measurements at a robot's port then include the real
 /// doors.
-pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
 
-fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     let robots = Robots::of(settings)?;
     let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
@@ -87,13 +87,13 @@ async fn serve_hall(
     settings: &Settings,
     (mut robots, robot): (Robots, Option<Adapter>),
     notes: Vec<String>,
-    announce: impl FnOnce(Doors, &Entry),
+    announce: impl FnOnce(Doors, &FirstAccess),
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
     let descriptors = ports::raise_descriptors();
-    let room = Room::of(descriptors);
-    front.room = room;
+    let budget = ConnectionBudget::of(descriptors);
+    front.budget = budget;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
@@ -102,7 +102,7 @@ async fn serve_hall(
     // Only now, when nothing else can refuse the start, because a key that is created is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
-    let reader = Reader::new(Arc::clone(&kept.archive));
+    let reader = ArchiveReader::new(Arc::clone(&kept.archive));
     let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();
     let (course, coursed) = watch::channel(Course::default());
     let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
@@ -111,7 +111,7 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, room));
+    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, budget));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.core);

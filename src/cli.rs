@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, from_here, sources};
-use crate::storage::sqlite::Reading;
+use crate::storage::sqlite::ReadOnlyJournal;
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
@@ -38,14 +38,14 @@ pub use failure::Failure;
     Every setting, with its default, stands in config/default.toml; docs/settings.md says how to change it.")]
 pub struct Cli {
     #[command(subcommand)]
-    command: Option<Task>,
+    command: Option<Subcommands>,
     #[command(flatten)]
     serve: Serve,
 }
 
 /// What to do.
 #[derive(Debug, Subcommand)]
-pub enum Task {
+pub enum Subcommands {
     /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT, SIGTERM or SIGHUP (the default).
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
@@ -184,8 +184,8 @@ impl Healthcheck {
 
 impl Cli {
     /// The requested command; `serve` by default.
-    pub fn task(self) -> Task {
-        self.command.unwrap_or(Task::Serve(self.serve))
+    pub fn task(self) -> Subcommands {
+        self.command.unwrap_or(Subcommands::Serve(self.serve))
     }
 }
 
@@ -237,8 +237,8 @@ impl Folder {
         })
     }
 
-    fn open(&self) -> Result<Reading, Failure> {
-        Ok(Reading::open(&self.path()?)?)
+    fn open(&self) -> Result<ReadOnlyJournal, Failure> {
+        Ok(ReadOnlyJournal::open(&self.path()?)?)
     }
 }
 
@@ -297,20 +297,20 @@ mod tests {
     fn flags(arguments: &str) -> Vec<(&'static str, String)> {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
-            Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Evaluate(_)
-            | Task::Explore(_)
-            | Task::Pallet(_)
-            | Task::Hall(_)
-            | Task::Healthcheck(_)
-            | Task::Journal(_)
-            | Task::Report(_)
-            | Task::RobotEmulator(_)
-            | Task::Roomba(_)
-            | Task::Token(_)
-            | Task::Tree(_)
-            | Task::Tune(_)
-            | Task::Table) => {
+            Subcommands::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
+            other @ (Subcommands::Evaluate(_)
+            | Subcommands::Explore(_)
+            | Subcommands::Pallet(_)
+            | Subcommands::Hall(_)
+            | Subcommands::Healthcheck(_)
+            | Subcommands::Journal(_)
+            | Subcommands::Report(_)
+            | Subcommands::RobotEmulator(_)
+            | Subcommands::Roomba(_)
+            | Subcommands::Token(_)
+            | Subcommands::Tree(_)
+            | Subcommands::Tune(_)
+            | Subcommands::Table) => {
                 panic!("{other:?} is not serve")
             }
         }

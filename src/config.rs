@@ -23,10 +23,10 @@ mod robot_address;
 mod robots;
 mod without_effect;
 
-pub use bind::{At, Bind, from_here};
+pub use bind::{Bind, BindAddress, from_here};
 pub use environment::{Flag, Sources};
 pub use error::SettingsError;
-pub use key::{KEYS, Key, Kind};
+pub use key::{KEYS, Key, SettingKind};
 pub use layers::DEFAULTS;
 pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};

@@ -4,29 +4,29 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Task, end, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba, serve,
-    token, tree,
+    Cli, Failure, Subcommands, end, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
+    serve, token, tree,
 };
 
 fn main() -> ExitCode {
     end(run(Cli::parse().task()))
 }
 
-fn run(task: Task) -> Result<(), Failure> {
+fn run(task: Subcommands) -> Result<(), Failure> {
     match task {
-        Task::Serve(flags) => serve::run(&flags),
-        Task::Explore(flags) => explore::run(&flags),
-        Task::Hall(asked) => hall::run(&asked),
-        Task::Pallet(flags) => pallet::run(&flags),
-        Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
-        Task::Journal(asked) => journal::run(&asked),
-        Task::Report(asked) => report::run(&asked),
-        Task::Token(asked) => token::run(&asked),
-        Task::Tree(asked) => tree::run(&asked),
-        Task::RobotEmulator(flags) => robot_emulator::run(&flags),
-        Task::Roomba(flags) => roomba::run(&flags),
-        Task::Evaluate(asked) => asked.refuse("evaluate"),
-        Task::Tune(asked) => asked.refuse("tune"),
-        Task::Table => print_table(),
+        Subcommands::Serve(flags) => serve::run(&flags),
+        Subcommands::Explore(flags) => explore::run(&flags),
+        Subcommands::Hall(asked) => hall::run(&asked),
+        Subcommands::Pallet(flags) => pallet::run(&flags),
+        Subcommands::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
+        Subcommands::Journal(asked) => journal::run(&asked),
+        Subcommands::Report(asked) => report::run(&asked),
+        Subcommands::Token(asked) => token::run(&asked),
+        Subcommands::Tree(asked) => tree::run(&asked),
+        Subcommands::RobotEmulator(flags) => robot_emulator::run(&flags),
+        Subcommands::Roomba(flags) => roomba::run(&flags),
+        Subcommands::Evaluate(asked) => asked.refuse("evaluate"),
+        Subcommands::Tune(asked) => asked.refuse("tune"),
+        Subcommands::Table => print_table(),
     }
 }

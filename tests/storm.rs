@@ -53,11 +53,11 @@ const GROUPS: [&[&str]; 12] = [
     &["http-pipelines"],
     &["mqtt-refused", "mqtt-terms", "mqtt-pings"],
     &["mqtt-unsubscribe", "mqtt-filters", "mqtt-topics"],
-    &["mqtt-seats", "mqtt-stalled", "mqtt-comings"],
+    &["mqtt-sessions", "mqtt-stalled", "mqtt-comings"],
     &["mqtt-halves"],
     &["mqtt-halves-near"],
     &["mqtt-deaf"],
-    &["web-refused", "web-seats", "web-halves"],
+    &["web-refused", "web-sessions", "web-halves"],
     &["coap-gets", "coap-malformed"],
 ];
 

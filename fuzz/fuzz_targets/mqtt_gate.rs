@@ -12,7 +12,7 @@ use mqtt_gate::limits::{ANSWER_ROOM, CLIENT_PACKET, FILTERS, UNRELEASED};
 use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::{Qos, Version, publish, write};
 use mqtt_gate::{
-    Announcement, Broker, ClientConnection, CommandDecision, Ended, Epoch, Kind, Listener, Rights, Said, Session, Terms, Tier, filter,
+    Announcement, Broker, ClientConnection, CommandDecision, Ended, Epoch, PacketKind, Listener, Rights, Said, Session, Terms, Tier, filter,
     frame,
 };
 
@@ -158,7 +158,7 @@ impl Play {
         self.taken.extend_from_slice(&out.copy_to_bytes(length));
         self.connection.handle_drained(self.now);
         while let Some(frame) = frame(&self.taken, usize::MAX).expect("only packets reach the client") {
-            if frame.kind == Kind::Publish {
+            if frame.kind == PacketKind::Publish {
                 publish::read(&frame, &self.taken[..frame.length], Version::Three).expect("it is a PUBLISH");
             }
             self.taken.advance(frame.length);
@@ -181,18 +181,18 @@ impl Play {
         let (mut rest, mut answers) = (&got[..], BytesMut::new());
         while let Some(frame) = frame(rest, usize::MAX).expect("only packets reach others") {
             let (packet, after) = rest.split_at(frame.length);
-            if frame.kind == Kind::Publish {
+            if frame.kind == PacketKind::Publish {
                 let publish = publish::read(&frame, packet, Version::Three).expect("it is a PUBLISH");
                 let topic = std::str::from_utf8(publish.topic).expect("topics are UTF-8");
                 assert!(!topic.is_empty() && !topic.contains(['+', '#', '\0']), "{topic:?}");
                 assert_eq!(filter::topic(topic), Ok(()), "{topic:?}");
                 match publish.qos {
                     Qos::Zero => {}
-                    Qos::One => write::ack(&mut answers, Kind::Puback, publish.id),
-                    Qos::Two => write::ack(&mut answers, Kind::Pubrec, publish.id),
+                    Qos::One => write::ack(&mut answers, PacketKind::Puback, publish.id),
+                    Qos::Two => write::ack(&mut answers, PacketKind::Pubrec, publish.id),
                 }
-            } else if frame.kind == Kind::Pubrel {
-                answers.extend_from_slice(&[Kind::Pubcomp.first_byte(), 2, packet[2], packet[3]]);
+            } else if frame.kind == PacketKind::Pubrel {
+                answers.extend_from_slice(&[PacketKind::Pubcomp.first_byte(), 2, packet[2], packet[3]]);
             }
             rest = after;
         }

@@ -7,7 +7,7 @@ use minicbor::decode::Error;
 use serde::Serialize;
 use serde_json::{Number, Value};
 
-use super::fields::{Body, Fields, Unread, Unusable, in_short};
+use super::fields::{Body, BodyFields, Unread, Unusable, in_short};
 
 /// A value in CBOR, with the same names and shapes as in JSON.
 pub fn written(value: &impl Serialize) -> Vec<u8> {
@@ -29,7 +29,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
 }
 
 /// Reads the fields of a body; the decoder stays at what follows it.
-pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
+pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     let kind = decoder.datatype().map_err(no_cbor)?;
     if !matches!(kind, Type::Map | Type::MapIndef) {
         return Err(unusable(format!(
@@ -37,7 +37,7 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
             in_words(kind)
         )));
     }
-    let mut fields = Fields::default();
+    let mut fields = BodyFields::default();
     let mut left = decoder.map().map_err(no_cbor)?;
     while more(decoder, &mut left)? {
         let name = name(decoder)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use super::fields::{Body, Fields, Unread, in_short, needed};
+use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
 use hallsweep_core::command::{Command, CommandId, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
@@ -121,7 +121,7 @@ impl JsonSchema for TemperatureBody {
 impl Body for EpochBody {
     const FIELDS: &'static [&'static str] = &["epoch"];
 
-    fn taken(fields: &Fields) -> Result<EpochBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<EpochBody, Unusable> {
         Ok(EpochBody { epoch: fields.count("epoch")? })
     }
 }
@@ -129,7 +129,7 @@ impl Body for EpochBody {
 impl Body for MoveBody {
     const FIELDS: &'static [&'static str] = &["move", "epoch"];
 
-    fn taken(fields: &Fields) -> Result<MoveBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<MoveBody, Unusable> {
         let word = needed(fields.text("move")?, "move", "{\"move\":\"w\"}")?;
         Ok(MoveBody { word, epoch: fields.count("epoch")? })
     }
@@ -138,7 +138,7 @@ impl Body for MoveBody {
 impl Body for GotoBody {
     const FIELDS: &'static [&'static str] = &["x", "y", "epoch"];
 
-    fn taken(fields: &Fields) -> Result<GotoBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<GotoBody, Unusable> {
         let side = |name| needed(fields.whole(name)?, name, "{\"x\":1,\"y\":1}");
         Ok(GotoBody { x: side("x")?, y: side("y")?, epoch: fields.count("epoch")? })
     }
@@ -147,7 +147,7 @@ impl Body for GotoBody {
 impl Body for VerdictBody {
     const FIELDS: &'static [&'static str] = &["verdict", "note"];
 
-    fn taken(fields: &Fields) -> Result<VerdictBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<VerdictBody, Unusable> {
         let verdict = needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")?;
         Ok(VerdictBody { verdict, note: fields.text("note")? })
     }
@@ -156,7 +156,7 @@ impl Body for VerdictBody {
 impl Body for TemperatureBody {
     const FIELDS: &'static [&'static str] = &["celsius", "sensor", "status"];
 
-    fn taken(fields: &Fields) -> Result<TemperatureBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<TemperatureBody, Unusable> {
         Ok(TemperatureBody { celsius: fields.number("celsius")?, sensor: fields.text("sensor")?, status: fields.text("status")? })
     }
 }
@@ -164,7 +164,7 @@ impl Body for TemperatureBody {
 impl Body for StrategyBody {
     const FIELDS: &'static [&'static str] = &["name"];
 
-    fn taken(fields: &Fields) -> Result<StrategyBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<StrategyBody, Unusable> {
         Ok(StrategyBody { name: needed(fields.text("name")?, "name", "{\"name\":\"snail\"}")? })
     }
 }
@@ -266,15 +266,15 @@ pub fn no_command_id(place: &str, name: &str) -> String {
 }
 
 /// Removes the command id from the fields of a body, for doors where it is sent as `id` beside them.
-pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
-    let Some(name) = fields.aside("id", Fields::text).map_err(Unread::Unusable)? else { return Ok(None) };
+pub fn id_aside(fields: &mut BodyFields) -> Result<Option<CommandId>, Unread> {
+    let Some(name) = fields.aside("id", BodyFields::text).map_err(Unread::Unusable)? else { return Ok(None) };
     let id = CommandId::new(&name);
     id.map(Some).ok_or_else(|| Unread::Malformed(no_command_id("id", &name)))
 }
 
 /// Removes the number of a command's subject from the fields of its body, for doors without paths.
-pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> Result<u64, Unusable> {
-    needed(fields.aside(name, Fields::count)?, name, example)
+pub fn number_aside(fields: &mut BodyFields, name: &'static str, example: &str) -> Result<u64, Unusable> {
+    needed(fields.aside(name, BodyFields::count)?, name, example)
 }
 
 /// The command for a one-letter word of old clients or of `move`; `h` and `stop` are STOP.

@@ -47,7 +47,7 @@ pub enum Methods {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct CommandRow {
     pub name: &'static str,
     pub title: &'static str,
     pub kind: CommandKind,
@@ -68,35 +68,35 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// All commands, in the order in which they are listed.
 #[rustfmt::skip]
-pub const COMMANDS: [Row; 12] = [
+pub const COMMANDS: [CommandRow; 12] = [
     word("start", "/commands/start", "begin, or go on", CommandKind::Start, EPOCH),
-    Row { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
+    CommandRow { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
     word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, &[]),
-    Row { need: Need::Stop, ..with("move", "/commands/move", "one move by hand", CommandKind::Move,
+    CommandRow { need: Need::Stop, ..with("move", "/commands/move", "one move by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     with("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),
-    Row { subject: Subject::Luggage, methods: Methods::PostOrPut,
+    CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut,
         ..with("verdict", "/luggage/{id}/verdict", "safe or danger", CommandKind::Verdict,
             &[r#"{"luggage":3,"verdict":"safe"}"#, r#"{"luggage":3,"verdict":"danger","note":"wires"}"#]) },
-    Row { subject: Subject::Luggage,
+    CommandRow { subject: Subject::Luggage,
         ..with("retake", "/luggage/{id}/photo", "take the photo again", CommandKind::Retake, &[r#"{"luggage":3}"#]) },
-    Row { subject: Subject::Alarm,
+    CommandRow { subject: Subject::Alarm,
         ..with("acknowledge", "/alarms/{id}/acknowledge", "the alarm was seen", CommandKind::Acknowledge, &[r#"{"alarm":2}"#]) },
-    Row { methods: Methods::Put,
+    CommandRow { methods: Methods::Put,
         ..with("strategy", "/strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]) },
-    Row { methods: Methods::Put,
+    CommandRow { methods: Methods::Put,
         ..with("temperature", "/temperature", "what is known of the temperature", CommandKind::Temperature,
             &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#]) },
 ];
 
-pub fn named(name: &str) -> Option<&'static Row> {
+pub fn named(name: &str) -> Option<&'static CommandRow> {
     COMMANDS.iter().find(|row| row.name == name)
 }
 
 impl CommandKind {
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static CommandRow {
         COMMANDS.iter().find(|row| row.kind == self).expect("every kind has its row: a test holds that")
     }
 }
@@ -141,8 +141,8 @@ const fn word(
     title: &'static str,
     kind: CommandKind,
     body: &'static [&'static str],
-) -> Row {
-    Row { name, title, kind, need: Need::Act, path, methods: Methods::Post, subject: Subject::None, body, is_word: true }
+) -> CommandRow {
+    CommandRow { name, title, kind, need: Need::Act, path, methods: Methods::Post, subject: Subject::None, body, is_word: true }
 }
 
 const fn with(
@@ -151,8 +151,8 @@ const fn with(
     title: &'static str,
     kind: CommandKind,
     body: &'static [&'static str],
-) -> Row {
-    Row { is_word: false, ..word(name, path, title, kind, body) }
+) -> CommandRow {
+    CommandRow { is_word: false, ..word(name, path, title, kind, body) }
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ enum Name {
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Entry<'a> {
+enum ProblemEntry<'a> {
     Text(&'a str),
     Number(u8),
     Ours(Ours<'a>),
@@ -48,10 +48,10 @@ enum Entry<'a> {
 pub fn written(problem: &ProblemJson<'_>, response_code: u8) -> Vec<u8> {
     let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
     let entries = BTreeMap::from([
-        (Name::Standard(key::TITLE), Entry::Text(problem.title)),
-        (Name::Standard(key::DETAIL), Entry::Text(problem.detail)),
-        (Name::Standard(key::RESPONSE_CODE), Entry::Number(response_code)),
-        (Name::Custom(OURS), Entry::Ours(ours)),
+        (Name::Standard(key::TITLE), ProblemEntry::Text(problem.title)),
+        (Name::Standard(key::DETAIL), ProblemEntry::Text(problem.detail)),
+        (Name::Standard(key::RESPONSE_CODE), ProblemEntry::Number(response_code)),
+        (Name::Custom(OURS), ProblemEntry::Ours(ours)),
     ]);
     cbor::written(&entries)
 }

@@ -34,12 +34,12 @@ pub enum Unread {
 pub trait Body: Sized {
     const FIELDS: &'static [&'static str];
 
-    fn taken(fields: &Fields) -> Result<Self, Unusable>;
+    fn taken(fields: &BodyFields) -> Result<Self, Unusable>;
 }
 
 /// The fields of one body, without duplicates.
 #[derive(Debug, Default)]
-pub struct Fields {
+pub struct BodyFields {
     left: BTreeMap<String, Value>,
     /// Names of the fields that were removed, for sentences that list all of them.
     aside: Vec<&'static str>,
@@ -50,14 +50,14 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
 }
 
 /// Reads the fields of a JSON body, for doors where it carries more than the command's own fields.
-pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
+pub fn fields(bytes: &[u8]) -> Result<BodyFields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
     serde_json::from_slice(bytes)
         .map_err(|error| if error.is_data() { Unread::Unusable(not_an_object(bytes, &error)) } else { no_json(error) })
 }
 
-impl Fields {
+impl BodyFields {
     /// An optional text.
     pub fn text(&self, name: &str) -> Result<Option<String>, Unusable> {
         self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
@@ -79,7 +79,11 @@ impl Fields {
     }
 
     /// Removes a field that does not belong to the command, and reads it with `read`; the body is read from the others.
-    pub fn aside<T>(&mut self, name: &'static str, read: impl Fn(&Fields, &str) -> Result<T, Unusable>) -> Result<T, Unusable> {
+    pub fn aside<T>(
+        &mut self,
+        name: &'static str,
+        read: impl Fn(&BodyFields, &str) -> Result<T, Unusable>,
+    ) -> Result<T, Unusable> {
         let taken = read(self, name);
         self.left.remove(name);
         self.aside.push(name);
@@ -147,23 +151,23 @@ fn not_an_object(bytes: &[u8], error: &serde_json::Error) -> Unusable {
     Unusable(format!("the body is {kind}: send a JSON object, as {{}}, with the fields of this command"))
 }
 
-impl<'de> Deserialize<'de> for Fields {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Fields, D::Error> {
-        deserializer.deserialize_map(Reader)
+impl<'de> Deserialize<'de> for BodyFields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<BodyFields, D::Error> {
+        deserializer.deserialize_map(FieldsVisitor)
     }
 }
 
-struct Reader;
+struct FieldsVisitor;
 
-impl<'de> Visitor<'de> for Reader {
-    type Value = Fields;
+impl<'de> Visitor<'de> for FieldsVisitor {
+    type Value = BodyFields;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a JSON object")
     }
 
-    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Fields, M::Error> {
-        let mut fields = Fields::default();
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<BodyFields, M::Error> {
+        let mut fields = BodyFields::default();
         while let Some((name, value)) = map.next_entry::<String, Value>()? {
             fields.put(name, value).map_err(M::Error::custom)?;
         }
@@ -180,7 +184,7 @@ mod tests {
     impl Body for Both {
         const FIELDS: &'static [&'static str] = &["text", "number"];
 
-        fn taken(fields: &Fields) -> Result<Both, Unusable> {
+        fn taken(fields: &BodyFields) -> Result<Both, Unusable> {
             fields.text("text")?;
             fields.number("number")?;
             fields.whole("number")?;
@@ -228,7 +232,7 @@ mod tests {
     fn what_is_laid_aside_is_no_field_of_the_body_and_still_one_that_may_be_sent() {
         let read = |json: &str| {
             let mut fields = fields(json.as_bytes()).unwrap();
-            (fields.aside("id", Fields::text), fields.read::<Both>().map(|_| ()))
+            (fields.aside("id", BodyFields::text), fields.read::<Both>().map(|_| ()))
         };
         assert_eq!(read(r#"{"id":"a-7","number":3}"#), (Ok(Some("a-7".to_owned())), Ok(())));
         assert_eq!(read(r#"{"number":3}"#), (Ok(None), Ok(())));

@@ -34,7 +34,7 @@ pub fn is_halt_word(body: &[u8]) -> bool {
 /// Whether the body of a move means STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if
 /// the rest of the body were valid.
 pub fn says_halt(body: &[u8]) -> bool {
-    let says_so = |fields: fields::Fields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
+    let says_so = |fields: fields::BodyFields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
         || fields::fields(body).is_ok_and(says_so)
         || cbor::fields(&mut Decoder::new(body)).is_ok_and(says_so)

@@ -7,16 +7,16 @@ use hallsweep_core::world::resource::Resource;
 use hallsweep_sim::{Export, Format};
 
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct MapFileRow {
     /// Name of the file, used in its path and in the YAML.
     pub name: &'static str,
     pub media_type: &'static str,
     pub title: &'static str,
-    part: Part,
+    part: MapPart,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Part {
+enum MapPart {
     File(Format),
     /// The image that the YAML names.
     Image,
@@ -30,19 +30,19 @@ const USUAL_CELL_M: f64 = 0.5;
 
 /// All files, in the order in which they are listed.
 #[rustfmt::skip]
-pub const FILES: [Row; 5] = [
-    row("hall.toml", "application/toml", "A hall file", Part::File(Format::Toml)),
-    row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", Part::File(Format::MovingAi)),
-    row("hall.yaml", "application/yaml", "What ROS `map_server` reads, of `hall.pgm`", Part::File(Format::Occupancy)),
-    row("hall.pgm", "image/x-portable-graymap", "Its image, a pixel a cell", Part::Image),
-    row("hall.txt", "text/plain; charset=utf-8", "The text of old clients, from the first cell known", Part::File(Format::SeedText)),
+pub const FILES: [MapFileRow; 5] = [
+    row("hall.toml", "application/toml", "A hall file", MapPart::File(Format::Toml)),
+    row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", MapPart::File(Format::MovingAi)),
+    row("hall.yaml", "application/yaml", "What ROS `map_server` reads, of `hall.pgm`", MapPart::File(Format::Occupancy)),
+    row("hall.pgm", "image/x-portable-graymap", "Its image, a pixel a cell", MapPart::Image),
+    row("hall.txt", "text/plain; charset=utf-8", "The text of old clients, from the first cell known", MapPart::File(Format::SeedText)),
 ];
 
-const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: Part) -> Row {
-    Row { name, media_type, title, part }
+const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: MapPart) -> MapFileRow {
+    MapFileRow { name, media_type, title, part }
 }
 
-impl Row {
+impl MapFileRow {
     pub fn revision(&self, snapshot: &Snapshot) -> Revision {
         snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
     }
@@ -51,8 +51,8 @@ impl Row {
     pub fn written(&self, hall: &str, cell_m: Option<f64>, snapshot: &Snapshot) -> Vec<u8> {
         let export = Export::explored(hall, cell_m.unwrap_or(USUAL_CELL_M), snapshot);
         match self.part {
-            Part::File(format) => export.file(format, STEM),
-            Part::Image => export.image(),
+            MapPart::File(format) => export.file(format, STEM),
+            MapPart::Image => export.image(),
         }
     }
 }

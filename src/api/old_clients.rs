@@ -23,7 +23,7 @@ pub enum Asks {
 
 /// One request of old clients, and the words for it.
 #[derive(Debug)]
-pub struct Row {
+pub struct OldCommandRow {
     pub asks: Asks,
     /// Paths to which the old console posts.
     pub posts: &'static [&'static str],
@@ -39,7 +39,7 @@ const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
 
 /// All requests, in the order in which they are listed.
 #[rustfmt::skip]
-pub static ROWS: [Row; 12] = [
+pub static ROWS: [OldCommandRow; 12] = [
     word(Asks::Move, MOVES, &["userCmd", "robotCmd"]),
     word(Asks::For(SAFE), &["safe"], &["luggageSafe", "continueExploreAfterPhoto"]),
     word(Asks::For(DANGER), &["danger"], &["luggageDanger", "backHomeSinceBomb"]),
@@ -54,12 +54,12 @@ pub static ROWS: [Row; 12] = [
     row(Asks::Change, &[], &["modelChange"]),
 ];
 
-const fn row(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> Row {
-    Row { asks, posts, is_word: false, messages }
+const fn row(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> OldCommandRow {
+    OldCommandRow { asks, posts, is_word: false, messages }
 }
 
-const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> Row {
-    Row { asks, posts, is_word: true, messages }
+const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> OldCommandRow {
+    OldCommandRow { asks, posts, is_word: true, messages }
 }
 
 /// The command for a POST of the old console to this path.
@@ -72,7 +72,7 @@ pub fn bare_word(word: &str) -> Result<Command, Unusable> {
     command(word, |row| row.is_word)
 }
 
-fn command(word: &str, is_among: fn(&Row) -> bool) -> Result<Command, Unusable> {
+fn command(word: &str, is_among: fn(&OldCommandRow) -> bool) -> Result<Command, Unusable> {
     let row = ROWS.iter().find(|row| is_among(row) && row.posts.contains(&word));
     match row.map(|row| &row.asks) {
         Some(Asks::For(command) | Asks::Halt(command)) => Ok(command.clone()),

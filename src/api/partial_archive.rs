@@ -1,7 +1,7 @@
 //! For tests: an archive that has what a test gives it, and nothing else.
 
 use crate::api::journal::{self, Line};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -34,7 +34,7 @@ pub(crate) trait PartialArchive: Send + Sync {
         None
     }
 
-    fn moments(&self, _: MissionId, _: &[At]) -> Vec<Moment> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Vec<PastMoment> {
         Vec::new()
     }
 
@@ -86,7 +86,7 @@ impl<A: PartialArchive> Archive for A {
         Ok(PartialArchive::state(self, mission))
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         Ok(PartialArchive::moments(self, mission, at))
     }
 

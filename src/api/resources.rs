@@ -38,7 +38,7 @@ pub enum Form {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct ResourceRow {
     pub kind: ResourceKind,
     /// Resource type in discovery; also the last part of the topic, for parts of the state.
     pub name: &'static str,
@@ -56,7 +56,7 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 
 /// All resources, in the order in which they are listed.
 #[rustfmt::skip]
-pub const RESOURCES: [Row; 12] = [
+pub const RESOURCES: [ResourceRow; 12] = [
     row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),
     row(ResourceKind::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
     of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
@@ -68,19 +68,25 @@ pub const RESOURCES: [Row; 12] = [
     of(Resource::Retrieval, "/retrieval", "What is fetched, and the trees at work", WITH_TEXT),
     of(Resource::Log, "/log", "The latest lines of the log", SHAPES),
     row(ResourceKind::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
-    Row { is_observable: false, ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
+    ResourceRow { is_observable: false, ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
 ];
 
-const fn of(resource: Resource, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
+const fn of(resource: Resource, path: &'static str, title: &'static str, forms: &'static [Form]) -> ResourceRow {
     row(ResourceKind::Of(resource), resource.name(), path, title, forms)
 }
 
-const fn row(kind: ResourceKind, name: &'static str, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
-    Row { kind, name, path, title, forms, is_observable: true }
+const fn row(
+    kind: ResourceKind,
+    name: &'static str,
+    path: &'static str,
+    title: &'static str,
+    forms: &'static [Form],
+) -> ResourceRow {
+    ResourceRow { kind, name, path, title, forms, is_observable: true }
 }
 
 impl ResourceKind {
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static ResourceRow {
         const { &RESOURCES }.iter().find(|row| row.kind == self).expect("everything that is shown has its row: a test holds that")
     }
 
@@ -198,7 +204,7 @@ mod tests {
         let new = |part: Resource| -> Vec<&str> {
             let (before, mut after) = (searching(), searching());
             touch(&mut after, 21, &[part]);
-            let is_new = |row: &&Row| row.kind.revision(&before) != row.kind.revision(&after);
+            let is_new = |row: &&ResourceRow| row.kind.revision(&before) != row.kind.revision(&after);
             RESOURCES.iter().filter(is_new).map(|row| row.name).collect()
         };
         assert_eq!(new(Resource::Mission), ["state", "strategy", "mission"]);
@@ -220,7 +226,7 @@ mod tests {
 
     #[test]
     fn nothing_is_in_the_table_twice() {
-        for said in [|row: &Row| row.path, |row: &Row| row.name, |row: &Row| row.title] {
+        for said in [|row: &ResourceRow| row.path, |row: &ResourceRow| row.name, |row: &ResourceRow| row.title] {
             let mut all: Vec<&str> = RESOURCES.iter().map(said).collect();
             all.sort_unstable();
             all.dedup();

@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use super::fields::{Body, Fields, Unusable, in_short};
+use super::fields::{Body, BodyFields, Unusable, in_short};
 use super::robot::PositionJson;
 use crate::runtime::simulator::{Change, HallSource, MOST_BLOCKED, OtherHall, Pace, Simulator, SimulatorState};
 use hallsweep_core::units::Cell;
@@ -117,7 +117,7 @@ struct ChangeShape {
 impl Body for ChangeBody {
     const FIELDS: &'static [&'static str] = &["speed", "paused", "linkLost", "noThermometer", "cameraFails", "blocked"];
 
-    fn taken(fields: &Fields) -> Result<ChangeBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<ChangeBody, Unusable> {
         let whether = |name| fields.field(name, "true or false", Value::as_bool);
         let max = |value: &Value| value.as_str().filter(|text| *text == "max").map(str::to_owned);
         let number_or_max = |value: &Value| max(value).or_else(|| Some(value.as_f64()?.to_string()));
@@ -191,7 +191,7 @@ impl JsonSchema for HallBody {
 impl Body for HallBody {
     const FIELDS: &'static [&'static str] = &["name", "toml", "seed"];
 
-    fn taken(fields: &Fields) -> Result<HallBody, Unusable> {
+    fn taken(fields: &BodyFields) -> Result<HallBody, Unusable> {
         let source = match (fields.text("name")?, fields.text("toml")?) {
             (Some(name), None) => HallSource::Named(name),
             (None, Some(toml)) => HallSource::Toml(toml),

@@ -5,7 +5,7 @@ use crate::config::{Broker, HttpSettings, Settings};
 use crate::doors::http::{Front, Tls, TlsError};
 
 #[derive(Debug)]
-pub enum Entry {
+pub enum FirstAccess {
     /// Everybody on this machine is admitted.
     Open,
     /// A key from an earlier start.
@@ -22,14 +22,14 @@ pub(super) struct Opened {
     pub(super) http: Access,
     /// At our own MQTT broker, over TCP.
     pub(super) mqtt: Access,
-    pub(super) entry: Entry,
+    pub(super) entry: FirstAccess,
 }
 
 /// Who is admitted by these settings; creates a first key when one is needed and there is none.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {
-        return Ok(Opened { http: Access::Open, mqtt: Access::Open, entry: Entry::Open });
+        return Ok(Opened { http: Access::Open, mqtt: Access::Open, entry: FirstAccess::Open });
     }
     let (keys, entry) = keys(settings)?;
     let access = |asks| if asks { keys.clone() } else { Access::Open };
@@ -47,19 +47,19 @@ pub(super) fn unusable(settings: &Settings) -> Option<String> {
     Some(format!("nobody can sign in: {error}; then start hallsweep again"))
 }
 
-fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
+fn keys(settings: &Settings) -> Result<(Access, FirstAccess), AccessError> {
     let (keyring, entry) = match &settings.store {
         None => {
             let keyring = Keyring::in_memory()?;
             let token = first(&keyring)?;
-            (keyring, Entry::BriefKey(token))
+            (keyring, FirstAccess::BriefKey(token))
         }
         Some(folder) => {
             let opened = Keyring::open(folder)?;
             let entry = match opened.unusable {
-                Some(error) => Entry::Unusable(error.to_string()),
-                None if opened.is_new => Entry::NewKey(first(&opened.keyring)?),
-                None => Entry::Key,
+                Some(error) => FirstAccess::Unusable(error.to_string()),
+                None if opened.is_new => FirstAccess::NewKey(first(&opened.keyring)?),
+                None => FirstAccess::Key,
             };
             (opened.keyring, entry)
         }

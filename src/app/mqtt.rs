@@ -9,16 +9,16 @@ use super::AppError;
 use super::threads::Threads;
 use crate::access::{self, Access};
 use crate::config::{self, MqttRouter, MqttSettings, OtherBroker, Settings};
+use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
 #[cfg(feature = "rumqttd-router")]
 use crate::doors::mqtt::RumqttdRouter;
-use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
-use crate::doors::mqtt::session::{Link, OwnSession, Parts, Session, Times, believing};
+use crate::doors::mqtt::commands::{ANSWERS, Commands, ResultMessage};
+use crate::doors::mqtt::session::{OwnSession, Parts, Session, SessionLink, Times, believing};
 use crate::doors::mqtt::topics::Topics;
 use crate::doors::mqtt::{Clients, IncomingConnection, Origin, Ways, serve};
-use crate::doors::room::Room;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;
 use mqtt_gate::packet::Version;
@@ -37,7 +37,7 @@ struct Common {
     topics: Topics,
     home_assistant: bool,
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     manual_driving: bool,
     ending: watch::Receiver<bool>,
 }
@@ -46,9 +46,9 @@ impl Mqtt {
     /// Opens the door, if there is one: our own broker at these ports. Packets of its clients are read on a thread of their own.
     pub(super) fn open(
         settings: &Settings,
-        (listeners, access, inner): (Listeners, Access, (&Threads, Room)),
+        (listeners, access, inner): (Listeners, Access, (&Threads, ConnectionBudget)),
         handle: Handle,
-        archive: Reader,
+        archive: ArchiveReader,
         ending: watch::Receiver<bool>,
     ) -> Result<Option<Mqtt>, AppError> {
         let MqttSettings { broker, prefix, id, old_prefix, home_assistant } = &settings.mqtt;
@@ -78,7 +78,7 @@ impl Mqtt {
 }
 
 impl Common {
-    fn commands(&self, answers: mpsc::Sender<Answer>) -> Commands {
+    fn commands(&self, answers: mpsc::Sender<ResultMessage>) -> Commands {
         Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 
@@ -98,7 +98,12 @@ pub(super) fn note(settings: &Settings) -> Option<String> {
     })
 }
 
-fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, room): (&Threads, Room), access: Access) -> Mqtt {
+fn own(
+    common: Common,
+    (listeners, router): (Listeners, MqttRouter),
+    (threads, budget): (&Threads, ConnectionBudget),
+    access: Access,
+) -> Mqtt {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, web_clients) = mpsc::channel(WEB_CLIENTS);
     let (commands, shutdown) = (common.commands(answer), common.shutdown());
@@ -110,7 +115,7 @@ fn own(common: Common, (listeners, router): (Listeners, MqttRouter), (threads, r
         MqttRouter::Rumqttd => Broker::new(topics),
         MqttRouter::Own => Broker::new(topics),
     });
-    let clients = Clients::with_room(Arc::clone(&broker), commands, room);
+    let clients = Clients::with_budget(Arc::clone(&broker), commands, budget);
     let spoken_of = (common.topics, common.home_assistant);
     let session = OwnSession::new(broker, spoken_of, common.handle.watch(), answers, common.archive);
     let (leave, left) = watch::channel(());
@@ -131,7 +136,7 @@ async fn gone(mut left: watch::Receiver<()>) {
 fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let tls = if other.is_encrypted { Some(believing(other.certificates.as_deref())?) } else { None };
-    let link = Link {
+    let link = SessionLink {
         version: if other.is_five { Version::Five } else { Version::Three },
         host: other.host.clone(),
         port: other.port,

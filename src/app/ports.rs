@@ -7,7 +7,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use socket2::{Domain, Socket, Type};
 
 use super::error::{AppError, Port};
-use crate::config::{At, Bind, Broker, Settings};
+use crate::config::{Bind, BindAddress, Broker, Settings};
 use crate::doors::coap::beside;
 
 /// Number of file descriptors wanted: enough for every connection of every door, and for files beside them.
@@ -28,13 +28,13 @@ pub(super) fn raise_descriptors() -> u64 {
 /// The addresses of the doors, with their real ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
-    pub http: Place,
-    pub coap: Option<Place>,
-    pub mqtt: Option<Place>,
+    pub http: BoundPort,
+    pub coap: Option<BoundPort>,
+    pub mqtt: Option<BoundPort>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct BoundPort {
     /// Its first address.
     pub at: SocketAddr,
     /// The port it would have had, if another program did not have it.
@@ -73,7 +73,11 @@ impl Ports {
 }
 
 /// Binds a door's port at all its addresses. A default port that is taken is replaced by a free one.
-fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<(Vec<P>, Place), AppError> {
+fn open<P>(
+    port: Port,
+    bind: Bind,
+    one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>,
+) -> Result<(Vec<P>, BoundPort), AppError> {
     let (bound, instead_of) = match at_all(bind.at, &one) {
         Err((_, error)) if error.kind() == ErrorKind::AddrInUse && !bind.is_chosen => {
             (at_a_free_one(bind.at, &one), Some(bind.at.first().port()))
@@ -89,16 +93,19 @@ fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, So
     if let Some(taken) = instead_of {
         tracing::warn!(door = port.name(), taken, %at, "another program has the usual port of a door: it is at a free one");
     }
-    Ok((ports, Place { at, instead_of }))
+    Ok((ports, BoundPort { at, instead_of }))
 }
 
-fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+fn at_a_free_one<P>(
+    at: BindAddress,
+    one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>,
+) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let once = || at_all(at.with_port(0), one);
     (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
 /// Binds one port at each of these addresses. A machine may lack the second one.
-fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let mut bound: Vec<(P, SocketAddr)> = Vec::new();
     for mut address in at.addresses() {
         if let Some((_, first)) = bound.first() {
@@ -140,7 +147,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     if at.ip().to_canonical().is_loopback() {
         return ports;
     }
-    for address in At::Localhost(at.port()).addresses() {
+    for address in BindAddress::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
             // Such a packet then goes to the common socket, or is lost.
@@ -158,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, Place), AppError> {
+    fn bind(at: BindAddress, is_chosen: bool) -> Result<(Vec<TcpListener>, BoundPort), AppError> {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
     }
 
@@ -175,7 +182,7 @@ mod tests {
 
     #[test]
     fn localhost_is_listened_to_at_both_addresses_by_one_port() {
-        let (ports, place) = bind(At::Localhost(0), true).expect("a free port");
+        let (ports, place) = bind(BindAddress::Localhost(0), true).expect("a free port");
         let at: Vec<_> = ports.iter().map(|port| port.local_addr().expect("it is bound")).collect();
         assert_eq!((at[0], place.instead_of), (place.at, None));
         assert!(at.iter().all(|address| address.port() == place.at.port() && address.ip().is_loopback()), "{at:?}");
@@ -188,10 +195,10 @@ mod tests {
         for taken_at in ["127.0.0.1:0", "[::1]:0"] {
             let Ok(taken) = TcpListener::bind(taken_at) else { continue };
             let port = taken.local_addr().expect("it is bound").port();
-            let (ports, place) = bind(At::Localhost(port), false).expect("another port");
+            let (ports, place) = bind(BindAddress::Localhost(port), false).expect("another port");
             assert_eq!(place.instead_of, Some(port));
             assert!(place.at.port() != port && !ports.is_empty());
-            let refused = bind(At::Localhost(port), true).expect_err("it is taken");
+            let refused = bind(BindAddress::Localhost(port), true).expect_err("it is taken");
             assert!(matches!(refused, AppError::Bind { address, .. } if address.port() == port), "{refused}");
         }
     }

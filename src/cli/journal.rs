@@ -12,7 +12,7 @@ use crate::api::journal_words;
 use crate::api::time::midnight;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::clock::Clock;
-use crate::storage::sqlite::{self, Archived, Findings, Reading, Together};
+use crate::storage::sqlite::{self, ArchiveCheck, Archived, Findings, ReadOnlyJournal};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// What to do with the journal.
@@ -83,7 +83,7 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         let entries = sqlite::unpack(archive, &folder, Clock::default().now().wall)?;
         return super::print(&format!("{} has {entries} entries: `hallsweep serve --data` shows them", folder.display()));
     }
-    let reading = Reading::open(&folder)?;
+    let reading = ReadOnlyJournal::open(&folder)?;
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {
         What::Print(which) => list(&reading, which, for_people, |seq, why| format!("{seq:>8}    - {why}")),
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
@@ -106,7 +106,7 @@ impl From<Unreadable> for Failure {
 
 /// Writes the entries, with a line in place of each that cannot be read, and reports at the end how many these are.
 fn list(
-    reading: &Reading,
+    reading: &ReadOnlyJournal,
     which: Which,
     write: impl Fn(&Line) -> String,
     unreadable: impl Fn(Seq, &str) -> String,
@@ -136,7 +136,7 @@ fn day(text: &str) -> Result<WallTime, String> {
 
 fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
     // Fails where there is no journal, so that none is created.
-    drop(Reading::open(folder)?);
+    drop(ReadOnlyJournal::open(folder)?);
     let now = Clock::default().now().wall;
     let Some(archived) = sqlite::write_out(folder, before, now, file)? else {
         return Err(Failure::Run("no mission was put away before that day: nothing is changed".to_owned()));
@@ -155,8 +155,8 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
 }
 
 /// Whether the archives and the journal follow each other, and are unchanged since they were written.
-fn hold_together(reading: &Reading, archives: &[PathBuf]) -> Result<(), Failure> {
-    let Together { archives, faults } = reading.check_archives(archives)?;
+fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), Failure> {
+    let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;
     let looked_at = format!("archives that were held against the journal: {archives}");
     if faults.is_empty() {

@@ -13,7 +13,7 @@ use crate::phrases::Language;
 use crate::report::{self, Claim, Comparison, EDITION, Report, list};
 use crate::runtime::archive::Archive;
 use crate::storage::files;
-use crate::storage::sqlite::{self, Reading};
+use crate::storage::sqlite::{self, ReadOnlyJournal};
 use hallsweep_core::units::MissionId;
 
 /// Which report, and where it goes.
@@ -86,7 +86,7 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
 }
 
 /// Says whether a report agrees with the journal, which was found sound.
-pub(super) fn confirm(journal: &Reading, path: &Path) -> Result<(), Failure> {
+pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable = |error: io::Error| Failure::Run(format!("{shown} cannot be read: {error}"));
     // Reading a pipe would block for ever.
@@ -174,7 +174,7 @@ mod tests {
         let piece = Fact::Luggage { record: record.into(), photo: None };
         let next =
             keep(1, vec![Fact::MissionBegan(MissionId(1), Strategy::Snail), piece, said("safe #1"), verdict(Verdict::Safe)]);
-        let archive = Reading::open(&scratch.0.join("data")).unwrap().archive();
+        let archive = ReadOnlyJournal::open(&scratch.0.join("data")).unwrap().archive();
         let report = || Report::new(&*archive, MissionId(1), Language::English).unwrap().expect("it is there");
         let before = page_of(&report());
         assert!(before.contains("<dt>Commands refused</dt><dd>0</dd>"), "{before}");

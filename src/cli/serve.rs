@@ -1,7 +1,7 @@
 //! `hallsweep serve`: starts the program, and prints its addresses and how to sign in.
 
 use super::{Failure, Serve, link};
-use crate::app::{self, Doors, Entry, Place};
+use crate::app::{self, BoundPort, Doors, FirstAccess};
 use crate::config::{Broker, HttpSettings, Settings, from_here};
 use crate::telemetry;
 
@@ -20,10 +20,10 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
     Ok(())
 }
 
-fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
+fn announcement(settings: &Settings, doors: Doors, entry: &FirstAccess) -> String {
     let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}", found(coap, "--coap")));
     let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
-    let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
+    let console_entry = if settings.http.asks_for_keys { entry } else { &FirstAccess::Open };
     let idle = without_effect(settings).map(|idle| format!("\nThese do nothing with the robots of these settings: {idle}"));
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt, idle].into_iter().flatten().collect()
 }
@@ -34,7 +34,7 @@ fn without_effect(settings: &Settings) -> Option<String> {
 }
 
 /// The broker with its topics, if there is one, and how to sign in when that takes a key.
-fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
+fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String> {
     let asks = match settings.mqtt.broker.as_ref()? {
         Broker::Own { asks_for_keys, .. } => *asks_for_keys,
         Broker::Other(other) => return Some(other.to_string()),
@@ -47,18 +47,18 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
     });
     let at = format!("mqtt://{}{}", found(place, "--mqtt"), other.unwrap_or_default());
     Some(match entry {
-        Entry::NewKey(token) | Entry::BriefKey(token) if asks && !settings.http.asks_for_keys => {
+        FirstAccess::NewKey(token) | FirstAccess::BriefKey(token) if asks && !settings.http.asks_for_keys => {
             format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
         }
-        Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) if asks => {
+        FirstAccess::Key | FirstAccess::NewKey(_) | FirstAccess::BriefKey(_) if asks => {
             format!("{at}\nThere the user name is that of a key, and the password its token: `hallsweep token` shows them.")
         }
-        Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) | Entry::Unusable(_) => at,
+        FirstAccess::Open | FirstAccess::Key | FirstAccess::NewKey(_) | FirstAccess::BriefKey(_) | FirstAccess::Unusable(_) => at,
     })
 }
 
 /// The address of a door on this machine, whether others can reach it, and how to choose another when it is not the usual one.
-fn found(place: Place, flag: &str) -> String {
+fn found(place: BoundPort, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {
         Some(port) => format!("{here} (another program has port {port}; {flag} localhost:PORT chooses one)"),
@@ -68,16 +68,16 @@ fn found(place: Place, flag: &str) -> String {
 }
 
 /// The address of the console, and how to sign in. A token is shown when it was just made, and only here: never in the log.
-fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
+fn console(http: &HttpSettings, place: BoundPort, entry: &FirstAccess) -> String {
     let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {
-        Entry::Open => at,
-        Entry::Unusable(why) => format!("{at}\nIt asks for a key, and nobody can sign in: {why}"),
-        Entry::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
-        Entry::NewKey(token) => {
+        FirstAccess::Open => at,
+        FirstAccess::Unusable(why) => format!("{at}\nIt asks for a key, and nobody can sign in: {why}"),
+        FirstAccess::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
+        FirstAccess::NewKey(token) => {
             format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, place.at, token))
         }
-        Entry::BriefKey(token) => format!(
+        FirstAccess::BriefKey(token) => format!(
             "{at}\nNothing is kept (store.folder = \"none\"), so its key is good until it ends. Sign in as operator: {}",
             link::sign_in(http, place.at, token)
         ),
@@ -90,8 +90,8 @@ mod tests {
     use crate::access::Token;
     use crate::config::{Flag, Sources, load};
 
-    fn at(address: &str) -> Place {
-        Place { at: address.parse().unwrap(), instead_of: None }
+    fn at(address: &str) -> BoundPort {
+        BoundPort { at: address.parse().unwrap(), instead_of: None }
     }
 
     fn set(settings: &[(&'static str, &str)]) -> Settings {
@@ -104,10 +104,13 @@ mod tests {
         let settings = set(&[("http.bind", "0.0.0.0:8080")]);
         let doors = Doors { http: at("0.0.0.0:8080"), coap: None, mqtt: None };
         let token = Token::draw().unwrap();
-        let said = |entry: &Entry| announcement(&settings, doors, entry);
-        assert_eq!(said(&Entry::Open), "hallsweep is at http://127.0.0.1:8080 (and at the other addresses of this machine)");
-        assert!(said(&Entry::Key).contains("`hallsweep token`"));
-        for entry in [Entry::NewKey(token.clone()), Entry::BriefKey(token.clone())] {
+        let said = |entry: &FirstAccess| announcement(&settings, doors, entry);
+        assert_eq!(
+            said(&FirstAccess::Open),
+            "hallsweep is at http://127.0.0.1:8080 (and at the other addresses of this machine)"
+        );
+        assert!(said(&FirstAccess::Key).contains("`hallsweep token`"));
+        for entry in [FirstAccess::NewKey(token.clone()), FirstAccess::BriefKey(token.clone())] {
             let link = format!("http://127.0.0.1:8080/sign-in?token={}", token.reveal());
             assert!(said(&entry).ends_with(&link), "{}", said(&entry));
         }
@@ -118,10 +121,10 @@ mod tests {
         let settings = set(&[("mqtt.require_password", "true")]);
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: Some(at("127.0.0.1:1883")) };
         let token = Token::draw().unwrap();
-        let new = announcement(&settings, doors, &Entry::NewKey(token.clone()));
+        let new = announcement(&settings, doors, &FirstAccess::NewKey(token.clone()));
         assert!(new.starts_with("hallsweep is at http://127.0.0.1:8080\n") && !new.contains("sign-in"), "{new}");
         assert!(new.ends_with(&format!("the user name is operator, and the password {}", token.reveal())), "{new}");
-        let later = announcement(&settings, doors, &Entry::Key);
+        let later = announcement(&settings, doors, &FirstAccess::Key);
         assert!(later.ends_with("the user name is that of a key, and the password its token: `hallsweep token` shows them."));
     }
 
@@ -132,7 +135,7 @@ mod tests {
         let doors = Doors { http: at("127.0.0.1:8080"), coap, mqtt };
         let expect = "hallsweep is at http://127.0.0.1:8080\nIts CoAP resources are at coap://127.0.0.1:40123\n\
                       Its MQTT topics are at mqtt://127.0.0.1:40124";
-        assert_eq!(announcement(&settings, doors, &Entry::Open), expect);
+        assert_eq!(announcement(&settings, doors, &FirstAccess::Open), expect);
     }
 
     #[test]
@@ -141,7 +144,7 @@ mod tests {
         let environment = vec![set("BROKER", "mqtts://[::1]"), set("NAME", "me"), set("PASSWORD", "secret")];
         let settings = load(&Sources { environment, ..Sources::default() }).unwrap();
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
-        assert!(announcement(&settings, doors, &Entry::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
+        assert!(announcement(&settings, doors, &FirstAccess::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
     }
 
     #[test]
@@ -150,21 +153,21 @@ mod tests {
         let flags = Flag::robot("virtual-tcp").into_iter().chain([speed]).collect();
         let settings = load(&Sources { flags, ..Sources::default() }).unwrap();
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
-        let said = announcement(&settings, doors, &Entry::Open);
+        let said = announcement(&settings, doors, &FirstAccess::Open);
         assert!(said.ends_with("\nThese do nothing with the robots of these settings: flag --speed"), "{said}");
     }
 
     #[test]
     fn a_door_that_gave_way_says_so_and_how_the_broker_that_is_there_is_used() {
         let settings = load(&Sources::default()).unwrap();
-        let instead = |address: &str, port| Place { instead_of: Some(port), ..at(address) };
+        let instead = |address: &str, port| BoundPort { instead_of: Some(port), ..at(address) };
         let doors = Doors {
             http: instead("127.0.0.1:40001", 8080),
             coap: Some(instead("127.0.0.1:40002", 5683)),
             mqtt: Some(instead("127.0.0.1:40003", 1883)),
         };
         assert_eq!(
-            announcement(&settings, doors, &Entry::Open),
+            announcement(&settings, doors, &FirstAccess::Open),
             "hallsweep is at http://127.0.0.1:40001 (another program has port 8080; --http localhost:PORT chooses one)\n\
              Its CoAP resources are at coap://127.0.0.1:40002 (another program has port 5683; --coap localhost:PORT chooses one)\n\
              Its MQTT topics are at mqtt://127.0.0.1:40003 (another program has port 1883; --mqtt localhost:PORT chooses one)\n\

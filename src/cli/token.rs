@@ -33,7 +33,7 @@ enum What {
         name: String,
         /// What it is good for.
         #[arg(long, value_enum)]
-        role: Part,
+        role: RoleArgument,
     },
     /// Take a key away; the last operator's stays.
     Remove {
@@ -43,7 +43,7 @@ enum What {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Part {
+enum RoleArgument {
     /// Sees everything, and may stop the robot.
     Viewer,
     /// Sees, stops and acts.
@@ -126,11 +126,11 @@ impl Keyrings {
     }
 }
 
-impl Part {
+impl RoleArgument {
     const fn role(self) -> Role {
         match self {
-            Part::Viewer => Role::Viewer,
-            Part::Operator => Role::Operator,
+            RoleArgument::Viewer => Role::Viewer,
+            RoleArgument::Operator => Role::Operator,
         }
     }
 }

@@ -45,7 +45,7 @@ enum What {
         file: PathBuf,
     },
     /// Tick a tree with mocks for its leaves, and print what every node says, tick by tick.
-    Run(Run),
+    Run(RunTree),
 }
 
 /// The flags of `tree run`.
@@ -58,7 +58,7 @@ enum What {
     if it was ticked in it, else how it stands), \"after\" (how it stands once the tick is over: IDLE where its parent has reset it),\n\
     \"ticked\", and \"halted\" where a leaf was halted in this tick."
 )]
-struct Run {
+struct RunTree {
     /// The file; `-` is standard input.
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -213,7 +213,7 @@ fn text(file: &Path) -> Result<String, String> {
     })
 }
 
-fn tick(flags: &Run) -> Result<(), Failure> {
+fn tick(flags: &RunTree) -> Result<(), Failure> {
     let refused = |words: String| Failure::Tree(words, 3);
     let document = read(&flags.file).map_err(refused)?;
     let (mut mocks, entries) = scripted(flags).map_err(refused)?;
@@ -268,7 +268,7 @@ fn mock_it(name: &str) -> String {
 }
 
 /// The mocks, and the initial entries of the blackboard.
-fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
+fn scripted(flags: &RunTree) -> Result<(Mocks, Vec<(String, String)>), String> {
     let mut mocks = Mocks::default();
     for mock in &flags.mock {
         mocks.add(mock).map_err(|error| format!("--mock: {error}"))?;
@@ -290,7 +290,7 @@ fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
 }
 
 /// The leaves and ports that the flags name; the flags were parsed before.
-fn meant(flags: &Run) -> Vec<Meant<'_>> {
+fn meant(flags: &RunTree) -> Vec<Meant<'_>> {
     let mocks = flags.mock.iter().filter_map(|text| text.rsplit_once('=')).map(|(leaf, _)| (leaf, None));
     let sets = flags.set.iter().filter_map(|text| text.split_once('=')?.0.rsplit_once('.'));
     let mocks = mocks.map(|(leaf, port)| Meant { flag: "--mock", leaf, port });

@@ -7,44 +7,44 @@ const LOCALHOST: &str = "localhost";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bind {
-    pub at: At,
+    pub at: BindAddress,
     /// Whether the address was set explicitly. A default port gives way when another program has it.
     pub is_chosen: bool,
 }
 
 /// Addresses and port; port 0 takes a free one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum At {
+pub enum BindAddress {
     /// `127.0.0.1` and `::1`: clients that say `localhost` may mean either.
     Localhost(u16),
     Address(SocketAddr),
 }
 
-impl At {
+impl BindAddress {
     /// Parses `localhost:8080`, `127.0.0.1:8080` or `[::1]:8080`.
-    pub(super) fn read(written: &str) -> Option<At> {
+    pub(super) fn read(written: &str) -> Option<BindAddress> {
         match written.split_once(':') {
-            Some((LOCALHOST, port)) => port.parse().ok().map(At::Localhost),
-            _ => written.parse().ok().map(At::Address),
+            Some((LOCALHOST, port)) => port.parse().ok().map(BindAddress::Localhost),
+            _ => written.parse().ok().map(BindAddress::Address),
         }
     }
 
     /// All addresses; the first one is shown to users.
     pub fn addresses(self) -> Vec<SocketAddr> {
         match self {
-            At::Localhost(port) => {
+            BindAddress::Localhost(port) => {
                 let both: [IpAddr; 2] = [Ipv4Addr::LOCALHOST.into(), Ipv6Addr::LOCALHOST.into()];
                 both.map(|ip| SocketAddr::new(ip, port)).to_vec()
             }
-            At::Address(address) => vec![address],
+            BindAddress::Address(address) => vec![address],
         }
     }
 
     /// The address shown to users.
     pub const fn first(self) -> SocketAddr {
         match self {
-            At::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
-            At::Address(address) => address,
+            BindAddress::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
+            BindAddress::Address(address) => address,
         }
     }
 
@@ -53,10 +53,10 @@ impl At {
         self.first().ip().to_canonical().is_loopback()
     }
 
-    pub const fn with_port(self, port: u16) -> At {
+    pub const fn with_port(self, port: u16) -> BindAddress {
         match self {
-            At::Localhost(_) => At::Localhost(port),
-            At::Address(address) => At::Address(SocketAddr::new(address.ip(), port)),
+            BindAddress::Localhost(_) => BindAddress::Localhost(port),
+            BindAddress::Address(address) => BindAddress::Address(SocketAddr::new(address.ip(), port)),
         }
     }
 }
@@ -73,11 +73,11 @@ pub fn from_here(address: SocketAddr) -> SocketAddr {
     SocketAddr::new(ip, address.port())
 }
 
-impl fmt::Display for At {
+impl fmt::Display for BindAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            At::Localhost(port) => write!(f, "{LOCALHOST}:{port}"),
-            At::Address(address) => write!(f, "{address}"),
+            BindAddress::Localhost(port) => write!(f, "{LOCALHOST}:{port}"),
+            BindAddress::Address(address) => write!(f, "{address}"),
         }
     }
 }
@@ -88,11 +88,11 @@ mod tests {
 
     #[test]
     fn localhost_means_both_of_its_addresses() {
-        let at = At::read("localhost:8080").expect("it is one");
+        let at = BindAddress::read("localhost:8080").expect("it is one");
         assert_eq!(at.addresses().iter().map(ToString::to_string).collect::<Vec<_>>(), ["127.0.0.1:8080", "[::1]:8080"]);
         assert_eq!((at.to_string(), at.first(), at.is_local()), ("localhost:8080".into(), at.addresses()[0], true));
         for wrong in ["localhost", "localhost:", "localhost:65536", "elsewhere:80", "8080", ""] {
-            assert_eq!(At::read(wrong), None, "{wrong}");
+            assert_eq!(BindAddress::read(wrong), None, "{wrong}");
         }
     }
 
@@ -101,7 +101,7 @@ mod tests {
         for (written, is_local) in
             [("127.0.0.1:1", true), ("[::1]:1", true), ("[::ffff:127.0.0.1]:1", true), ("0.0.0.0:1", false)]
         {
-            let at = At::read(written).expect("it is one");
+            let at = BindAddress::read(written).expect("it is one");
             assert_eq!((at.to_string().as_str(), at.addresses().len(), at.is_local()), (written, 1, is_local));
             assert_eq!(at.with_port(7).first().port(), 7);
         }

@@ -10,7 +10,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::bind::Bind;
 use super::error::SettingsError;
-use super::key::{KEYS, Kind, ROBOT};
+use super::key::{KEYS, ROBOT, SettingKind};
 use super::layers::Layers;
 use super::reading::{NumberOrWord, bind, count, number, one_of, read};
 use super::robot_address::RobotKind;
@@ -66,12 +66,12 @@ fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     let mut keys = KEYS;
     keys.sort_by_key(|key| key.name);
     keys.iter().try_for_each(|key| match key.kind {
-        Kind::Text => read::<String>(layers, key.name).map(drop),
-        Kind::YesNo => read::<bool>(layers, key.name).map(drop),
-        Kind::Texts => read::<Texts>(layers, key.name).map(drop),
-        Kind::Number { .. } => read::<f64>(layers, key.name).map(drop),
-        Kind::NumberOrWord { .. } => read::<NumberOrWord>(layers, key.name).map(drop),
-        Kind::Whole => read::<u64>(layers, key.name).map(drop),
+        SettingKind::Text => read::<String>(layers, key.name).map(drop),
+        SettingKind::YesNo => read::<bool>(layers, key.name).map(drop),
+        SettingKind::Texts => read::<Texts>(layers, key.name).map(drop),
+        SettingKind::Number { .. } => read::<f64>(layers, key.name).map(drop),
+        SettingKind::NumberOrWord { .. } => read::<NumberOrWord>(layers, key.name).map(drop),
+        SettingKind::Whole => read::<u64>(layers, key.name).map(drop),
     })
 }
 

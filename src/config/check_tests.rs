@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::config::{At, Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
+use crate::config::{BindAddress, Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
 
 fn environment(name: &str, value: &str) -> Sources {
     Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }
@@ -44,7 +44,7 @@ fn the_defaults_are_complete_and_are_what_the_core_would_choose() {
     let settings = load(&Sources::default()).expect("the defaults are good");
     assert_eq!(settings.core, CoreSettings::default());
     assert_eq!(settings.strategy, Strategy::default());
-    assert_eq!(settings.http.bind, Bind { at: At::Localhost(8080), is_chosen: false });
+    assert_eq!(settings.http.bind, Bind { at: BindAddress::Localhost(8080), is_chosen: false });
     assert_eq!(settings.robot.speed, Speed::Times(1.0));
 }
 
@@ -248,7 +248,7 @@ fn every_kind_of_wrong_value_is_refused() {
 
 /// An address that was set explicitly.
 fn chosen(address: &str) -> Option<Bind> {
-    Some(Bind { at: At::read(address)?, is_chosen: true })
+    Some(Bind { at: BindAddress::read(address)?, is_chosen: true })
 }
 
 /// Safety A1.
@@ -275,7 +275,7 @@ fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
 #[test]
 fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
     let coap = |address: &str| load(&flag("--coap", "coap.bind", address));
-    assert_eq!(load(&Sources::default()).expect("good").coap, Some(Bind { at: At::Localhost(5683), is_chosen: false }));
+    assert_eq!(load(&Sources::default()).expect("good").coap, Some(Bind { at: BindAddress::Localhost(5683), is_chosen: false }));
     assert_eq!(coap("none").expect("no door").coap, None);
     for address in ["127.0.0.1:0", "127.9.9.9:5683", "[::1]:5683", "[::ffff:127.0.0.1]:5683"] {
         assert_eq!(coap(address).expect(address).coap, chosen(address));
@@ -296,8 +296,9 @@ fn our_own_broker_asks_for_passwords_beyond_loopback_and_on_it_when_that_is_want
     let broker = |sources: &Sources| load(sources).expect("good").mqtt.broker;
     let router = MqttRouter::Own;
     let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: chosen(bind).expect("an address"), asks_for_keys, router });
-    let usual =
-        |asks_for_keys| Some(Broker::Own { bind: Bind { at: At::Localhost(1883), is_chosen: false }, asks_for_keys, router });
+    let usual = |asks_for_keys| {
+        Some(Broker::Own { bind: Bind { at: BindAddress::Localhost(1883), is_chosen: false }, asks_for_keys, router })
+    };
     assert_eq!(broker(&Sources::default()), usual(false));
     assert_eq!(broker(&flag("--mqtt", "mqtt.bind", "none")), None);
     for (bind, asks) in [("[::1]:1883", false), ("0.0.0.0:1883", true), ("192.0.2.7:0", true), ("[::]:1883", true)] {

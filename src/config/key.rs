@@ -10,14 +10,14 @@ use hallsweep_core::units::Celsius;
 pub struct Key {
     /// Section and name, such as `http.bind`.
     pub name: &'static str,
-    pub kind: Kind,
+    pub kind: SettingKind,
     /// The command-line flag that sets it, such as `--http`.
     pub flag: Option<&'static str>,
     pub advice: &'static str,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum SettingKind {
     /// A text; its format is checked where it is read. From the environment or a flag it is taken literally; for all other types
     /// `true` and `1` mean there what they mean in a file.
     Text,
@@ -38,40 +38,40 @@ pub enum Kind {
     Whole,
 }
 
-const RATE: Kind = Kind::Number { least: 0.0, most: 1.0 };
+const RATE: SettingKind = SettingKind::Number { least: 0.0, most: 1.0 };
 
 /// Number of simulated mishaps, for practice.
-const MISHAPS: Kind = Kind::Number { least: 0.0, most: 10.0 };
+const MISHAPS: SettingKind = SettingKind::Number { least: 0.0, most: 10.0 };
 
 /// A factor; the word is `max`.
-const SPEED: Kind = Kind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
+const SPEED: SettingKind = SettingKind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
 /// Metres: from a letter bomb to a lorry bomb, with a margin.
-const EVACUATION_M: Kind = Kind::Number { least: 1.0, most: 5000.0 };
+const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0 };
 
 /// Degrees that a hall can have.
-const CELSIUS: Kind = Kind::Number { least: Celsius::LEAST, most: Celsius::MOST };
+const CELSIUS: SettingKind = SettingKind::Number { least: Celsius::LEAST, most: Celsius::MOST };
 
 /// Degrees: a wider gap would keep a hall hot even at winter temperatures.
-const HYSTERESIS: Kind = Kind::Number { least: 0.0, most: 50.0 };
+const HYSTERESIS: SettingKind = SettingKind::Number { least: 0.0, most: 50.0 };
 
 /// A sonar with an error of more than a metre is useless.
-const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
+const SONAR_NOISE_CM: SettingKind = SettingKind::Number { least: 0.0, most: 100.0 };
 
 /// A sonar with a range of four metres sees seven cells of half a metre.
-const SONAR_CELLS: Kind = Kind::Number { least: 1.0, most: 7.0 };
+const SONAR_CELLS: SettingKind = SettingKind::Number { least: 1.0, most: 7.0 };
 
 /// A hundred years.
-const KEEP_DAYS: Kind = Kind::Number { least: 0.0, most: 36_500.0 };
+const KEEP_DAYS: SettingKind = SettingKind::Number { least: 0.0, most: 36_500.0 };
 
 /// Bits a second of serial ports.
-const BAUD: Kind = Kind::Number { least: 300.0, most: 4_000_000.0 };
+const BAUD: SettingKind = SettingKind::Number { least: 300.0, most: 4_000_000.0 };
 
 /// Milliseconds for a cell: more than five seconds would not be driving.
-const STEP_MS: Kind = Kind::Number { least: 50.0, most: 5000.0 };
+const STEP_MS: SettingKind = SettingKind::Number { least: 50.0, most: 5000.0 };
 
 /// Seconds: a sensor that reports less than once an hour does not tell the present temperature.
-const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
+const SENSOR_SILENCE_S: SettingKind = SettingKind::Number { least: 1.0, most: 3600.0 };
 
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
@@ -93,7 +93,7 @@ pub const KEYS: [Key; 50] = [
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
     yes_no("http.require_token"),
-    key("http.hosts", Kind::Texts, "write names without a port in a list, as [\"hall.example\"]"),
+    key("http.hosts", SettingKind::Texts, "write names without a port in a list, as [\"hall.example\"]"),
     text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
     text(
         "http.tls_key",
@@ -131,7 +131,7 @@ pub const KEYS: [Key; 50] = [
     text("robot.scene", "name the scene file of the virtual robot's page; or nothing"),
     key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting")
         .set_by("--speed"),
-    key("robot.seed", Kind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
+    key("robot.seed", SettingKind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
     key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
@@ -176,8 +176,8 @@ impl Key {
 
     pub fn is_beyond(&self, number: f64) -> bool {
         match self.kind {
-            Kind::Number { least, most } | Kind::NumberOrWord { least, most } => !(least..=most).contains(&number),
-            Kind::Text | Kind::YesNo | Kind::Texts | Kind::Whole => false,
+            SettingKind::Number { least, most } | SettingKind::NumberOrWord { least, most } => !(least..=most).contains(&number),
+            SettingKind::Text | SettingKind::YesNo | SettingKind::Texts | SettingKind::Whole => false,
         }
     }
 
@@ -209,16 +209,16 @@ impl Key {
     }
 }
 
-const fn key(name: &'static str, kind: Kind, advice: &'static str) -> Key {
+const fn key(name: &'static str, kind: SettingKind, advice: &'static str) -> Key {
     Key { name, kind, flag: None, advice }
 }
 
 const fn text(name: &'static str, advice: &'static str) -> Key {
-    key(name, Kind::Text, advice)
+    key(name, SettingKind::Text, advice)
 }
 
 const fn yes_no(name: &'static str) -> Key {
-    key(name, Kind::YesNo, "write true or false")
+    key(name, SettingKind::YesNo, "write true or false")
 }
 
 #[cfg(test)]
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn the_advice_says_the_bounds() {
         for key in &KEYS {
-            if let Kind::Number { least, most } | Kind::NumberOrWord { least, most } = key.kind {
+            if let SettingKind::Number { least, most } | SettingKind::NumberOrWord { least, most } = key.kind {
                 let advice = key.advice;
                 assert!(advice.contains(&format!("from {least}")) && advice.contains(&format!("to {most}")), "{advice}");
             }

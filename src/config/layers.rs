@@ -19,7 +19,7 @@ use serde::Deserialize;
 
 use super::environment::{self, Flag, PREFIX, Sources};
 use super::error::SettingsError;
-use super::key::{Key, Kind, ROBOT, ROBOTS};
+use super::key::{Key, ROBOT, ROBOTS, SettingKind};
 use hallsweep_core::event::RobotId;
 
 /// The lowest layer, which has every setting.
@@ -56,14 +56,14 @@ pub(super) struct Layers {
 }
 
 struct Layer {
-    place: Place,
+    place: LayerSource,
     origin: String,
     values: Dict,
 }
 
 /// The position of a layer: two values in one place are a contradiction, one in a higher place overrules.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum LayerSource {
     Defaults,
     File,
     Environment,
@@ -78,7 +78,7 @@ impl Layers {
             layers.extend(Layer::variable(name, value)?);
         }
         for Flag { flag, key, value } in &sources.flags {
-            layers.push(Layer::single(Place::Flags, format!("flag {flag}"), key, value)?);
+            layers.push(Layer::single(LayerSource::Flags, format!("flag {flag}"), key, value)?);
         }
         layers.iter().try_for_each(Layer::check_names)?;
         check_said_once(&layers)?;
@@ -185,7 +185,7 @@ fn written(value: &Value) -> String {
 impl Layer {
     fn defaults() -> Layer {
         let values = toml::from_str(DEFAULTS).expect("config/default.toml is part of the program and a test reads it");
-        Layer { place: Place::Defaults, origin: BY_DEFAULT.to_owned(), values }
+        Layer { place: LayerSource::Defaults, origin: BY_DEFAULT.to_owned(), values }
     }
 
     /// Defaults of a further robot. Its kind must be given, so that a mistyped name does not create a robot.
@@ -201,7 +201,7 @@ impl Layer {
         let wrong = |problem: String| SettingsError::File { path: path.to_owned(), problem };
         let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
         let values = toml::from_str(&text).map_err(|error| wrong(error.to_string().trim_end().to_owned()))?;
-        Ok(Layer { place: Place::File, origin: format!("file {}", path.display()), values })
+        Ok(Layer { place: LayerSource::File, origin: format!("file {}", path.display()), values })
     }
 
     /// The setting in an environment variable, if it is one.
@@ -213,14 +213,14 @@ impl Layer {
             return Err(SettingsError::Unknown { key: name.to_owned(), origin, advice });
         }
         let Some(key) = name.strip_prefix(PREFIX) else { return Ok(None) };
-        Layer::single(Place::Environment, origin, &key.to_lowercase().replace("__", "."), value).map(Some)
+        Layer::single(LayerSource::Environment, origin, &key.to_lowercase().replace("__", "."), value).map(Some)
     }
 
-    fn single(place: Place, origin: String, key: &str, value: &str) -> Result<Layer, SettingsError> {
+    fn single(place: LayerSource, origin: String, key: &str, value: &str) -> Result<Layer, SettingsError> {
         let Some(setting) = Key::named(key) else {
             return Err(SettingsError::Unknown { key: key.to_owned(), origin, advice: Key::advice_for_unknown(key) });
         };
-        let value = if setting.kind == Kind::Text { Value::from(value) } else { meant(value) };
+        let value = if setting.kind == SettingKind::Text { Value::from(value) } else { meant(value) };
         let values = nest(key, value).into_dict().expect("every setting's name has a section");
         Ok(Layer { place, origin, values })
     }

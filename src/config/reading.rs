@@ -4,9 +4,9 @@ use figment::value::{Num, Value};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::bind::{At, Bind};
+use super::bind::{Bind, BindAddress};
 use super::error::SettingsError;
-use super::key::{Key, Kind};
+use super::key::{Key, SettingKind};
 use super::layers::Layers;
 use hallsweep_core::search::Sensing;
 
@@ -23,7 +23,7 @@ pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T,
 
 /// The error for a value of the wrong type: names its type. The advice says what is expected.
 fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
-    let is_whole = Key::named(key).is_some_and(|key| key.kind == Kind::Whole);
+    let is_whole = Key::named(key).is_some_and(|key| key.kind == SettingKind::Whole);
     let problem = match layers.figment().find_value(key) {
         Ok(Value::String(..) | Value::Char(..)) => "it is a text",
         Ok(Value::Bool(..)) => "it is a yes or no",
@@ -40,7 +40,7 @@ fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
 
 pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
     let written: String = read(layers, key)?;
-    let at = At::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
+    let at = BindAddress::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
     Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 

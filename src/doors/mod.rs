@@ -3,13 +3,11 @@
 //! limits, the rate of large publications, and problems.
 
 pub mod coap;
+pub mod connection_limits;
 pub mod http;
 pub mod listeners;
+mod log_throttle;
 pub mod mqtt;
-mod pace;
 mod problem;
-pub mod room;
-mod seldom;
-mod shares;
-mod vestibule;
+mod update_interval;
 mod write_timeout;

@@ -28,7 +28,7 @@ pub use self::claim::{Claim, Unclear};
 pub use self::compare::{Comparison, Difference};
 use self::tally::Tally;
 use crate::phrases::Language;
-use crate::runtime::archive::{Archive, At, Head, Moment, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Head, PastMoment, Span, Unreadable};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -50,7 +50,7 @@ pub struct Report<'a> {
     head: Option<Head>,
     tally: Tally,
     /// The state at the mission's end, or its present state; `None` when it is not stored.
-    moment: Option<Moment>,
+    moment: Option<PastMoment>,
 }
 
 /// Why there is no report, or only its beginning.

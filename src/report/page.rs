@@ -359,7 +359,7 @@ struct TableHead {
 
 #[derive(Template)]
 #[template(path = "report/row.html")]
-struct Row {
+struct EntryRow {
     seq: Seq,
     moment: String,
     time: String,
@@ -376,7 +376,7 @@ fn write_table(report: &Report<'_>, table: &Table<'_>, out: &mut dyn Write) -> R
         let Ok(entry) = entry else { return Ok(()) };
         let Some((cells, class)) = (table.row)(&entry.fact) else { return Ok(()) };
         rows += 1;
-        part(out, &Row { seq, moment: rfc3339(entry.wall), time: report.time(entry.wall), cells, class })
+        part(out, &EntryRow { seq, moment: rfc3339(entry.wall), time: report.time(entry.wall), cells, class })
     })?;
     let none = if rows == 0 {
         format!("<tr><td colspan=\"9\">{}</td></tr>\n", language.say("report-none").markup())

@@ -12,7 +12,7 @@ use super::{Claim, Comparison, Difference, Failure, Report, list};
 use crate::api::journal::arbitrary;
 use crate::api::partial_archive::PartialArchive;
 use crate::phrases::{Language, said_here};
-use crate::runtime::archive::{At, Happened, Head, Moment, NoTake, Sound, Unreadable, hex};
+use crate::runtime::archive::{At, Happened, Head, NoTake, PastMoment, Sound, Unreadable, hex};
 use hallsweep_core::command::{Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
@@ -68,12 +68,12 @@ impl PartialArchive for Mission {
         Ok((take < 4).then_some(photo))
     }
 
-    fn moments(&self, _: MissionId, _: &[At]) -> Vec<Moment> {
+    fn moments(&self, _: MissionId, _: &[At]) -> Vec<PastMoment> {
         let mut state = PersistentState::first(Strategy::default());
         self.entries.iter().filter(|entry| !matches!(entry.fact, Fact::State(_))).for_each(|entry| state.apply(entry));
         let past = Past { seq: Seq(9), state, trail: Vec::new(), temperatures: Vec::new(), latest: Vec::new() };
         let wall = WallTime::default();
-        vec![Moment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }]
+        vec![PastMoment { past: Sound { of: past, damage: self.damage.clone() }, wall, earlier: None, later: None }]
     }
 
     fn entries(&self, _: MissionId) -> Vec<Happened> {

@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::Adapter;
 use super::external::{ExternalRobot, UnusableScene};
-use super::sim::{self, ChosenHall, Controls, Ground, Remote, SimPair, SimRobot, SimulatorParts, UnusableHall};
+use super::sim::{self, ChosenHall, Controls, Remote, SimPair, SimRobot, SimulatedHall, SimulatorParts, UnusableHall};
 use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
@@ -61,10 +61,10 @@ impl Robots {
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
         let was_chosen = chosen.as_ref().map_or(Ok(None), ChosenHall::read);
         let no_hall = was_chosen.as_ref().err().map(ToString::to_string);
-        let Ground { hall, seed } = match was_chosen {
+        let SimulatedHall { hall, seed } = match was_chosen {
             Ok(Some(ground)) => ground,
             Ok(None) | Err(_) => {
-                Ground { hall: if is_simulated { sim::hall(settings)? } else { nowhere() }, seed: settings.robot.seed }
+                SimulatedHall { hall: if is_simulated { sim::hall(settings)? } else { nowhere() }, seed: settings.robot.seed }
             }
         };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
@@ -204,7 +204,7 @@ impl Robots {
             Robot::External(robot) => robot.adapter(clock),
         };
         let all: Vec<Adapter> = self.all.into_iter().map(of_one).collect();
-        let (ground, speed) = (Ground { hall: self.hall, seed: self.seed }, sim::speed(self.speed));
+        let (ground, speed) = (SimulatedHall { hall: self.hall, seed: self.seed }, sim::speed(self.speed));
         let parts =
             sim::Parts { ground, speed, controls, robots, links, chosen: self.chosen, usual: self.usual, team: self.team };
         let simulator = simulates.then(|| SimulatorParts(parts));

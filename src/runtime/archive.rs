@@ -88,7 +88,7 @@ pub enum At {
 
 /// The state of a mission after one of its entries.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moment {
+pub struct PastMoment {
     pub past: Sound<Past>,
     /// When the entry was written.
     pub wall: WallTime,
@@ -144,7 +144,7 @@ pub trait Archive: Send + Sync {
 
     /// The states of a mission at these moments, in this order; the maps share their equal parts. Empty when a moment given by
     /// its entry is before the first one, or when the entries needed are no longer stored.
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable>;
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable>;
 
     /// The entries of a mission, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;

@@ -17,14 +17,14 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The doors' access to the archive. Cheap to clone; all clones share the bound.
 #[derive(Clone)]
-pub struct Reader {
+pub struct ArchiveReader {
     archive: Arc<dyn Archive>,
     looks: Arc<Semaphore>,
 }
 
-impl Reader {
-    pub fn new(archive: Arc<dyn Archive>) -> Reader {
-        Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
+impl ArchiveReader {
+    pub fn new(archive: Arc<dyn Archive>) -> ArchiveReader {
+        ArchiveReader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
     /// The archive itself, for a caller that reads a whole mission on a thread of its own and bounds the number of such threads.
@@ -65,8 +65,8 @@ mod tests {
 
     impl PartialArchive for Empty {}
 
-    fn reader() -> Reader {
-        Reader::new(Arc::new(Empty))
+    fn reader() -> ArchiveReader {
+        ArchiveReader::new(Arc::new(Empty))
     }
 
     /// Safety A5.

@@ -8,7 +8,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::figures::Figures;
 use super::halt::Halter;
-use super::overflow::{Answer, OverflowIn, OverflowOut, overflow};
+use super::overflow::{Decision, OverflowIn, OverflowOut, overflow};
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::snapshot::Snapshot;
@@ -24,13 +24,13 @@ const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
 pub enum Envelope {
-    Command(Request, oneshot::Sender<Answer>),
+    Command(Request, oneshot::Sender<Decision>),
     /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
+    Refused(Issuer, String, Refused, Option<oneshot::Sender<Decision>>),
     /// What somebody did to the simulator, in words, for the record.
     Simulated(Issuer, String),
     /// A request to put these simulated robots into the hall of this name.
-    PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
+    PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
 }
 
 /// The doors' end: commands in, snapshots out.
@@ -50,7 +50,7 @@ pub struct Handle {
 pub struct Gone;
 
 /// Result of a command: the core's answer, unless the program is shutting down.
-pub type Given = Result<Answer, Gone>;
+pub type CommandOutcome = Result<Decision, Gone>;
 
 /// A command that found the queue full.
 struct QueuedCommand {
@@ -85,7 +85,7 @@ impl Handle {
     /// a tenth of a second later (safety S4, S8). Only when the queue is full is a command other than a stop queued by its
     /// future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
-    pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
+    pub fn give(&self, request: Request) -> impl Future<Output = CommandOutcome> + Send + use<> {
         let request = self.stamp(request);
         let stop = request.epoch.filter(|_| request.command == Command::Stop);
         let (answer, answered) = oneshot::channel();
@@ -131,7 +131,7 @@ impl Handle {
 
     /// Asks to put these simulated robots into a hall; answers when that is on record. The robots count as unreached until they
     /// report from there.
-    pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> Given {
+    pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> CommandOutcome {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)
@@ -163,7 +163,7 @@ impl Handle {
 
     /// Queues a command if there is room; returns it otherwise, except for a stop, which is counted beside the queue: it is
     /// recorded even when nobody waits for its answer. When the loop has ended, the answer's channel closes.
-    fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<QueuedCommand> {
+    fn queue(&self, request: Request, answer: oneshot::Sender<Decision>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
         let has_room = self.commands.capacity() > LEFT_BY_STOPS;

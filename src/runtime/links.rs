@@ -9,12 +9,12 @@ use hallsweep_core::effect::Order;
 use hallsweep_core::event::{RobotEvent, RobotId};
 
 pub(super) struct Links {
-    links: Vec<Link>,
+    links: Vec<RobotEnd>,
     /// The robot whose report was taken last. The next one is polled first, so that no robot crowds out the others.
     last: usize,
 }
 
-struct Link {
+struct RobotEnd {
     robot: RobotId,
     ends: RobotLink,
     /// Whether the adapter's end is gone for good.
@@ -23,7 +23,7 @@ struct Link {
 
 impl Links {
     pub(super) fn new(links: impl IntoIterator<Item = (RobotId, RobotLink)>) -> Links {
-        let link = |(robot, ends)| Link { robot, ends, has_ended: false };
+        let link = |(robot, ends)| RobotEnd { robot, ends, has_ended: false };
         Links { links: links.into_iter().map(link).collect(), last: 0 }
     }
 

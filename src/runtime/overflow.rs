@@ -9,7 +9,7 @@ use tokio::sync::{Notify, oneshot};
 
 use hallsweep_core::command::{Accepted, Door, Issuer, Refused, Request};
 
-pub(super) type Answer = Result<Accepted, Refused>;
+pub(super) type Decision = Result<Accepted, Refused>;
 
 /// Number of senders counted separately: more than there are keys, at each door. Further senders share one count for each door.
 const SENDERS: usize = 512;
@@ -50,7 +50,7 @@ pub(super) struct Counted<T> {
     pub(super) last: T,
     pub(super) count: u64,
     /// Channels of senders that may still wait for an answer.
-    pub(super) answers: Vec<oneshot::Sender<Answer>>,
+    pub(super) answers: Vec<oneshot::Sender<Decision>>,
     /// Number of answers at which the abandoned ones are dropped next.
     look_at: usize,
 }
@@ -62,7 +62,11 @@ pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
 
 impl OverflowIn {
     /// Stores a STOP, or returns it when the receiving end is gone.
-    pub(super) fn put_stop(&self, stop: Request, answer: oneshot::Sender<Answer>) -> Option<(Request, oneshot::Sender<Answer>)> {
+    pub(super) fn put_stop(
+        &self,
+        stop: Request,
+        answer: oneshot::Sender<Decision>,
+    ) -> Option<(Request, oneshot::Sender<Decision>)> {
         let mut overflow = self.0.lock();
         let Some(Overflow { stops, .. }) = &mut *overflow else { return Some((stop, answer)) };
         put(stops, sender(&stop.issuer), stop, Some(answer));
@@ -103,11 +107,11 @@ impl Inner {
 }
 
 impl<T> Counted<T> {
-    fn first(one: T, answer: Option<oneshot::Sender<Answer>>) -> Counted<T> {
+    fn first(one: T, answer: Option<oneshot::Sender<Decision>>) -> Counted<T> {
         Counted { last: one, count: 1, answers: Vec::from_iter(answer), look_at: ANSWERS }
     }
 
-    fn add(&mut self, one: T, answer: Option<oneshot::Sender<Answer>>) {
+    fn add(&mut self, one: T, answer: Option<oneshot::Sender<Decision>>) {
         (self.last, self.count) = (one, self.count + 1);
         if self.answers.len() >= self.look_at {
             self.answers.retain(|answer| !answer.is_closed());
@@ -121,7 +125,7 @@ fn sender(issuer: &Issuer) -> SenderKey {
     (issuer.key(), Arc::clone(&issuer.from), issuer.door)
 }
 
-fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<oneshot::Sender<Answer>>) {
+fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<oneshot::Sender<Decision>>) {
     let is_told_apart = senders.len() < SENDERS || senders.contains_key(&sender);
     let sender = if is_told_apart { sender } else { (Arc::default(), Arc::default(), sender.2) };
     match senders.entry(sender) {

@@ -13,7 +13,7 @@ use super::halt::{HaltWatch, Halter};
 use super::handle::{COMMANDS, Envelope, Handle};
 use super::link::RobotLink;
 use super::links::Links;
-use super::overflow::{Answer, Counted, Overflow, OverflowOut};
+use super::overflow::{Counted, Decision, Overflow, OverflowOut};
 use super::store::{Store, StoreStatus};
 use hallsweep_core::command::{Command, Issuer, Refused};
 use hallsweep_core::effect::{Effect, Order};
@@ -54,7 +54,7 @@ pub struct Task {
 
 /// Who waits for an answer, and since when.
 struct WaitingSender {
-    answer: oneshot::Sender<Answer>,
+    answer: oneshot::Sender<Decision>,
     since: Duration,
 }
 
@@ -209,7 +209,7 @@ impl Task {
         }
     }
 
-    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
+    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Decision>>) {
         let now = self.now();
         let noted = self.engine.note_refused(issuer, asked, &refused, 1, now);
         let Some(answer) = answer else { return };
@@ -221,7 +221,7 @@ impl Task {
         }
     }
 
-    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Answer>>, since: Duration) {
+    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Decision>>, since: Duration) {
         let waiting = answers.into_iter().map(|answer| WaitingSender { answer, since });
         match given {
             Ok(ticket) => drop(self.answers.insert(ticket, waiting.collect())),
@@ -232,7 +232,7 @@ impl Task {
         }
     }
 
-    fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Answer) {
+    fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Decision) {
         self.figures.answered(self.clock.since_start().saturating_sub(since));
         // The sender may have gone away; the command was carried out or refused all the same.
         let _ = answer.send(given);
@@ -277,7 +277,7 @@ impl Task {
         }
     }
 
-    fn deliver(&mut self, answers: &mut Vec<(Ticket, Answer)>) {
+    fn deliver(&mut self, answers: &mut Vec<(Ticket, Decision)>) {
         for (ticket, answer) in answers.drain(..) {
             for sender in self.answers.remove(&ticket).into_iter().flatten() {
                 self.answer(sender, answer.clone());

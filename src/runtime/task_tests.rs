@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::*;
-use crate::runtime::handle::Given;
+use crate::runtime::handle::CommandOutcome;
 use crate::runtime::link::{RobotSide, Stamped, link};
 use crate::runtime::within::within;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
@@ -42,13 +42,13 @@ fn request(command: Command) -> Request {
 }
 
 /// Sends a command immediately; the future is its answer.
-fn give(handle: &Handle, command: Command) -> impl Future<Output = Given> + use<> {
+fn give(handle: &Handle, command: Command) -> impl Future<Output = CommandOutcome> + use<> {
     let answer = handle.give(request(command.clone()));
     async move { within(&format!("the answer to {command:?}"), answer).await }
 }
 
 /// Like `give`, in a task.
-fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<Given> {
+fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<CommandOutcome> {
     let handle = handle.clone();
     tokio::spawn(async move { give(&handle, command).await })
 }

@@ -48,7 +48,7 @@ pub struct Stops {
 
 /// Result of parsing the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Found {
+struct FoundStop {
     epoch: Epoch,
     /// The line that has the greater epoch.
     line: usize,
@@ -83,7 +83,7 @@ impl Stops {
         };
         match stops.file.read(SIZE) {
             Ok(Some(bytes)) => match understood(&bytes) {
-                Some(Found { epoch, line, is_sure: true }) => {
+                Some(FoundStop { epoch, line, is_sure: true }) => {
                     (stops.epoch, stops.turn) = (epoch, 1 - line);
                     return stops;
                 }
@@ -178,14 +178,14 @@ pub async fn follow(mut stops: Stops, halter: Halter) {
 }
 
 /// The greater epoch of the readable lines; `None` when neither is readable, or when it is some other file.
-fn understood(bytes: &[u8]) -> Option<Found> {
+fn understood(bytes: &[u8]) -> Option<FoundStop> {
     if bytes.len() != SIZE {
         return None;
     }
     let lines: Vec<(Epoch, usize)> =
         bytes.chunks(LINE).enumerate().filter_map(|(line, bytes)| Some((epoch_of(bytes)?, line))).collect();
     let (epoch, line) = lines.iter().copied().max_by_key(|(epoch, _)| *epoch)?;
-    Some(Found { epoch, line, is_sure: lines.len() == SIZE / LINE })
+    Some(FoundStop { epoch, line, is_sure: lines.len() == SIZE / LINE })
 }
 
 /// Epoch of a line that `line` wrote.

@@ -136,9 +136,9 @@ proptest! {
         prop_assert_eq!(understood(&bytes), None);
         let mut bytes: Vec<u8> = bytes.into_iter().chain(std::iter::repeat(0)).take(SIZE).collect();
         bytes[..LINE].copy_from_slice(line(Epoch(epoch)).as_bytes());
-        prop_assert_eq!(understood(&bytes), Some(Found { epoch: Epoch(epoch), line: 0, is_sure: false }));
+        prop_assert_eq!(understood(&bytes), Some(FoundStop { epoch: Epoch(epoch), line: 0, is_sure: false }));
         bytes[at] ^= 1;
-        let whole = Some(Found { epoch: Epoch(epoch), line: 0, is_sure: false });
+        let whole = Some(FoundStop { epoch: Epoch(epoch), line: 0, is_sure: false });
         prop_assert_eq!(understood(&bytes), if at < LINE { None } else { whole });
     }
 }

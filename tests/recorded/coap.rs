@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use super::book::{Book, readable};
-use super::doors::{Application, CoapRequest, CoapResponse, Conditions, Format, Method, Reader, Reply, Resources, Snapshot};
+use super::doors::{
+    Application, ArchiveReader, CoapRequest, CoapResponse, Conditions, Format, Method, Reply, Resources, Snapshot,
+};
 use super::test_app::TestApp;
 
 /// Every format of this door, one that it has not among them.
@@ -28,7 +30,7 @@ pub(crate) struct Coap {
 impl Coap {
     /// A door of this app, at which old clients may drive or not.
     pub(crate) fn new(app: &TestApp, manual_driving: bool) -> Coap {
-        let archive = Reader::new(app.memory.archive());
+        let archive = ArchiveReader::new(app.memory.archive());
         Coap { resources: Resources::new(app.handle.clone(), archive, manual_driving) }
     }
 

@@ -12,11 +12,11 @@ pub(crate) use hallsweep::api::{cbor, concise_problem, journal_words, map_text, 
 pub(crate) use hallsweep::doors::coap::{Application, Reply, Resources};
 pub(crate) use hallsweep::doors::http::{Hosts, HttpDoor, coming_from, router};
 pub(crate) use hallsweep::doors::mqtt::change_feed::ChangeFeed;
-pub(crate) use hallsweep::doors::mqtt::commands::{ANSWERS, Answer, Commands, IncomingMessage, Publisher, Taken};
+pub(crate) use hallsweep::doors::mqtt::commands::{ANSWERS, Commands, IncomingMessage, Publisher, ResultMessage, Taken};
 pub(crate) use hallsweep::doors::mqtt::publication::Publication;
 pub(crate) use hallsweep::doors::mqtt::qak::outgoing as qak;
 pub(crate) use hallsweep::doors::mqtt::topics::Topics;
-pub(crate) use hallsweep::runtime::archive_reader::Reader;
+pub(crate) use hallsweep::runtime::archive_reader::ArchiveReader;
 pub(crate) use hallsweep::runtime::halt::Halter;
 pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;

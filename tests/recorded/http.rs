@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use tower_service::Service;
 
 use super::book::{Book, hex, readable};
-use super::doors::{Access, Hosts, HttpDoor, Participant, Reader, Snapshot, coming_from, router};
+use super::doors::{Access, ArchiveReader, Hosts, HttpDoor, Participant, Snapshot, coming_from, router};
 use super::test_app::TestApp;
 
 /// All simulated missions are before this, in milliseconds since 1970; a later time is that of the machine's clock.
@@ -48,7 +48,7 @@ pub(crate) struct Answered {
 impl Http {
     /// A door of this app.
     pub(crate) fn new(app: &TestApp, access: Access) -> Http {
-        let archive = Reader::new(app.memory.archive());
+        let archive = ArchiveReader::new(app.memory.archive());
         let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(Some(0.5));
         let robot = Participant { name: "discovery".into(), kind: "sim".into(), address: None };
         let door = door.with_robots([robot].into());

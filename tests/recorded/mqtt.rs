@@ -5,8 +5,8 @@ use tokio::sync::mpsc;
 
 use super::book::{Book, readable};
 use super::doors::{
-    ANSWERS, Access, Answer, Caller, ChangeFeed, Commands, IncomingMessage, Keyring, Publication, Publisher, Snapshot, Taken,
-    Topics,
+    ANSWERS, Access, Caller, ChangeFeed, Commands, IncomingMessage, Keyring, Publication, Publisher, ResultMessage, Snapshot,
+    Taken, Topics,
 };
 use super::test_app::TestApp;
 
@@ -21,7 +21,7 @@ pub(crate) struct Mqtt {
     feed: ChangeFeed,
     plain_feed: ChangeFeed,
     commands: Commands,
-    answers: mpsc::Receiver<Answer>,
+    answers: mpsc::Receiver<ResultMessage>,
 }
 
 impl Mqtt {

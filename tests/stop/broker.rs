@@ -11,7 +11,7 @@ use hallsweep::doors::mqtt::commands::Commands;
 use hallsweep::doors::mqtt::session::OwnSession;
 use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::doors::mqtt::{Clients, Ways, serve};
-use hallsweep::runtime::archive_reader::Reader;
+use hallsweep::runtime::archive_reader::ArchiveReader;
 use hallsweep::runtime::handle::Handle;
 use hallsweep::storage::sqlite::MemoryStore;
 use mqtt_gate::Broker;
@@ -27,7 +27,7 @@ pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> Socke
     let (_, web_clients) = mpsc::channel(1);
     let hearing = tokio::runtime::Handle::current();
     let ways = Ways { listeners: listener.into(), access: Access::Open, web_clients, hearing };
-    let archive = Reader::new(MemoryStore::new().archive());
+    let archive = ArchiveReader::new(MemoryStore::new().archive());
     let session = OwnSession::new(broker, (topics, false), handle.watch(), answers, archive);
     let until = |mut closed: watch::Receiver<bool>| async move { drop(closed.wait_for(|closing| *closing).await) };
     tokio::spawn(session.run(until(closed.clone())));

@@ -17,7 +17,7 @@ use tokio::sync::{oneshot, watch};
 use hallsweep::access::Access;
 use hallsweep::doors::coap::{self, Resources, Socket};
 use hallsweep::doors::http::{self, Front, HttpDoor};
-use hallsweep::runtime::archive_reader::Reader;
+use hallsweep::runtime::archive_reader::ArchiveReader;
 use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
 use hallsweep::runtime::link::{RobotSide, Stamped, link};
@@ -72,7 +72,7 @@ impl TestApp {
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
         let (end, ended) = oneshot::channel();
-        let reader = Reader::new(MemoryStore::new().archive());
+        let reader = ArchiveReader::new(MemoryStore::new().archive());
         let socket = std::net::UdpSocket::bind("127.0.0.1:0").expect("this machine has a free port");
         let coap = socket.local_addr().expect("a bound socket has an address");
         let socket = Socket::new(socket).expect("it can be waited for");

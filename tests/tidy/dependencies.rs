@@ -143,7 +143,7 @@ const RULES: [Rule; 13] = [
 ];
 
 /// What lies beside the doors for those with connections, and is none itself.
-const SHARED: [&str; 8] = ["listeners", "pace", "problem", "room", "seldom", "shares", "vestibule", "write_timeout"];
+const SHARED: [&str; 6] = ["connection_limits", "listeners", "log_throttle", "problem", "update_interval", "write_timeout"];
 
 /// The one file of `runtime` that may use `jiff`, because it reads the clock.
 const CLOCK: &str = "src/runtime/clock.rs";

@@ -117,14 +117,14 @@ pub(super) fn topics(course: &Arc<Course>) {
 }
 
 /// 300 connections of one viewer.
-pub(super) fn seats(course: &Arc<Course>) {
+pub(super) fn sessions(course: &Arc<Course>) {
     course.clients(4, |course, n| {
         hold(
             course,
             75,
-            |course, seat| {
-                let connect = login(&format!("seat-{seat}"), VIEWER, &course.doors.viewer);
-                Wire::let_in(course.doors.mqtt, somewhere(seat), &connect, PATIENCE)
+            |course, session| {
+                let connect = login(&format!("session-{session}"), VIEWER, &course.doors.viewer);
+                Wire::let_in(course.doors.mqtt, somewhere(session), &connect, PATIENCE)
             },
             n,
         )
@@ -167,18 +167,18 @@ pub(super) fn deaf(course: &Arc<Course>) {
 
 /// Connections that never say who they are, or only half of it.
 pub(super) fn halves(course: &Arc<Course>) {
-    course.clients(4, |course, n| hold(course, 100, |course, seat| half(course, somewhere(seat), seat), n));
+    course.clients(4, |course, n| hold(course, 100, |course, session| half(course, somewhere(session), session), n));
 }
 
 /// The same from the operator's own address.
 pub(super) fn halves_near(course: &Arc<Course>) {
-    course.clients(4, |course, n| hold(course, 100, |course, seat| half(course, near(seat), seat), n));
+    course.clients(4, |course, n| hold(course, 100, |course, session| half(course, near(session), session), n));
 }
 
-fn half(course: &Course, from: Ipv4Addr, seat: usize) -> io::Result<Wire> {
+fn half(course: &Course, from: Ipv4Addr, session: usize) -> io::Result<Wire> {
     let mut wire = Wire::silent(course.doors.mqtt, from, PATIENCE)?;
-    let connect = connect(&format!("half-{seat}"), 60);
-    wire.say(&connect[..seat % connect.len()])?;
+    let connect = connect(&format!("half-{session}"), 60);
+    wire.say(&connect[..session % connect.len()])?;
     Ok(wire)
 }
 

@@ -22,7 +22,7 @@ pub(super) fn refused(course: &Arc<Course>) {
 }
 
 /// 300 connections of one viewer.
-pub(super) fn seats(course: &Arc<Course>) {
+pub(super) fn sessions(course: &Arc<Course>) {
     course.clients(4, |course, n| hold(course, 75, viewer, n));
 }
 
@@ -32,10 +32,10 @@ pub(super) fn halves(course: &Arc<Course>) {
         hold(
             course,
             100,
-            |course, seat| {
-                let mut wire = Wire::web(course.doors.http, somewhere(seat), PATIENCE)?;
-                let connect = connect(&format!("half-{seat}"), 60);
-                wire.say(&connect[..seat % connect.len()])?;
+            |course, session| {
+                let mut wire = Wire::web(course.doors.http, somewhere(session), PATIENCE)?;
+                let connect = connect(&format!("half-{session}"), 60);
+                wire.say(&connect[..session % connect.len()])?;
                 Ok(wire)
             },
             n,

@@ -21,7 +21,7 @@ impl Slot {
 
 /// One entry.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct BlackboardEntry {
     name: Arc<str>,
     ty: ValueType,
     value: Option<Value>,
@@ -30,7 +30,7 @@ pub struct Entry {
     is_there: bool,
 }
 
-impl Entry {
+impl BlackboardEntry {
     /// Its name; that of an entry of a subtree begins with the path of the subtree.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -95,7 +95,7 @@ pub enum Unfit {
 /// Entries by name and by slot. Several trees can be built on one blackboard.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blackboard {
-    entries: Vec<Entry>,
+    entries: Vec<BlackboardEntry>,
     by_name: BTreeMap<Arc<str>, Slot>,
     writes: u64,
 }
@@ -108,7 +108,7 @@ impl Blackboard {
     }
 
     /// All entries, in the order of their creation.
-    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+    pub fn entries(&self) -> impl Iterator<Item = &BlackboardEntry> {
         self.entries.iter()
     }
 
@@ -179,7 +179,7 @@ impl Blackboard {
         }
         let slot = Slot(u32::try_from(self.entries.len()).map_err(|_| Unfit::TooMany)?);
         let name: Arc<str> = Arc::from(name);
-        self.entries.push(Entry { name: name.clone(), ty: ValueType::Any, value: None, written: 0, is_there: false });
+        self.entries.push(BlackboardEntry { name: name.clone(), ty: ValueType::Any, value: None, written: 0, is_there: false });
         self.by_name.insert(name, slot);
         Ok(slot)
     }
@@ -197,7 +197,7 @@ impl Blackboard {
 
     /// The entry in this slot.
     #[must_use]
-    pub fn entry(&self, slot: Slot) -> Option<&Entry> {
+    pub fn entry(&self, slot: Slot) -> Option<&BlackboardEntry> {
         self.entries.get(slot.index())
     }
 
@@ -307,7 +307,7 @@ mod tests {
         blackboard.set("a", Value::Int(1)).expect("it fits");
         blackboard.set("b", Value::Int(1)).expect("it fits");
         blackboard.set("a", Value::Int(1)).expect("it fits");
-        let written: Vec<u64> = blackboard.entries().map(Entry::written).collect();
+        let written: Vec<u64> = blackboard.entries().map(BlackboardEntry::written).collect();
         assert_eq!(written, [3, 2]);
         blackboard.clear();
         assert!(blackboard.entries().all(|entry| entry.value().is_none() && entry.written() > 3));

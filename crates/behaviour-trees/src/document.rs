@@ -5,20 +5,20 @@ use std::fmt;
 
 /// A place in a file. All places compare equal, so that a document with another layout is the same document.
 #[derive(Clone, Copy, Debug, Default, Eq)]
-pub struct Place {
+pub struct SourcePosition {
     /// The line, counted from 1; 0 for what comes from no file.
     pub line: u32,
     /// The column, counted in characters from 1.
     pub column: u32,
 }
 
-impl PartialEq for Place {
-    fn eq(&self, _: &Place) -> bool {
+impl PartialEq for SourcePosition {
+    fn eq(&self, _: &SourcePosition) -> bool {
         true
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourcePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.line, self.column)
     }
@@ -53,7 +53,7 @@ pub struct Kept {
     /// The elements in it.
     pub children: Vec<Kept>,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 /// One `<BehaviorTree>`.
@@ -66,7 +66,7 @@ pub struct TreeDefinition {
     /// Its only child.
     pub root: Element,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 named! {
@@ -103,7 +103,7 @@ pub struct Element {
     /// Its children, in their order.
     pub children: Vec<Element>,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 /// An attribute, as it is written.
@@ -114,7 +114,7 @@ pub struct Attribute {
     /// Its value, with entities resolved.
     pub value: String,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 /// A declaration of a leaf, a control node, a decorator or a subtree.
@@ -131,7 +131,7 @@ pub struct Model {
     /// Other elements in it, such as `<MetadataFields>`.
     pub kept: Vec<Kept>,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 /// A port in a model.
@@ -146,7 +146,7 @@ pub struct ModelPort {
     /// Its text, which describes it.
     pub text: String,
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 impl Element {
@@ -186,7 +186,7 @@ impl Attribute {
     /// An attribute that comes from no file.
     #[must_use]
     pub fn new(name: &str, value: &str) -> Attribute {
-        Attribute { name: name.to_owned(), value: value.to_owned(), place: Place::default() }
+        Attribute { name: name.to_owned(), value: value.to_owned(), place: SourcePosition::default() }
     }
 }
 
@@ -208,7 +208,7 @@ impl Document {
     /// Adds a tree.
     #[must_use]
     pub fn with_tree(mut self, id: &str, root: Element) -> Document {
-        self.trees.push(TreeDefinition { id: id.to_owned(), notes: Vec::new(), root, place: Place::default() });
+        self.trees.push(TreeDefinition { id: id.to_owned(), notes: Vec::new(), root, place: SourcePosition::default() });
         self
     }
 

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::blackboard::Unfit;
-use super::document::Place;
+use super::document::SourcePosition;
 use super::script::ScriptError;
 use super::tree::{DEEPEST, MOST_NODES, MOST_TEXT};
 use super::value::ValueType;
@@ -13,13 +13,13 @@ use super::value::ValueType;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeError {
     /// Its place in the file.
-    pub place: Place,
+    pub place: SourcePosition,
     /// What is wrong.
     pub reason: Reason,
 }
 
 impl TreeError {
-    pub(crate) const fn at(place: Place, reason: Reason) -> TreeError {
+    pub(crate) const fn at(place: SourcePosition, reason: Reason) -> TreeError {
         TreeError { place, reason }
     }
 }

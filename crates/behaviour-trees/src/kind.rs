@@ -111,7 +111,7 @@ named! {
 
 /// What may be written at a port of a built-in node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Written {
+pub(crate) enum PortForm {
     /// A literal of this type, or an entry.
     Value(ValueType),
     /// A literal only, since it is needed when the tree is built.
@@ -125,7 +125,7 @@ pub(crate) enum Written {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BuiltInPort {
     pub(crate) name: &'static str,
-    pub(crate) written: Written,
+    pub(crate) written: PortForm,
     pub(crate) needed: Needed,
 }
 
@@ -137,20 +137,20 @@ pub(crate) enum Needed {
 }
 
 const fn value(name: &'static str, ty: ValueType, needed: Needed) -> BuiltInPort {
-    BuiltInPort { name, written: Written::Value(ty), needed }
+    BuiltInPort { name, written: PortForm::Value(ty), needed }
 }
 
 const fn literal(name: &'static str, needed: Needed) -> BuiltInPort {
-    BuiltInPort { name, written: Written::Literal, needed }
+    BuiltInPort { name, written: PortForm::Literal, needed }
 }
 
 const fn entry_name(name: &'static str) -> BuiltInPort {
-    BuiltInPort { name, written: Written::EntryName, needed: Needed::Yes }
+    BuiltInPort { name, written: PortForm::EntryName, needed: Needed::Yes }
 }
 
 /// The ports of a loop. The queue is a text with `;` between the elements, or an entry that holds one.
 const fn queue(element: ValueType) -> [BuiltInPort; 3] {
-    let value = BuiltInPort { name: "value", written: Written::Output(element), needed: Needed::No };
+    let value = BuiltInPort { name: "value", written: PortForm::Output(element), needed: Needed::No };
     [self::value("queue", ValueType::Text, Needed::Yes), literal("if_empty", Needed::Otherwise("SUCCESS")), value]
 }
 

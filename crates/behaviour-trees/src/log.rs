@@ -46,7 +46,7 @@ impl TickRecord {
 
 /// The whole state after one tick.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Moment {
+pub struct LoggedTick {
     /// The state of each node, by its number.
     pub nodes: Vec<NodeState>,
     /// The value of each entry.
@@ -55,14 +55,14 @@ pub struct Moment {
 
 type Changes = (Vec<(NodeId, NodeState)>, Vec<(Arc<str>, Option<Value>)>);
 
-impl Moment {
-    fn of(tree: &Tree, blackboard: &Blackboard) -> Moment {
+impl LoggedTick {
+    fn of(tree: &Tree, blackboard: &Blackboard) -> LoggedTick {
         let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
         let standing = |node: NodeView<'_>| NodeState { after: node.after, returned: node.returned };
-        Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
+        LoggedTick { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
     }
 
-    fn changes(&self, other: &Moment) -> Changes {
+    fn changes(&self, other: &LoggedTick) -> Changes {
         let before = self.nodes.iter().copied().chain(std::iter::repeat(NodeState::default()));
         let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
         let nodes = nodes.filter(|((_, now), before)| now != before).map(|(node, _)| node).collect();
@@ -95,9 +95,9 @@ pub struct TickLog {
     most: usize,
     changes: usize,
     /// The state before the oldest record.
-    before: Moment,
+    before: LoggedTick,
     /// The state after the last record.
-    last: Moment,
+    last: LoggedTick,
     records: VecDeque<TickRecord>,
 }
 
@@ -111,7 +111,7 @@ impl TickLog {
     /// A log that holds at most this many changes.
     #[must_use]
     pub fn new(most: usize) -> TickLog {
-        TickLog { most, changes: 0, before: Moment::default(), last: Moment::default(), records: VecDeque::new() }
+        TickLog { most, changes: 0, before: LoggedTick::default(), last: LoggedTick::default(), records: VecDeque::new() }
     }
 
     /// Records what the last tick of the tree changed, with the time of that tick; nothing when it is on record
@@ -121,7 +121,7 @@ impl TickLog {
         if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
             return;
         }
-        let moment = Moment::of(tree, blackboard);
+        let moment = LoggedTick::of(tree, blackboard);
         let (nodes, entries) = self.last.changes(&moment);
         self.last = moment;
         self.push(TickRecord { tick: tree.ticks(), at, nodes, entries });
@@ -146,7 +146,7 @@ impl TickLog {
 
     /// The state after this tick; `None` for one that is not in the log any more, or never was.
     #[must_use]
-    pub fn moment(&self, tick: u64) -> Option<Moment> {
+    pub fn moment(&self, tick: u64) -> Option<LoggedTick> {
         let first = self.records.front()?.tick;
         let last = self.records.back()?.tick;
         if !(first..=last).contains(&tick) {
@@ -169,7 +169,7 @@ mod tests {
         <Script code="n := 1; n += 1"/><Work/><AlwaysFailure _skipIf="n == 2"/></Sequence></Repeat></BehaviorTree></root>"#;
 
     /// A log with room for `most` changes, and the real state after each of 30 ticks.
-    fn logged(most: usize) -> (TickLog, Vec<Moment>) {
+    fn logged(most: usize) -> (TickLog, Vec<LoggedTick>) {
         let document = xml::read(FILE).expect("it is a good file");
         let mut mocks = Mocks::default();
         mocks.add("Work=RUNNING*2,SUCCESS,RUNNING,SUCCESS").expect("it is well written");
@@ -181,7 +181,7 @@ mod tests {
         for _ in 0..30 {
             tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(100)).expect("no fault");
             log.note(&tree, &blackboard, tree.clock());
-            moments.push(Moment::of(&tree, &blackboard));
+            moments.push(LoggedTick::of(&tree, &blackboard));
         }
         (log, moments)
     }

@@ -7,7 +7,7 @@ use super::document::{Document, Element, Form};
 use super::kind::BuiltIn;
 use super::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
 use super::status::Status;
-use super::tree::{Kind, NodeId, NodeView, Tree};
+use super::tree::{NodeId, NodeKind, NodeView, Tree};
 use super::value::{Value, ValueType};
 
 /// The name of the mock for every leaf that has none of its own.
@@ -77,7 +77,7 @@ impl Mocks {
     /// The first leaf of a tree for which there is no mock.
     #[must_use]
     pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
-        let is_leaf = |node: &NodeView<'_>| matches!(node.kind, Kind::Leaf(_));
+        let is_leaf = |node: &NodeView<'_>| matches!(node.kind, NodeKind::Leaf(_));
         tree.nodes().filter(is_leaf).find(|node| self.of([node.path, node.name, node.id]).is_none())
     }
 

@@ -6,7 +6,7 @@ use std::fmt;
 
 use super::status::Status;
 use super::tick::children;
-use super::tree::{Kind, Live, Tree};
+use super::tree::{Live, NodeKind, Tree};
 
 /// The version of the line's format.
 const VERSION: &str = "1";
@@ -63,7 +63,7 @@ impl Tree {
         self.ticks = state.ticks;
         self.live = state.nodes;
         for (live, node) in self.live.iter_mut().zip(&self.shape.nodes) {
-            if let Kind::BuiltIn(kind) = node.kind
+            if let NodeKind::BuiltIn(kind) = node.kind
                 && kind.looks_at_writes()
             {
                 // Another run counts the writes on its blackboard from the start.

@@ -12,12 +12,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::blackboard::Blackboard;
-use super::document::Place;
+use super::document::SourcePosition;
 use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, LeafKind, Leaves};
 use super::script::Script;
 use super::status::Status;
-use super::tick::{Fault, Run};
+use super::tick::{Fault, TreeRun};
 
 /// Most nodes of a tree, including those of its subtrees: trees that people draw have some hundreds, and a few subtrees
 /// that use each other twice would otherwise fill the memory.
@@ -37,7 +37,7 @@ pub struct NodeId(pub u32);
 
 /// What a node does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NodeKind {
     /// One of the engine's kinds.
     BuiltIn(BuiltIn),
     /// The leaf at this index of the catalogue.
@@ -50,14 +50,14 @@ pub struct Label {
     pub(crate) name: Arc<str>,
     pub(crate) path: Arc<str>,
     pub(crate) id: Arc<str>,
-    pub(crate) place: Place,
+    pub(crate) place: SourcePosition,
     pub(crate) depth: u16,
 }
 
 /// The part of a node that never changes while the tree runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    pub(crate) kind: Kind,
+    pub(crate) kind: NodeKind,
     pub(crate) family: Family,
     /// The index behind the last node of its subtree.
     pub(crate) end: u32,
@@ -139,13 +139,13 @@ pub struct NodeView<'a> {
     /// The name of its kind.
     pub id: &'a str,
     /// What it does.
-    pub kind: Kind,
+    pub kind: NodeKind,
     /// Its class by its number of children.
     pub family: Family,
     /// How far below the root it is.
     pub depth: usize,
     /// Its place in its file.
-    pub place: Place,
+    pub place: SourcePosition,
     /// Its status after the tick: IDLE where its parent has reset it.
     pub after: Status,
     /// What it returned in the last tick, if it was ticked.
@@ -206,8 +206,16 @@ impl Tree {
         run.halt_all();
     }
 
-    fn run<'a, L: Leaves>(&'a mut self, blackboard: &'a mut Blackboard, leaves: &'a mut L) -> Run<'a, L> {
-        Run { shape: &self.shape, live: &mut self.live, blackboard, leaves, clock: self.clock, number: self.ticks, fault: None }
+    fn run<'a, L: Leaves>(&'a mut self, blackboard: &'a mut Blackboard, leaves: &'a mut L) -> TreeRun<'a, L> {
+        TreeRun {
+            shape: &self.shape,
+            live: &mut self.live,
+            blackboard,
+            leaves,
+            clock: self.clock,
+            number: self.ticks,
+            fault: None,
+        }
     }
 
     /// All nodes in preorder, in their state after the last tick.

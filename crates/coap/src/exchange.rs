@@ -47,7 +47,7 @@ pub(super) struct Exchanges {
 }
 
 #[derive(Clone, Debug)]
-struct Entry {
+struct KnownExchange {
     since: Duration,
     message: KnownMessage,
     /// If set, the message is known only while `undone` has this value.
@@ -57,7 +57,7 @@ struct Entry {
 /// Messages, oldest first, with the shares of their senders.
 #[derive(Debug, Default)]
 struct Table {
-    messages: LinkedHashMap<MessageKey, Entry>,
+    messages: LinkedHashMap<MessageKey, KnownExchange>,
     shares: Shares<MessageKey>,
 }
 
@@ -71,10 +71,10 @@ impl Table {
     }
 
     /// Adds a message. When there is no room, the oldest message of whoever has most gives way.
-    fn insert(&mut self, key: MessageKey, entry: Entry) {
+    fn insert(&mut self, key: MessageKey, entry: KnownExchange) {
         if let Some(before) = self.messages.get_mut(&key) {
             // It stays in its place, since `shares` has the messages of a peer in the same order.
-            *before = Entry { since: before.since, ..entry };
+            *before = KnownExchange { since: before.since, ..entry };
             return;
         }
         self.messages.insert(key, entry);
@@ -104,7 +104,7 @@ impl Exchanges {
 
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
         let table = if is_command { &mut self.commands } else { &mut self.reads };
-        table.insert(key, Entry { since: now, message: KnownMessage::Open(exchange), good_while: None });
+        table.insert(key, KnownExchange { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
     /// Makes a message that was just opened take effect again when it comes again after `undone` has changed.
@@ -121,7 +121,7 @@ impl Exchanges {
         }
     }
 
-    fn entry(&mut self, key: MessageKey) -> Option<&mut Entry> {
+    fn entry(&mut self, key: MessageKey) -> Option<&mut KnownExchange> {
         self.reads.messages.get_mut(&key).or_else(|| self.commands.messages.get_mut(&key))
     }
 }

@@ -8,7 +8,7 @@ use super::block::{Block, BodyKey, Taken, too_large};
 use super::code::{Code, Method};
 use super::exchange::{KnownMessage, MessageKey};
 use super::limits::{BODY, OPEN, PATIENCE, REFUSED};
-use super::message::{Incoming, Kind, Received, Token, empty, parse};
+use super::message::{Incoming, MessageKind, Received, Token, empty, parse};
 use super::network::is_this_machine;
 use super::options::{self, ParsedRequest};
 use super::reliable::About;
@@ -20,7 +20,7 @@ use super::{Endpoint, ExchangeId, Open, RefusedRequest, lenient};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
-    pub(super) kind: Kind,
+    pub(super) kind: MessageKind,
     pub(super) token: Token,
     /// Bits of the classes of answers that the sender does not want (RFC 7967).
     pub(super) no_response: u32,
@@ -51,7 +51,7 @@ impl Endpoint {
 
     /// Resets a malformed message. It may still hold an urgent request, which takes effect each time, unless it is
     /// known already.
-    fn take_malformed(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
+    fn take_malformed(&mut self, key: MessageKey, kind: MessageKind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
@@ -59,8 +59,8 @@ impl Endpoint {
             self.exchanges.answered(key, &[]);
             self.asked.push_back((exchange, urgent));
         }
-        if kind == Kind::Con {
-            self.transmit(key.peer, empty(Kind::Rst, key.id), now);
+        if kind == MessageKind::Con {
+            self.transmit(key.peer, empty(MessageKind::Rst, key.id), now);
         }
     }
 
@@ -138,7 +138,7 @@ impl Endpoint {
         };
         // A message that needs no acknowledgement is ignored when it has an unknown critical option (RFC 7252, section
         // 5.4.1).
-        if reply_to.kind == Kind::Non && response.code == Code::BAD_OPTION {
+        if reply_to.kind == MessageKind::Non && response.code == Code::BAD_OPTION {
             self.note(peer, asked, &response);
             return self.exchanges.answered(reply_to.key, &[]);
         }
@@ -262,7 +262,7 @@ impl Endpoint {
             wants_size,
         };
         self.open.insert(exchange, open);
-        if reply_to.kind == Kind::Con {
+        if reply_to.kind == MessageKind::Con {
             self.patience.insert(exchange, now + PATIENCE);
         }
         if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
@@ -272,7 +272,7 @@ impl Endpoint {
     }
 
     fn acknowledge_open(&mut self, reply_to: ReplyTo, exchange: ExchangeId, now: Duration) {
-        let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
+        let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == MessageKind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);
         self.acknowledge(reply_to.key, now);

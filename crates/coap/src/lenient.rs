@@ -110,7 +110,7 @@ fn extended(half: u8, rest: &[u8]) -> Option<(usize, &[u8])> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::message::{Kind, Outgoing, Token};
+    use super::super::message::{MessageKind, Outgoing, Token};
     use super::*;
 
     fn peer() -> SocketAddr {
@@ -121,7 +121,7 @@ mod tests {
         let mut message = Outgoing::new(Code(code), Token::new(token), 0);
         options.iter().for_each(|(number, value)| message.add(*number, value));
         message.carry(payload);
-        message.datagram(Kind::Con, 1)
+        message.datagram(MessageKind::Con, 1)
     }
 
     fn reads(bytes: &[u8], path: &[&str], payload: &[u8]) -> bool {

@@ -8,7 +8,7 @@ use super::limits::HEAD;
 
 /// The type of a message (RFC 7252, section 4.1), with its bits in the first byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum MessageKind {
     Con = 0x00,
     Non = 0x10,
     Ack = 0x20,
@@ -27,7 +27,7 @@ pub(super) enum Received {
     /// Not a message, or one that gets no answer.
     Nothing,
     /// A message that cannot be read, or that a server does not receive; a CON is answered with a RST of this id.
-    Malformed(Kind, u16),
+    Malformed(MessageKind, u16),
     Ack(u16),
     Rst(u16),
     Request(Incoming),
@@ -35,7 +35,7 @@ pub(super) enum Received {
 
 #[derive(Debug)]
 pub(super) struct Incoming {
-    pub(super) kind: Kind,
+    pub(super) kind: MessageKind,
     pub(super) id: u16,
     pub(super) token: Token,
     pub(super) code: Code,
@@ -63,14 +63,14 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
     }
     let (kind, code, id) = (kind(first), Code(code), u16::from_be_bytes([high, low]));
     match (kind, code) {
-        (Kind::Ack, _) => Received::Ack(id),
-        (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
-        (Kind::Rst, _) => Received::Nothing,
+        (MessageKind::Ack, _) => Received::Ack(id),
+        (MessageKind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
+        (MessageKind::Rst, _) => Received::Nothing,
         // An empty message asks whether anybody is there, and one that is not quite empty is an error; both get the
         // same answer.
-        (Kind::Con | Kind::Non, Code::EMPTY) => Received::Malformed(kind, id),
-        (Kind::Con | Kind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
-        (Kind::Con | Kind::Non, _) => match Packet::from_bytes(bytes) {
+        (MessageKind::Con | MessageKind::Non, Code::EMPTY) => Received::Malformed(kind, id),
+        (MessageKind::Con | MessageKind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
+        (MessageKind::Con | MessageKind::Non, _) => match Packet::from_bytes(bytes) {
             Ok(packet) if written_length(&packet) == bytes.len() => {
                 Received::Request(Incoming { kind, id, token: Token::new(packet.get_token()), code, packet })
             }
@@ -88,11 +88,12 @@ pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
 /// messages.
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
-    (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
+    (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), MessageKind::Con | MessageKind::Non))
+        .then_some(Code(code))
 }
 
 /// An empty message, as an acknowledgement or a reset.
-pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
+pub(super) fn empty(kind: MessageKind, id: u16) -> Vec<u8> {
     let [high, low] = id.to_be_bytes();
     vec![0x40 | kind as u8, 0, high, low]
 }
@@ -148,7 +149,7 @@ impl Outgoing {
         self.bytes.len()
     }
 
-    pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
+    pub(super) fn datagram(mut self, kind: MessageKind, id: u16) -> Vec<u8> {
         self.bytes[0] = self.bytes[0] & 0xCF | kind as u8;
         self.bytes[2..4].copy_from_slice(&id.to_be_bytes());
         self.bytes
@@ -164,12 +165,12 @@ const fn half(value: usize) -> u8 {
     }
 }
 
-const fn kind(first: u8) -> Kind {
+const fn kind(first: u8) -> MessageKind {
     match (first >> 4) & 3 {
-        0 => Kind::Con,
-        1 => Kind::Non,
-        2 => Kind::Ack,
-        _ => Kind::Rst,
+        0 => MessageKind::Con,
+        1 => MessageKind::Non,
+        2 => MessageKind::Ack,
+        _ => MessageKind::Rst,
     }
 }
 
@@ -202,7 +203,7 @@ mod tests {
     use super::*;
 
     fn is_malformed(bytes: &[u8]) -> bool {
-        matches!(parse(bytes), Received::Malformed(Kind::Con, 0x1234))
+        matches!(parse(bytes), Received::Malformed(MessageKind::Con, 0x1234))
     }
 
     #[test]
@@ -239,8 +240,8 @@ mod tests {
         message.add_number(258, 0x0001_0203);
         message.add_number(65000, 0);
         message.carry(b"payload");
-        let Received::Request(read) = parse(&message.datagram(Kind::Non, 77)) else { panic!("it is a request") };
-        assert_eq!((read.kind, read.code, read.id, read.token), (Kind::Non, Code(3), 77, Token::new(b"tok")));
+        let Received::Request(read) = parse(&message.datagram(MessageKind::Non, 77)) else { panic!("it is a request") };
+        assert_eq!((read.kind, read.code, read.id, read.token), (MessageKind::Non, Code(3), 77, Token::new(b"tok")));
         assert_eq!(read.packet.payload, b"payload");
         let paths = read.packet.get_option(CoapOption::UriPath).map(|paths| paths.iter().map(Vec::len).collect::<Vec<_>>());
         assert_eq!(paths, Some(vec![300, 13]));
@@ -250,8 +251,8 @@ mod tests {
 
     #[test]
     fn an_empty_message_is_four_bytes() {
-        assert_eq!(empty(Kind::Rst, 0x1234), [0x70, 0, 0x12, 0x34]);
-        assert!(matches!(parse(&empty(Kind::Ack, 5)), Received::Ack(5)));
-        assert!(matches!(parse(&empty(Kind::Rst, 5)), Received::Rst(5)));
+        assert_eq!(empty(MessageKind::Rst, 0x1234), [0x70, 0, 0x12, 0x34]);
+        assert!(matches!(parse(&empty(MessageKind::Ack, 5)), Received::Ack(5)));
+        assert!(matches!(parse(&empty(MessageKind::Rst, 5)), Received::Rst(5)));
     }
 }

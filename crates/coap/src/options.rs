@@ -179,7 +179,7 @@ fn block(packet: &Packet, number: u16) -> Result<Option<Block>, Response> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::message::{Kind, Token};
+    use super::super::message::{MessageKind, Token};
     use super::*;
 
     fn packet(options: &[(u16, &[u8])]) -> Incoming {
@@ -187,7 +187,7 @@ mod tests {
         for (number, value) in options {
             packet.add_option(CoapOption::from(*number), value.to_vec());
         }
-        Incoming { kind: Kind::Con, id: 1, token: Token::default(), code: Code(1), packet }
+        Incoming { kind: MessageKind::Con, id: 1, token: Token::default(), code: Code(1), packet }
     }
 
     fn refused(options: &[(u16, &[u8])]) -> Code {

@@ -9,7 +9,7 @@ use super::code::Code;
 use super::exchange::MessageKey;
 use super::inward::ReplyTo;
 use super::limits::PEERS;
-use super::message::{Kind, Outgoing, Token, empty};
+use super::message::{MessageKind, Outgoing, Token, empty};
 use super::observe::Notification;
 use super::reliable::{About, Late, Sent};
 use super::reply::{self, ReplyOptions};
@@ -71,10 +71,10 @@ impl Endpoint {
     }
 
     /// The acknowledgement of a CON carries the answer; any other answer is a message of its own.
-    fn head_of_reply(&mut self, reply_to: ReplyTo) -> (Kind, u16) {
+    fn head_of_reply(&mut self, reply_to: ReplyTo) -> (MessageKind, u16) {
         match reply_to.kind {
-            Kind::Con => (Kind::Ack, reply_to.key.id),
-            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(reply_to.key.peer)),
+            MessageKind::Con => (MessageKind::Ack, reply_to.key.id),
+            MessageKind::Non | MessageKind::Ack | MessageKind::Rst => (MessageKind::Non, self.next_id(reply_to.key.peer)),
         }
     }
 
@@ -82,7 +82,7 @@ impl Endpoint {
     pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
         let id = self.next_id(peer);
         let message = reply::message(token, farewell, &ReplyOptions::default());
-        self.send_to_observer(peer, message.datagram(Kind::Non, id));
+        self.send_to_observer(peer, message.datagram(MessageKind::Non, id));
     }
 
     pub(super) fn forget(&mut self, peer: SocketAddr, observer: ObserverId) {
@@ -159,7 +159,7 @@ impl Endpoint {
             return self.observers.told(observer, notification, id, now);
         }
         let id = self.next_id(peer);
-        self.send_to_observer(peer, message.datagram(Kind::Non, id));
+        self.send_to_observer(peer, message.datagram(MessageKind::Non, id));
         self.observers.told(observer, notification, id, now);
     }
 
@@ -172,7 +172,7 @@ impl Endpoint {
         };
         let Some((observer, newer)) = newer else { return self.send_about(peer, sent.about, sent.bytes, now) };
         let id = self.next_id(peer);
-        let bytes = message_of(&newer).datagram(Kind::Con, id);
+        let bytes = message_of(&newer).datagram(MessageKind::Con, id);
         let about = if newer.sequence.is_some() {
             self.observers.told(observer, &newer, id, now);
             About::Notification(observer, newer.thing, newer.version)
@@ -201,7 +201,7 @@ impl Endpoint {
             return None;
         }
         let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
-        let is_sure = kind == Kind::Con && !open.is_acknowledged;
+        let is_sure = kind == MessageKind::Con && !open.is_acknowledged;
         let things = (&answer.response, answer.observed.clone());
         if let Some(crowd) = self.observers.crowd(&request)
             && let Some((silent, observer)) = self.reliable.most_silent(|peer| crowd.has(peer))
@@ -233,7 +233,7 @@ impl Endpoint {
 
     /// Suppresses an answer that is not wanted; a CON gets an empty acknowledgement.
     fn say_nothing(&mut self, reply_to: ReplyTo, now: Duration) {
-        if reply_to.kind == Kind::Con {
+        if reply_to.kind == MessageKind::Con {
             self.acknowledge(reply_to.key, now);
         } else {
             self.exchanges.answered(reply_to.key, &[]);
@@ -242,7 +242,7 @@ impl Endpoint {
 
     /// Sends an empty acknowledgement. If that is lost, the sender asks again, perhaps after the answer was sent.
     pub(super) fn acknowledge(&mut self, key: MessageKey, now: Duration) {
-        let acknowledgement = empty(Kind::Ack, key.id);
+        let acknowledgement = empty(MessageKind::Ack, key.id);
         self.exchanges.answered(key, &acknowledgement);
         self.transmit(key.peer, acknowledgement, now);
     }
@@ -257,13 +257,13 @@ impl Endpoint {
         let waits = if is_busy { self.reliable.wait(peer, message) } else { Err(message) };
         if let Err(one_too_many) = waits {
             let id = self.next_id(peer);
-            self.transmit(peer, one_too_many.datagram(Kind::Non, id), now);
+            self.transmit(peer, one_too_many.datagram(MessageKind::Non, id), now);
         }
     }
 
     fn send_confirmable(&mut self, peer: SocketAddr, message: Outgoing, about: About, now: Duration) -> u16 {
         let id = self.next_id(peer);
-        let bytes = message.datagram(Kind::Con, id);
+        let bytes = message.datagram(MessageKind::Con, id);
         self.reliable.sent(peer, id, about, bytes.clone(), now);
         self.send_about(peer, about, bytes, now);
         id

@@ -14,11 +14,11 @@ use crate::message::{Draft, Message};
 use crate::packet::Qos;
 use crate::packet::connect::Will;
 use crate::packet::properties::{Property, that_go_on};
-use crate::passage::{Passage, Router};
-use crate::readers::{Found, Readers};
+use crate::readers::{Readers, TopicReaders};
 use crate::retained::Retained;
 use crate::rights::{Payer, Rights, Tier};
-use crate::subscriber::{Delivery, Reader, Subscriber};
+use crate::routed_delivery::{RoutedDelivery, Router};
+use crate::subscriber::{Delivery, Subscriber, TopicReader};
 use crate::subscription::Subscription;
 
 /// The state that all connections of a broker share.
@@ -157,10 +157,10 @@ impl Broker {
 
     /// Sends a message to each of its readers, and to one of each group. Groups are the gate's alone: no router knows
     /// of them.
-    pub(crate) fn send(&self, message: &Arc<Message>, readers: &Found) {
-        let put = |reader: &Reader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
+    pub(crate) fn send(&self, message: &Arc<Message>, readers: &TopicReaders) {
+        let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
-            Some(router) => router.carry(Passage::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
+            Some(router) => router.carry(RoutedDelivery::begin(Arc::clone(message), &readers.each, self.has_room_for_away())),
             None => readers.each.iter().for_each(put),
         }
         self.readers.in_turn(&readers.groups).for_each(put);

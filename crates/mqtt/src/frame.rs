@@ -8,7 +8,7 @@ use super::packet::reason::Reason;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 #[expect(missing_docs, reason = "the names are those of the standard, section 2.2.1")]
-pub enum Kind {
+pub enum PacketKind {
     Connect = 1,
     Connack,
     Publish,
@@ -31,7 +31,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// The kind of packet.
-    pub kind: Kind,
+    pub kind: PacketKind,
     /// The four flag bits beside the kind. Those of all kinds but PUBLISH have been checked.
     pub flags: u8,
     /// Number of bytes before the body.
@@ -151,24 +151,24 @@ impl Malformed {
     }
 }
 
-impl Kind {
-    fn of(first: u8) -> Option<Kind> {
+impl PacketKind {
+    fn of(first: u8) -> Option<PacketKind> {
         let kinds = [
-            Kind::Connect,
-            Kind::Connack,
-            Kind::Publish,
-            Kind::Puback,
-            Kind::Pubrec,
-            Kind::Pubrel,
-            Kind::Pubcomp,
-            Kind::Subscribe,
-            Kind::Suback,
-            Kind::Unsubscribe,
-            Kind::Unsuback,
-            Kind::Pingreq,
-            Kind::Pingresp,
-            Kind::Disconnect,
-            Kind::Auth,
+            PacketKind::Connect,
+            PacketKind::Connack,
+            PacketKind::Publish,
+            PacketKind::Puback,
+            PacketKind::Pubrec,
+            PacketKind::Pubrel,
+            PacketKind::Pubcomp,
+            PacketKind::Subscribe,
+            PacketKind::Suback,
+            PacketKind::Unsubscribe,
+            PacketKind::Unsuback,
+            PacketKind::Pingreq,
+            PacketKind::Pingresp,
+            PacketKind::Disconnect,
+            PacketKind::Auth,
         ];
         kinds
             .get(usize::from(first >> 4).wrapping_sub(1))
@@ -178,10 +178,10 @@ impl Kind {
 
     /// The flags that this kind must have; `None`: they carry information.
     const fn flags(self) -> Option<u8> {
-        if matches!(self, Kind::Publish) {
+        if matches!(self, PacketKind::Publish) {
             return None;
         }
-        Some(if matches!(self, Kind::Pubrel | Kind::Subscribe | Kind::Unsubscribe) { 2 } else { 0 })
+        Some(if matches!(self, PacketKind::Pubrel | PacketKind::Subscribe | PacketKind::Unsubscribe) { 2 } else { 0 })
     }
 
     /// The first byte of such a packet, with the flags that it must have; those of a PUBLISH are all clear.
@@ -202,7 +202,7 @@ impl Kind {
 /// As soon as the first bytes show that they begin no packet, or one that would be too long.
 pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     let Some(&first) = stream.first() else { return Ok(None) };
-    let kind = Kind::of(first).ok_or(Malformed::Kind(first))?;
+    let kind = PacketKind::of(first).ok_or(Malformed::Kind(first))?;
     let Some((body, bytes)) = length(&stream[1..])? else { return Ok(None) };
     let head = 1 + bytes;
     let length = head + body;
@@ -234,8 +234,8 @@ mod tests {
         for end in 0..7 {
             assert_eq!(frame(&stream[..end], 100), Ok(None), "{end}");
         }
-        assert_eq!(frame(&stream, 100), Ok(Some(Frame { kind: Kind::Publish, flags: 0, head: 2, length: 7 })));
-        assert_eq!(frame(&stream[7..], 2), Ok(Some(Frame { kind: Kind::Pingreq, flags: 0, head: 2, length: 2 })));
+        assert_eq!(frame(&stream, 100), Ok(Some(Frame { kind: PacketKind::Publish, flags: 0, head: 2, length: 7 })));
+        assert_eq!(frame(&stream[7..], 2), Ok(Some(Frame { kind: PacketKind::Pingreq, flags: 0, head: 2, length: 2 })));
     }
 
     #[test]

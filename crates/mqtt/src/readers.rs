@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::grant::Grant;
 use super::message::SubscriberId;
-use super::passage::Router;
-use super::subscriber::{Reader, Subscriber};
+use super::routed_delivery::Router;
+use super::subscriber::{Subscriber, TopicReader};
 
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct TopicReaders {
     /// Readers that each get the message.
-    pub(crate) each: Vec<Reader>,
+    pub(crate) each: Vec<TopicReader>,
     /// Groups with a shared subscription; one reader of each group gets the message.
-    pub(crate) groups: Vec<Vec<Reader>>,
+    pub(crate) groups: Vec<Vec<TopicReader>>,
 }
 
 #[derive(Debug, Default)]
@@ -39,12 +39,12 @@ struct Holder {
 
 type Held = BTreeMap<Arc<str>, Vec<Holder>>;
 
-impl Found {
+impl TopicReaders {
     pub(crate) fn is_empty(&self) -> bool {
         self.each.is_empty() && self.groups.is_empty()
     }
 
-    pub(crate) fn all(&self) -> impl Iterator<Item = &Reader> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &TopicReader> {
         self.each.iter().chain(self.groups.iter().flatten())
     }
 }
@@ -54,10 +54,10 @@ impl Holder {
         Arc::ptr_eq(&self.subscriber, subscriber) && self.group.as_deref() == group
     }
 
-    fn reader(&self) -> Reader {
+    fn reader(&self) -> TopicReader {
         let options = self.grant.options;
         let (subscriber, ids) = (Arc::clone(&self.subscriber), self.grant.ids());
-        Reader { subscriber, qos: options.qos, as_published: options.as_published, ids }
+        TopicReader { subscriber, qos: options.qos, as_published: options.as_published, ids }
     }
 }
 
@@ -77,12 +77,12 @@ impl Readers {
 
     /// The readers of a topic. Each occurs once, on the best terms of its matching filters (section 3.3.5). The
     /// publisher is left out where its filter says No Local.
-    pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> Found {
+    pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> TopicReaders {
         let levels: Vec<&str> = topic.split('/').collect();
         let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
-        let mut found = Found::default();
+        let mut found = TopicReaders::default();
         collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut |holders| {
-            let mut groups: Vec<(&str, Vec<Reader>)> = Vec::new();
+            let mut groups: Vec<(&str, Vec<TopicReader>)> = Vec::new();
             for holder in holders.iter().filter(|holder| !is_left_out(holder)) {
                 let Some(name) = holder.group.as_deref() else {
                     found.each.push(holder.reader());
@@ -101,11 +101,11 @@ impl Readers {
 
     /// One reader of each group, in turns: one that keeps up, if any does, else one that is connected, since others
     /// cannot read.
-    pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<Reader>]) -> impl Iterator<Item = &'a Reader> {
+    pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<TopicReader>]) -> impl Iterator<Item = &'a TopicReader> {
         let turn = if groups.is_empty() { 0 } else { self.turns.fetch_add(1, Ordering::Relaxed) };
         groups.iter().filter_map(move |group| {
             let in_turn = || (0..group.len()).map(|place| &group[(turn + place) % group.len()]);
-            let keeps_up = |reader: &&Reader| reader.subscriber.is_here() && !reader.subscriber.lags();
+            let keeps_up = |reader: &&TopicReader| reader.subscriber.is_here() && !reader.subscriber.lags();
             in_turn().find(keeps_up).or_else(|| in_turn().find(|reader| reader.subscriber.is_here())).or_else(|| in_turn().next())
         })
     }
@@ -145,7 +145,7 @@ impl Readers {
 }
 
 /// Merges the entries of readers that hold several matching filters.
-fn merge(readers: &mut Vec<Reader>) {
+fn merge(readers: &mut Vec<TopicReader>) {
     readers.sort_unstable_by_key(|reader| Arc::as_ptr(&reader.subscriber));
     readers.dedup_by(|other, one| {
         let is_same = Arc::ptr_eq(&one.subscriber, &other.subscriber);
@@ -298,8 +298,8 @@ mod tests {
         };
         assert_eq!(turns(3), 3, "each has his turn");
         let behind = Message::new(Draft::plain("x", &vec![0; LAG_BYTES], Qos::One), 0, &Arc::default());
-        let reader = Reader { qos: Qos::One, ..group[0].clone() };
-        let put = |reader: &Reader| reader.subscriber.put(Delivery::of(&Arc::new(behind), reader), || true);
+        let reader = TopicReader { qos: Qos::One, ..group[0].clone() };
+        let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(&Arc::new(behind), reader), || true);
         put(&reader);
         assert_eq!(turns(9), 2, "nor has who does not keep up");
         reader.subscriber.next(true);

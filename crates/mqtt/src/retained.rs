@@ -37,7 +37,7 @@ const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
 struct Shelf {
-    kept: BTreeMap<Arc<str>, Entry>,
+    kept: BTreeMap<Arc<str>, RetainedEntry>,
     /// What each key has retained; keys without messages have no entry.
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
@@ -49,7 +49,7 @@ struct Shelf {
 }
 
 #[derive(Debug)]
-struct Entry {
+struct RetainedEntry {
     message: Arc<Message>,
     /// Later messages have higher stamps.
     stamp: u64,
@@ -74,7 +74,7 @@ impl Retained {
         // Those who read the stamp without the lock want to know what came later, and anything later has a higher stamp
         // in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
-        let entry = Entry { message: Arc::clone(message), stamp, payer: payer.clone() };
+        let entry = RetainedEntry { message: Arc::clone(message), stamp, payer: payer.clone() };
         match shelf.put(entry) {
             Ok(()) => true,
             Err(entry) => shelf.clear(now) && shelf.put(entry).is_ok(),
@@ -141,7 +141,7 @@ impl Walk {
 
 impl Shelf {
     fn remove(&mut self, topic: &str) {
-        let Some(Entry { message, payer, .. }) = self.kept.remove(topic) else { return };
+        let Some(RetainedEntry { message, payer, .. }) = self.kept.remove(topic) else { return };
         let bytes = message.cost();
         self.pool(&payer).take_off(bytes);
         if let Payer::Key(name) = &payer
@@ -169,7 +169,7 @@ impl Shelf {
     }
 
     /// Stores a message when the pool and its payer's share have room; otherwise returns it.
-    fn put(&mut self, entry: Entry) -> Result<(), Entry> {
+    fn put(&mut self, entry: RetainedEntry) -> Result<(), RetainedEntry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {
             Payer::Program | Payer::Anybody => Used::default(),

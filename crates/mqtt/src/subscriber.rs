@@ -30,7 +30,7 @@ const NOTHING: u64 = u64::MAX;
 
 /// A subscriber with the terms on which it reads a topic.
 #[derive(Clone, Debug)]
-pub(crate) struct Reader {
+pub(crate) struct TopicReader {
     pub(crate) subscriber: Arc<Subscriber>,
     /// The highest QoS at which it is sent messages.
     pub(crate) qos: Qos,
@@ -105,7 +105,7 @@ impl Queue {
 
 impl Delivery {
     /// At the lesser of the message's QoS and the subscription's (section 3.8.4).
-    pub(crate) fn of(message: &Arc<Message>, reader: &Reader) -> Delivery {
+    pub(crate) fn of(message: &Arc<Message>, reader: &TopicReader) -> Delivery {
         Delivery {
             message: Arc::clone(message),
             qos: message.qos().min(reader.qos),

@@ -5,10 +5,10 @@
 use std::collections::HashMap;
 
 use super::connection::{AnswerTo, Said};
-use super::frame::{Kind, Malformed, length};
+use super::frame::{Malformed, PacketKind, length};
 use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
-use super::packet::{Fields, Version};
+use super::packet::{PacketFields, Version};
 
 /// Bytes of a packet that are searched when it comes in pieces: an urgent payload stands at its beginning, behind the
 /// topic and, in MQTT 5, the properties, and is at most some KiB long.
@@ -159,7 +159,7 @@ impl Head {
     /// whether an id follows there, and both are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
-        if self.first >> 4 != Kind::Publish as u8 {
+        if self.first >> 4 != PacketKind::Publish as u8 {
             return nothing;
         }
         let Some((length, rest)) = packet.get(self.head..).and_then(|body| body.split_first_chunk::<2>()) else { return nothing };
@@ -205,7 +205,7 @@ impl<'a> Five<'a> {
             return Five { payload: rest.get(own + size..), ..Five::default() };
         }
         let payload = rest.get(own + size..);
-        let mut fields = Fields::new(rest.get(own..own + size).unwrap_or(&rest[own..]));
+        let mut fields = PacketFields::new(rest.get(own..own + size).unwrap_or(&rest[own..]));
         let (mut aliases, mut topic, mut correlation) = (0, None, None);
         while let Ok(property) = Property::read(&mut fields) {
             if let Property::TopicAlias(number) = property {

@@ -11,7 +11,7 @@ pub struct Bag {
     pub piece: Piece,
     /// Its name for people, such as `red suitcase`.
     pub name: Arc<str>,
-    pub kind: Kind,
+    pub kind: BagKind,
     pub colour: Colour,
     /// The cells it covers, in map coordinates, at least one, by row and column.
     pub cells: Vec<Cell>,
@@ -21,7 +21,7 @@ pub struct Bag {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum BagKind {
     Suitcase,
     Backpack,
     Trolley,
@@ -30,33 +30,34 @@ pub enum Kind {
     Handbag,
 }
 
-impl Kind {
-    pub(crate) const ALL: [Kind; 6] = [Kind::Suitcase, Kind::Backpack, Kind::Trolley, Kind::Duffel, Kind::Box, Kind::Handbag];
+impl BagKind {
+    pub(crate) const ALL: [BagKind; 6] =
+        [BagKind::Suitcase, BagKind::Backpack, BagKind::Trolley, BagKind::Duffel, BagKind::Box, BagKind::Handbag];
 
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Kind::Suitcase => "suitcase",
-            Kind::Backpack => "backpack",
-            Kind::Trolley => "trolley",
-            Kind::Duffel => "duffel",
-            Kind::Box => "box",
-            Kind::Handbag => "handbag",
+            BagKind::Suitcase => "suitcase",
+            BagKind::Backpack => "backpack",
+            BagKind::Trolley => "trolley",
+            BagKind::Duffel => "duffel",
+            BagKind::Box => "box",
+            BagKind::Handbag => "handbag",
         }
     }
 
-    pub(crate) fn named(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    pub(crate) fn named(name: &str) -> Option<BagKind> {
+        BagKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// The usual height of such a piece, in metres.
     pub(crate) const fn usual_height_m(self) -> f64 {
         match self {
-            Kind::Suitcase => 0.70,
-            Kind::Backpack => 0.52,
-            Kind::Trolley => 0.56,
-            Kind::Duffel => 0.32,
-            Kind::Box => 0.40,
-            Kind::Handbag => 0.30,
+            BagKind::Suitcase => 0.70,
+            BagKind::Backpack => 0.52,
+            BagKind::Trolley => 0.56,
+            BagKind::Duffel => 0.32,
+            BagKind::Box => 0.40,
+            BagKind::Handbag => 0.30,
         }
     }
 }
@@ -116,10 +117,10 @@ impl Bag {
     /// A piece without a description of its own, as in drawings without a list and in benchmark maps: kind and colour
     /// follow from its number, so that neighbours differ.
     pub(crate) fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
-        Bag::of_kind(Kind::ALL[pick(piece, Kind::ALL.len(), 1)], piece, cells)
+        Bag::of_kind(BagKind::ALL[pick(piece, BagKind::ALL.len(), 1)], piece, cells)
     }
 
-    pub(crate) fn of_kind(kind: Kind, piece: Piece, cells: Vec<Cell>) -> Bag {
+    pub(crate) fn of_kind(kind: BagKind, piece: Piece, cells: Vec<Cell>) -> Bag {
         let (colour_name, colour) = Colour::NAMED[pick(piece, Colour::NAMED.len(), 5)];
         let name = format!("{colour_name} {}", kind.name()).into();
         Bag { piece, name, kind, colour, cells, height_m: kind.usual_height_m(), dangerous: false }

@@ -26,7 +26,7 @@ mod sonar;
 mod speed;
 
 pub use drive::{BodyPose, normal};
-pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, Written};
+pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, WrittenHall};
 pub use hall::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 pub use memory::SimMemory;
 pub use settings::{Camera, SimSettings};

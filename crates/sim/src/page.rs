@@ -46,7 +46,7 @@ pub struct Whose {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Page {
+pub struct MemoryPage {
     pub whose: Whose,
     /// Counts the writings.
     pub turn: u64,
@@ -90,7 +90,7 @@ pub const fn place(turn: u64) -> u64 {
     if turn.is_multiple_of(2) { HEAD as u64 } else { (HEAD + SLOT) as u64 }
 }
 
-pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
+pub fn read(bytes: &[u8]) -> Result<MemoryPage, Unread> {
     let damaged = |words: &str| Unread::Damaged(words.to_owned());
     let title = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let title = std::str::from_utf8(title).map_err(|_| damaged("its first line is not text"))?;
@@ -106,7 +106,7 @@ pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
     let slots = [&bytes[HEAD..HEAD + SLOT], &bytes[HEAD + SLOT..]];
     let memories = slots.into_iter().filter_map(|slot| read_line::<Written>(slot)?.read());
     let (turn, memory) = memories.max_by_key(|(turn, _)| *turn).ok_or_else(|| damaged("neither of its two memories is whole"))?;
-    Ok(Page { whose, turn, memory })
+    Ok(MemoryPage { whose, turn, memory })
 }
 
 #[derive(Serialize, Deserialize)]
@@ -254,7 +254,7 @@ mod tests {
             let whose = Whose { hall: name.chars().take(NAME).collect(), ..whose() };
             let bytes = whole(&whose, turn, &memory);
             prop_assert_eq!(bytes.len(), SIZE);
-            prop_assert_eq!(read(&bytes), Ok(Page { whose, turn, memory }));
+            prop_assert_eq!(read(&bytes), Ok(MemoryPage { whose, turn, memory }));
         }
 
         /// Safety A7.

@@ -46,7 +46,7 @@ pub struct Sim {
     outside: u8,
     /// Where it really stands while nothing moves it.
     body: BodyPose,
-    task: Option<Task>,
+    task: Option<SimTask>,
     led: bool,
     senses: Senses,
     thermometer: Thermometer,
@@ -61,7 +61,7 @@ pub struct Sim {
 }
 
 #[derive(Debug)]
-struct Task {
+struct SimTask {
     order: OrderId,
     deadline: Duration,
     work: Work,
@@ -152,7 +152,7 @@ impl Sim {
     /// Stops wheels and hook where they are. A photo is no motion and goes on.
     pub fn handle_halt(&mut self, now: Now) {
         self.pass_to(now.since_start);
-        if let Some(Task { order, work: Work::Drive { .. } | Work::Handle { .. }, .. }) = self.task {
+        if let Some(SimTask { order, work: Work::Drive { .. } | Work::Handle { .. }, .. }) = self.task {
             self.stop_wheels();
             self.events.push_back(RobotEvent::Halted(order, self.is_off_centre()));
         }
@@ -279,7 +279,7 @@ impl Sim {
     }
 
     fn begin(&mut self, order: Order, work: Work) {
-        self.task = Some(Task { order: order.id, deadline: self.now.saturating_add(order.deadline), work });
+        self.task = Some(SimTask { order: order.id, deadline: self.now.saturating_add(order.deadline), work });
         self.unkept = true;
     }
 
@@ -308,7 +308,7 @@ impl Sim {
     }
 
     fn finish(&mut self) {
-        let Some(Task { order, work, .. }) = self.task.take() else { return };
+        let Some(SimTask { order, work, .. }) = self.task.take() else { return };
         match work {
             Work::Drive { end: End::Outside(steps), .. } => {
                 self.outside = steps;
@@ -357,8 +357,8 @@ impl Sim {
 
     fn body_at(&self, now: Duration) -> BodyPose {
         match &self.task {
-            Some(Task { work: Work::Drive { motion, .. }, .. }) => motion.at(self.chassis, now),
-            Some(Task { work: Work::Photograph { .. } | Work::Handle { .. }, .. }) | None => self.body,
+            Some(SimTask { work: Work::Drive { motion, .. }, .. }) => motion.at(self.chassis, now),
+            Some(SimTask { work: Work::Photograph { .. } | Work::Handle { .. }, .. }) | None => self.body,
         }
     }
 }

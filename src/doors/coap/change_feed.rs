@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application};
-use crate::doors::pace;
+use crate::doors::update_interval;
 use crate::runtime::clock::Clock;
 use coap_endpoint::{Answer, Endpoint, SubjectId, limits::PACE};
 use hallsweep_core::snapshot::Snapshot;
@@ -81,7 +81,7 @@ impl<K: Copy + Ord> Paces<K> {
     }
 
     fn shown(&mut self, subject: K, bytes: usize, now: Duration) {
-        self.next.insert(subject, now + pace::of_size(bytes));
+        self.next.insert(subject, now + update_interval::for_size(bytes));
     }
 }
 

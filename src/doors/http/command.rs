@@ -11,15 +11,20 @@ use crate::api::door;
 use hallsweep_core::command::Command;
 use hallsweep_core::units::Epoch;
 
-type Answer = Result<Response, Problem>;
+type CommandAnswer = Result<Response, Problem>;
 
 /// `POST commands/stop`
-pub(super) async fn stop(sender: CommandSender) -> Answer {
+pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }
 
 /// Any other command; `number` is that of its subject. A move that was recognised as a STOP is one, whatever else it contains.
-pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u64, body: Result<JsonPayload, Problem>) -> Answer {
+pub(super) async fn command(
+    kind: CommandKind,
+    sender: CommandSender,
+    number: u64,
+    body: Result<JsonPayload, Problem>,
+) -> CommandAnswer {
     if kind == CommandKind::Move && sender.has_pressed_stop() {
         return give(&sender, Command::Stop, None).await;
     }
@@ -28,7 +33,7 @@ pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u6
 }
 
 /// Sends a command and answers in JSON; used by the old console's routes, too.
-pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> Answer {
+pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> CommandAnswer {
     let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
 }

@@ -15,14 +15,14 @@ use tokio::sync::Semaphore;
 use self::asked::{AskedPage, AskedPallet, AskedRoomba};
 use self::said::{Event, Row};
 use super::HttpDoor;
-use super::console::{Row as TreeRow, html, rows, sign};
-use super::language::Reader;
+use super::console::{TreeRow, html, rows, sign};
+use super::language::PageReader;
 use super::peer::LetIn;
 use super::problem::Problem;
 use super::query::Query;
 use crate::access::Caller;
 use crate::api::replay::ReplayJson;
-use crate::doors::shares::{Limits, Shares};
+use crate::doors::connection_limits::{QuotaLimits, RequestQuota};
 use crate::phrases::Language;
 use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
@@ -31,18 +31,18 @@ use hallsweep_laboratory::roomba::Roomba;
 
 /// Limits of runs being computed or waiting, each of less than a tenth of a second: one key has three at most, and four are
 /// reserved for keys that have none or one.
-const RUNS: Limits = Limits { most: 12, of_one_key: 3, kept: 4, few: 2 };
+const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
 /// Computes one run after the other, so that a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
-    places: Shares,
+    places: RequestQuota,
     turn: Arc<Semaphore>,
 }
 
 /// `GET laboratory`
-pub(super) async fn page(State(door): State<HttpDoor>, to: Reader, query: Query) -> Result<Html<String>, Problem> {
-    let Reader { caller, language } = to;
+pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Query) -> Result<Html<String>, Problem> {
+    let PageReader { caller, language } = to;
     let asked = AskedPage::of(&query)?;
     let page = door.computed(&caller, move || {
         let (roomba, pallet) = (asked.roomba.run()?, asked.pallet.run()?);
@@ -73,7 +73,7 @@ fn json(text: String) -> Response {
 
 impl Default for Laboratory {
     fn default() -> Laboratory {
-        Laboratory { places: Shares::new(RUNS), turn: Arc::new(Semaphore::new(1)) }
+        Laboratory { places: RequestQuota::new(RUNS), turn: Arc::new(Semaphore::new(1)) }
     }
 }
 

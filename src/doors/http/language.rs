@@ -33,24 +33,24 @@ pub(super) struct Choice {
 }
 
 /// The reader of a page, after the gate.
-pub(super) struct Reader {
+pub(super) struct PageReader {
     pub(super) caller: Caller,
     pub(super) language: Language,
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for Reader {
+impl<S: Send + Sync> FromRequestParts<S> for PageReader {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Reader, Problem> {
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<PageReader, Problem> {
         let LetIn(caller) = LetIn::from_request_parts(parts, state).await?;
-        Ok(Reader::new(caller, &parts.headers))
+        Ok(PageReader::new(caller, &parts.headers))
     }
 }
 
-impl Reader {
+impl PageReader {
     /// The sender of a request with these headers.
-    pub(super) fn new(caller: Caller, headers: &HeaderMap) -> Reader {
-        Reader { caller, language: spoken(headers) }
+    pub(super) fn new(caller: Caller, headers: &HeaderMap) -> PageReader {
+        PageReader { caller, language: spoken(headers) }
     }
 }
 

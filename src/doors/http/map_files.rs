@@ -13,7 +13,7 @@ use tokio::sync::Mutex;
 use super::HttpDoor;
 use super::etag::{conditional, is_known, tag};
 use super::problem::Problem;
-use crate::api::map_files::Row;
+use crate::api::map_files::MapFileRow;
 use hallsweep_core::units::Revision;
 
 /// The newest copy of each file, by its name. The writer holds the lock.
@@ -27,7 +27,7 @@ struct MapFile {
     bytes: Bytes,
 }
 
-pub(super) async fn map_file(row: &'static Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn map_file(row: &'static MapFileRow, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let (run, asked) = {
         let snapshot = door.handle.snapshot();
         (Arc::clone(&snapshot.run), row.revision(&snapshot))
@@ -43,7 +43,7 @@ pub(super) async fn map_file(row: &'static Row, door: &HttpDoor, headers: &Heade
 
 impl HttpDoor {
     /// The cached copy if it is new enough for the request; otherwise one of the newest map, which also serves all who wait.
-    async fn map_file(&self, row: &'static Row, asked: Revision) -> Result<MapFile, Problem> {
+    async fn map_file(&self, row: &'static MapFileRow, asked: Revision) -> Result<MapFile, Problem> {
         let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
         if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
             return Ok(file.clone());
@@ -74,7 +74,7 @@ mod tests {
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::world::resource::Resource;
 
-    const IMAGE: &Row = &FILES[3];
+    const IMAGE: &MapFileRow = &FILES[3];
 
     /// Safety S7.
     #[tokio::test]

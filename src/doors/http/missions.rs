@@ -18,7 +18,7 @@ use crate::api::mission_record::{
 };
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::runtime::archive::{Archive, At, Happened, MissionRecord, Moment, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
@@ -66,7 +66,7 @@ pub(super) async fn moment(
 ) -> Result<Response, Problem> {
     query.only(&["at"])?;
     let at = At::Entry(at(&query)?.unwrap_or(Seq(MOST)));
-    let [Moment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
+    let [PastMoment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
     Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage))))
 }
 
@@ -76,7 +76,7 @@ pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
 }
 
 /// The states of a mission at these moments.
-pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[Moment; N], Problem> {
+pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[PastMoment; N], Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.moments(mission, &at).map(Some),

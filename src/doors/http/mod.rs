@@ -21,7 +21,6 @@ mod mqtt;
 mod old;
 mod openapi;
 mod peer;
-mod places;
 mod prefix;
 mod problem;
 mod query;
@@ -33,7 +32,6 @@ pub mod scanning;
 mod serve;
 mod sign_in;
 mod simulator;
-mod streams;
 #[cfg(test)]
 mod testing;
 mod tls;
@@ -48,14 +46,13 @@ use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
 use lines::Lines;
-pub use mqtt::{Carried, Hall, IncomingConnection};
+pub use mqtt::{CarriedConnection, Hall, IncomingConnection};
 pub use serve::{Front, serve};
-use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::doors::room::Room;
-use crate::runtime::archive_reader::Reader;
+use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 use crate::runtime::simulator::Simulator;
@@ -73,9 +70,9 @@ const EVACUATION_M: f64 = 100.0;
 #[derive(Clone)]
 pub struct HttpDoor {
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     hall: Arc<str>,
-    streams: Streams,
+    streams: StreamQuota,
     laboratory: laboratory::Laboratory,
     map_files: map_files::MapFiles,
     reports: reports::Reports,
@@ -105,12 +102,12 @@ pub struct HttpDoor {
 
 impl HttpDoor {
     /// A door to the loop behind `handle`; `hall` is the name on the page, `access` decides who is admitted.
-    pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> HttpDoor {
+    pub fn new(handle: Handle, archive: ArchiveReader, hall: &str, access: Access) -> HttpDoor {
         HttpDoor {
             handle,
             archive,
             hall: Arc::from(hall),
-            streams: Streams::new(STREAMS),
+            streams: StreamQuota::new(STREAMS),
             laboratory: laboratory::Laboratory::default(),
             map_files: map_files::MapFiles::default(),
             reports: reports::Reports::default(),
@@ -159,8 +156,8 @@ impl HttpDoor {
         HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
 
-    fn with_streams(self, room: Room) -> HttpDoor {
-        HttpDoor { streams: Streams::new(room.part(STREAMS)), ..self }
+    fn with_streams(self, budget: ConnectionBudget) -> HttpDoor {
+        HttpDoor { streams: StreamQuota::new(budget.scaled(STREAMS)), ..self }
     }
 
     fn cookie(&self) -> &str {

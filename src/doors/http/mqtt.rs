@@ -25,7 +25,7 @@ use super::guard::is_foreign;
 use super::peer::{LetIn, Peer};
 use super::problem::Problem;
 use crate::access::{Access, Caller};
-use crate::doors::vestibule::Vestibule;
+use crate::doors::connection_limits::PendingConnections;
 
 /// Name of the subprotocol (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";
@@ -52,7 +52,7 @@ const LEAVING: usize = 64;
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
 pub struct IncomingConnection {
-    pub stream: Carried,
+    pub stream: CarriedConnection,
     pub from: IpAddr,
     /// The client's identity, if it has signed in to the console.
     pub caller: Option<Caller>,
@@ -61,18 +61,18 @@ pub struct IncomingConnection {
 
 /// The broker's end of a connection. Dropping it ends the connection, whether or not the client reads what is left.
 #[derive(Debug)]
-pub struct Carried {
+pub struct CarriedConnection {
     stream: DuplexStream,
     _held: oneshot::Sender<()>,
 }
 
-impl AsyncRead for Carried {
+impl AsyncRead for CarriedConnection {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.stream).poll_read(cx, buf)
     }
 }
 
-impl AsyncWrite for Carried {
+impl AsyncWrite for CarriedConnection {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         Pin::new(&mut self.stream).poll_write(cx, bytes)
     }
@@ -91,12 +91,12 @@ impl AsyncWrite for Carried {
 pub struct Hall {
     receive: Arc<dyn Fn(IncomingConnection) + Send + Sync>,
     /// Connections that the broker has dropped.
-    leaving: Vestibule,
+    leaving: PendingConnections,
 }
 
 impl Hall {
     pub fn new(receive: impl Fn(IncomingConnection) + Send + Sync + 'static) -> Hall {
-        Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
+        Hall { receive: Arc::new(receive), leaving: PendingConnections::new(LEAVING) }
     }
 }
 
@@ -140,7 +140,7 @@ pub(super) async fn mqtt(
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);
             let (held, let_go) = oneshot::channel();
-            receive(IncomingConnection { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
+            receive(IncomingConnection { stream: CarriedConnection { stream, _held: held }, from: peer.address, caller, access });
             carry((socket, peer.address), ours, (let_go, leaving)).await;
         })
         .into_response())
@@ -148,7 +148,7 @@ pub(super) async fn mqtt(
 
 /// Copies bytes both ways until either side ends; neither direction waits for the other. A client that reads slowly does not keep
 /// the connection longer than the broker does.
-async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, Vestibule)) {
+async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, PendingConnections)) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
     let carried = async {
@@ -166,7 +166,7 @@ async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gon
 }
 
 /// Waits until a client that the broker dropped had its time to read the rest, or has to make room for others.
-async fn left((let_go, leaving): (oneshot::Receiver<()>, Vestibule), address: IpAddr) {
+async fn left((let_go, leaving): (oneshot::Receiver<()>, PendingConnections), address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
 }
@@ -206,7 +206,7 @@ mod tests {
     /// Safety A5: however many clients come and go, and however little they read.
     #[tokio::test(start_paused = true)]
     async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
-        let leaving = Vestibule::new(LEAVING);
+        let leaving = PendingConnections::new(LEAVING);
         let (kept, let_go) = oneshot::channel();
         let mut staying = Box::pin(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1])));
         let mut gone = Vec::new();

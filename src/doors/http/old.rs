@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 
 use super::accept::preferred;
 use super::command_sender::CommandSender;
-use super::language::Reader;
+use super::language::PageReader;
 use super::{command, console};
 use crate::api::old_clients::posted;
 
@@ -20,7 +20,7 @@ pub(super) async fn give(sender: CommandSender, uri: Uri, headers: HeaderMap) ->
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
         Err(problem) if wants_page => {
-            let to = Reader::new(sender.caller.clone(), &headers);
+            let to = PageReader::new(sender.caller.clone(), &headers);
             console::refused_page(&sender.door, &to, "old", &problem).await
         }
         Ok(answer) => answer,

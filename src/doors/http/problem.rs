@@ -71,7 +71,7 @@ impl Problem {
     }
 
     /// Nobody gives way to one more connection; a STOP in the request was carried out before.
-    pub(super) fn no_place(has_halted: bool) -> Problem {
+    pub(super) fn no_slot(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
         Problem::new(("noPlace", ProblemKind::Unavailable), detail)

@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::query::{MOST, Query};
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
-use crate::api::resources::{self, Form, ResourceKind, Row};
+use crate::api::resources::{self, Form, ResourceKind, ResourceRow};
 use crate::api::robot::RobotBySettingsJson;
 use crate::api::state;
 use hallsweep_core::snapshot::Snapshot;
@@ -28,7 +28,7 @@ const FORMS: [(Form, &str, &str, &str); 2] = [
 ];
 
 /// A resource of the table, in JSON or, if it has that form, as text when that is preferred.
-pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
+pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
     let wanted = if offers.len() == 1 { offers.first().copied() } else { preferred(headers, &offers) };

@@ -20,14 +20,14 @@ use super::problem::Problem;
 use super::query::Query;
 use super::reading::Number;
 use crate::access::Caller;
-use crate::doors::shares::{Limits, Shares};
+use crate::doors::connection_limits::{QuotaLimits, RequestQuota};
 use crate::phrases::Language;
 use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Limits of downloads at once: half of them for one key, and one reserved for a key that has none.
-const PLACES: Limits = Limits { most: 4, of_one_key: 2, kept: 1, few: 1 };
+const PLACES: QuotaLimits = QuotaLimits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
 /// Bytes written ahead of the reader.
 const CHUNK: usize = 64 * 1024;
@@ -38,11 +38,11 @@ const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Limits the downloads being written.
 #[derive(Clone, Debug)]
-pub(super) struct Reports(Shares);
+pub(super) struct Reports(RequestQuota);
 
 impl Default for Reports {
     fn default() -> Reports {
-        Reports(Shares::new(PLACES))
+        Reports(RequestQuota::new(PLACES))
     }
 }
 
@@ -145,10 +145,10 @@ async fn send(
 }
 
 /// Some bytes of a file, empty at its end, or why no more follow.
-type Part = Result<Bytes, Failure>;
+type FilePart = Result<Bytes, Failure>;
 
 /// Passes on the parts until the time is over: then writing fails, and the reader finds no end.
-async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
+async fn hand_on(mut written: mpsc::Receiver<FilePart>, to: mpsc::Sender<FilePart>) {
     let all = async {
         while let Some(part) = written.recv().await {
             if to.send(part).await.is_err() {
@@ -159,12 +159,12 @@ async fn hand_on(mut written: mpsc::Receiver<Part>, to: mpsc::Sender<Part>) {
     let _ = tokio::time::timeout(PATIENCE, all).await;
 }
 
-async fn next(written: &mut mpsc::Receiver<Part>) -> Part {
+async fn next(written: &mut mpsc::Receiver<FilePart>) -> FilePart {
     written.recv().await.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
 }
 
 /// The parts as they come.
-fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
+fn body(first: FilePart, written: mpsc::Receiver<FilePart>) -> Body {
     let first = stream::once(async { first });
     let further = stream::unfold(Some(written), |written| async move {
         let mut written = written?;
@@ -180,7 +180,7 @@ fn body(first: Part, written: mpsc::Receiver<Part>) -> Body {
 }
 
 /// The writing end; it fails when the reading end is gone, or the time is over.
-struct Pipe(mpsc::Sender<Part>);
+struct Pipe(mpsc::Sender<FilePart>);
 
 impl Write for Pipe {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -26,7 +26,7 @@ use crate::api::old_clients::{self, posted};
 use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
 
-pub(super) struct Row {
+pub(super) struct RouteRow {
     /// `GET` answers `HEAD` too.
     pub(super) method: Method,
     /// In axum's notation.
@@ -36,7 +36,7 @@ pub(super) struct Row {
 }
 
 /// Every route. STOP is within reach of anyone signed in; a `move` may be a STOP, and its other words need an operator.
-pub(super) fn table() -> Vec<Row> {
+pub(super) fn table() -> Vec<RouteRow> {
     let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
     let rows = seen.into_iter().chain([commands(), page(), laboratory(), simulator(), buttons(), old_console()]);
     rows.flatten().collect()
@@ -44,7 +44,7 @@ pub(super) fn table() -> Vec<Row> {
 
 /// Routes for signing in, routes that tell nothing about the hall, and the way to a door that checks keys itself.
 #[rustfmt::skip]
-fn for_anybody() -> Vec<Row> {
+fn for_anybody() -> Vec<RouteRow> {
     vec![
         get("/healthz", Nothing, reads::health),
         get("/sign-in", Nothing, sign_in::page),
@@ -81,8 +81,8 @@ fn for_anybody() -> Vec<Row> {
 }
 
 /// The resources of their table.
-fn resources() -> Vec<Row> {
-    let row = |row: &'static resources::Row| {
+fn resources() -> Vec<RouteRow> {
+    let row = |row: &'static resources::ResourceRow| {
         let path = format!("/api/v1{}", row.path);
         match row.kind {
             ResourceKind::Photo => get(path, See, reads::photo),
@@ -96,8 +96,8 @@ fn resources() -> Vec<Row> {
 }
 
 /// The map in every file of its table.
-fn files_of_the_map() -> Vec<Row> {
-    let row = |row: &'static files::Row| {
+fn files_of_the_map() -> Vec<RouteRow> {
+    let row = |row: &'static files::MapFileRow| {
         get(format!("/api/v1/map/{}", row.name), See, async move |State(door): State<HttpDoor>, headers: HeaderMap| {
             map_files::map_file(row, &door, &headers).await
         })
@@ -107,7 +107,7 @@ fn files_of_the_map() -> Vec<Row> {
 
 /// Further resources for programs: figures, robots with their kinds, every change, and the past.
 #[rustfmt::skip]
-fn changes_and_past() -> Vec<Row> {
+fn changes_and_past() -> Vec<RouteRow> {
     vec![
         get("/metrics", See, metrics::metrics),
         get("/api/v1/robots", See, reads::robots),
@@ -124,7 +124,7 @@ fn changes_and_past() -> Vec<Row> {
 
 /// Computations without a relation to the hall.
 #[rustfmt::skip]
-fn laboratory() -> Vec<Row> {
+fn laboratory() -> Vec<RouteRow> {
     vec![
         get("/laboratory", See, laboratory::page),
         get("/api/v1/laboratory/roomba", See, laboratory::roomba),
@@ -134,7 +134,7 @@ fn laboratory() -> Vec<Row> {
 
 /// The simulator's controls, for programs and on its pages.
 #[rustfmt::skip]
-fn simulator() -> Vec<Row> {
+fn simulator() -> Vec<RouteRow> {
     vec![
         get("/simulator", See, simulator::page),
         post("/simulator/change", Act, simulator::change_by_form),
@@ -154,8 +154,8 @@ fn simulator() -> Vec<Row> {
 }
 
 /// The commands of their table.
-fn commands() -> Vec<Row> {
-    let row = |command: &'static commands::Row| {
+fn commands() -> Vec<RouteRow> {
+    let row = |command: &'static commands::CommandRow| {
         let kind = command.kind;
         let (method, filter) = match command.methods {
             Methods::Post | Methods::PostOrPut => (Method::POST, MethodFilter::POST),
@@ -169,13 +169,13 @@ fn commands() -> Vec<Row> {
                 on(filter, move |sender, Number(number), body| command::command(kind, sender, number, body))
             }
         };
-        Row { method, path: format!("/api/v1{}", command.path).into(), need: command.need, answers }
+        RouteRow { method, path: format!("/api/v1{}", command.path).into(), need: command.need, answers }
     };
     COMMANDS.iter().map(row).collect()
 }
 
 #[rustfmt::skip]
-fn page() -> Vec<Row> {
+fn page() -> Vec<RouteRow> {
     vec![
         get("/", See, console::page),
         get("/api", See, openapi::page),
@@ -196,8 +196,8 @@ fn page() -> Vec<Row> {
 }
 
 /// The forms of the page: the commands of their table, one for each button of a command.
-fn buttons() -> Vec<Row> {
-    let row = |command: &'static commands::Row, word: &str| {
+fn buttons() -> Vec<RouteRow> {
+    let row = |command: &'static commands::CommandRow, word: &str| {
         let path = format!("/console/{word}");
         // It reads no form, either.
         if command.kind == CommandKind::Stop {
@@ -209,7 +209,7 @@ fn buttons() -> Vec<Row> {
     COMMANDS.iter().flat_map(|command| console::buttons(command).into_iter().map(move |word| row(command, word))).collect()
 }
 
-fn old_console() -> Vec<Row> {
+fn old_console() -> Vec<RouteRow> {
     let need = |word: &&str| if posted(word) == Ok(Command::Stop) { Stop } else { Act };
     let posts = old_clients::ROWS.iter().flat_map(|row| row.posts);
     posts.map(|word| post(format!("/{word}"), need(word), old::give)).collect()
@@ -218,11 +218,11 @@ fn old_console() -> Vec<Row> {
 /// The router of the table, each row behind its gate.
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
-    let (open, guarded): (Vec<Row>, Vec<Row>) = table().into_iter().partition(|row| row.need == Nothing);
+    let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);
     // Routes with and without a needed right have their own answers to an unknown method; rows with an answer of their own keep
     // it.
-    let with = |router: Router<HttpDoor>, rows: Vec<Row>, need| {
-        let route = |router: Router<HttpDoor>, row: Row| router.route(&row.path, row.answers.layer(gated(row.need)));
+    let with = |router: Router<HttpDoor>, rows: Vec<RouteRow>, need| {
+        let route = |router: Router<HttpDoor>, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))
     };
     with(with(Router::new(), open, Nothing), guarded, See)
@@ -230,20 +230,20 @@ pub(super) fn routes(door: &HttpDoor) -> Router {
         .with_state(door.clone())
 }
 
-fn get<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
-    Row { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
+fn get<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+    RouteRow { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
 }
 
-fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
-    Row { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
+fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+    RouteRow { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
 }
 
-fn put<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
-    Row { method: Method::PUT, path: path.into(), need, answers: on(MethodFilter::PUT, handler) }
+fn put<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+    RouteRow { method: Method::PUT, path: path.into(), need, answers: on(MethodFilter::PUT, handler) }
 }
 
-fn delete<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
-    Row { method: Method::DELETE, path: path.into(), need, answers: on(MethodFilter::DELETE, handler) }
+fn delete<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+    RouteRow { method: Method::DELETE, path: path.into(), need, answers: on(MethodFilter::DELETE, handler) }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::doors::http::testing;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, read, text};
 
 /// Sends the request of a row with this token.
-async fn sent(app: &TestApp, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
+async fn sent(app: &TestApp, row: &RouteRow, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
     let bearer = token.map(|token| format!("Bearer {token}"));
     let mut headers = vec![("accept", accept)];
     headers.extend(bearer.as_deref().map(|bearer| ("authorization", bearer)));
@@ -164,7 +164,8 @@ fn the_documentation_shows_the_resources_as_they_are() {
 
 /// The commands that the page can send; a verdict counts by its two words.
 fn console_commands() -> Vec<(String, Need)> {
-    let words = |row: &commands::Row| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
+    let words =
+        |row: &commands::CommandRow| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
     let mut all: Vec<_> =
         COMMANDS.iter().flat_map(|row| words(row).into_iter().map(|word| (format!("/console/{word}"), row.need))).collect();
     all.sort();

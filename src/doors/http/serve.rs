@@ -13,12 +13,10 @@ use tokio::task::JoinSet;
 use tokio::task::coop::unconstrained;
 
 use super::hearing::{ServerContext, converse};
-use super::places::{PLACES, Places};
 use super::tls::Tls;
 use super::{Hosts, HttpDoor, router};
+use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections, SLOTS};
 use crate::doors::listeners::Listeners;
-use crate::doors::room::Room;
-use crate::doors::vestibule::Vestibule;
 
 /// Maximum wait for open requests at the end; together with closing the streams it takes less than two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
@@ -45,20 +43,20 @@ pub struct Front {
     /// Host names of the door, beside its addresses and this machine's own names.
     pub hosts: Vec<String>,
     pub tls: Option<Tls>,
-    pub room: Room,
+    pub budget: ConnectionBudget,
 }
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. Input is
 /// read on the runtime of the ports, requests are carried out on that of the caller.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
-    serve_so_many(listeners, door, front, (PLACES, WAITING), shutdown).await;
+    serve_so_many(listeners, door, front, (SLOTS, WAITING), shutdown).await;
 }
 
 async fn serve_so_many(
     listeners: Listeners,
     door: HttpDoor,
     front: Front,
-    (places, waiting): (usize, usize),
+    (slots, waiting): (usize, usize),
     shutdown: impl Future<Output = ()>,
 ) {
     if !door.can_date() {
@@ -66,15 +64,15 @@ async fn serve_so_many(
             "the clock of this machine stands before 1970: set it, no page is served before; STOP is heard all the same"
         );
     }
-    let door = door.at(listeners.port()).with_streams(front.room);
+    let door = door.at(listeners.port()).with_streams(front.budget);
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
     let context = Arc::new(ServerContext {
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
-        places: Places::new(places, front.room, &door.access),
-        vestibule: Vestibule::new(front.room.part(waiting)),
-        lingering: Vestibule::new(front.room.part(waiting.min(LINGERING))),
+        slots: ConnectionSlots::new(slots, front.budget, &door.access),
+        pending: PendingConnections::new(front.budget.scaled(waiting)),
+        lingering: PendingConnections::new(front.budget.scaled(waiting.min(LINGERING))),
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),
@@ -105,7 +103,7 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
                     newcomers += 1;
                 }
                 Err(error) => {
-                    let relieved = context.relieve();
+                    let relieved = context.evict_some();
                     tracing::warn!(%error, relieved, "a connection could not be accepted");
                     tokio::time::sleep(if relieved > 0 { RELIEF_PAUSE } else { ACCEPT_PAUSE }).await;
                 }

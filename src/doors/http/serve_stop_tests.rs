@@ -16,7 +16,7 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     for number in 0..40 {
         let mut client = client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", ""));
         client.shutdown(Shutdown::Write).unwrap();
@@ -29,7 +29,7 @@ async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
 /// Safety S8, A6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     for number in 0..40 {
         drop(client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", "")));
     }
@@ -39,7 +39,7 @@ async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn so_does_one_that_only_its_body_says_is_a_stop() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let bodies = [
         ("/api/v1/commands/move", "application/json", r#"{"move":"h"}"#),
         ("/console/move", "application/x-www-form-urlencoded", "move=h"),
@@ -60,7 +60,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
 /// Safety S8: the answer is that of a STOP.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     const JSON: &str = "Content-Type: application/json\r\n";
     let cases = [
         ("/api/v1/commands/move", JSON, r#"{"move":"h","zz":1}"#, "200"),
@@ -90,7 +90,7 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
 /// Safety S8: a STOP stored for its request is forgotten when that request is answered without it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let mut client = std::io::BufReader::new(client(address, ""));
     for number in 0..=300 {
         let (route, status) = if number < 300 { ("/stop", "404") } else { ("/h", "200") };
@@ -114,7 +114,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
 /// Safety S8, A6: the refusal says that the robot was halted.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     for (number, (request, status)) in
         [("PUT /h", "405"), ("POST /h/", "404"), ("POST /stop", "404"), ("POST /api/v1/commands/h", "404"), ("POST /h;x", "404")]
             .into_iter()
@@ -134,7 +134,7 @@ async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let stop = press("/h", "", "");
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let mut open = Vec::new();
@@ -148,7 +148,7 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
 /// Safety S8: nobody reads the answers, nor what waits for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_more_than_is_ever_answered() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let body = format!("Content-Length: 1000000\r\n\r\n{}", "x".repeat(1_000_000));
     let goto = |rest: &str| format!("POST /console/goto HTTP/1.1\r\nHost: localhost\r\n{rest}");
@@ -178,7 +178,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
     // A loop that answers when the test wants it to.
     let (commands, mut envelopes) = mpsc::channel(COMMANDS);
     app.door.handle = Loop::new(commands, app.publish.subscribe(), Halter::new(Epoch(1)));
-    let address = served(&app, PLACES).await;
+    let address = served(&app, SLOTS).await;
     let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
     let looks = 1_000_000 / LOOK.len();
     let mut client = client(address, &[post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat());
@@ -211,7 +211,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_before_its_body_comes() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let mut open = Vec::new();
     let cases = [
         ("Content-Length: 1000000000\r\n", ""),
@@ -234,7 +234,7 @@ async fn a_stop_halts_before_its_body_comes() {
 /// Safety S8: no more of the body comes, and the connection stays open.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let mut open = Vec::new();
     // The last two are refused by their heads, and still read.
     let cases = [
@@ -264,7 +264,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
 /// Safety S8: the word cannot be recognised before the body has ended.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let headers = "Content-Length: 1\r\nContent-Length: 2\r\n";
     let mut client = client(address, &press("/api/v1/commands/move", headers, &format!(r#"{{"note":"{}"#, "z".repeat(1_100))));
     assert_eq!(answered(&mut client), "HTTP/1.1 400");
@@ -278,7 +278,7 @@ async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_
 async fn a_stop_with_a_head_that_is_refused_halts() {
     let (keyring, tokens) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring));
-    let address = served(&app, PLACES).await;
+    let address = served(&app, SLOTS).await;
     let key = format!("Authorization: Bearer {}\r\n", tokens.viewer);
     let cases = [
         (format!("X: {}\r\n{key}", "x".repeat(70_000)), "431"),
@@ -298,7 +298,7 @@ async fn a_stop_with_a_head_that_is_refused_halts() {
 /// way round.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn who_names_no_host_or_several_is_told_so_and_a_stop_that_names_no_foreign_one_halts() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let mut halted = 0;
     for (version, target, hosts, status, halts) in [
         ("1.1", "", "", "400", true),

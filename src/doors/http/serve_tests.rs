@@ -24,26 +24,26 @@ use hallsweep_core::command::{Command, Issuer, Request};
 /// Serves the door of this app until `shutdown`.
 async fn serve_until(
     app: &TestApp,
-    places: usize,
+    slots: usize,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> (SocketAddr, JoinHandle<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
     let door = app.door.clone();
-    let bounds = (places, places.min(WAITING));
+    let bounds = (slots, slots.min(WAITING));
     let serving = tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), bounds, shutdown).await });
     (address, serving)
 }
 
 /// Serves this app as long as the test runs; returns its address.
-async fn served(app: &TestApp, places: usize) -> SocketAddr {
-    serve_until(app, places, std::future::pending()).await.0
+async fn served(app: &TestApp, slots: usize) -> SocketAddr {
+    serve_until(app, slots, std::future::pending()).await.0
 }
 
 /// An app with an open door, served as long as the test runs, and its address.
-async fn open_app(places: usize) -> (TestApp, SocketAddr) {
+async fn open_app(slots: usize) -> (TestApp, SocketAddr) {
     let app = app(searching());
-    let address = served(&app, places).await;
+    let address = served(&app, slots).await;
     (app, address)
 }
 
@@ -96,7 +96,7 @@ const STOP: &str = "POST /api/v1/commands/stop HTTP/1.1\r\nHost: localhost\r\nCo
 async fn the_end_comes_within_two_seconds_whatever_clients_do() {
     let app = app(searching());
     let (end, ended) = oneshot::channel::<()>();
-    let (address, serving) = serve_until(&app, PLACES, async { drop(ended.await) }).await;
+    let (address, serving) = serve_until(&app, SLOTS, async { drop(ended.await) }).await;
     let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
     let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
     let mut watching = client(address, WATCH);
@@ -180,7 +180,7 @@ async fn bodies_that_do_not_come_keep_no_stop_out() {
 /// Safety A5.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
-    let (_house, address) = open_app(PLACES).await;
+    let (_house, address) = open_app(SLOTS).await;
     for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
         let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
         assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
@@ -192,7 +192,7 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
 /// Safety S8: whatever happened to a request that might have changed the protocol.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
-    let (app, address) = open_app(PLACES).await;
+    let (app, address) = open_app(SLOTS).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
     for number in 1..=20 {
         let mut client = client(address, upgrade);
@@ -205,7 +205,7 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
 
 /// Safety S8, S9: its bytes are not HTTP, whatever they look like, and it takes no part in giving way.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
+async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot() {
     let mut app = app(searching());
     let (bring, mut brought) = tokio::sync::mpsc::channel(1);
     let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
@@ -288,7 +288,7 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
 async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
     let mut app = app(searching());
     app.door.clock = Clock::off_by(-(app.door.moment().unix_s + 3600) * 1000);
-    let address = served(&app, PLACES).await;
+    let address = served(&app, SLOTS).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
         let answer = std::io::read_to_string(client(address, asked)).expect("an answer in order");
         assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("noDate") && answer.contains("before 1970"), "{answer}");

@@ -19,8 +19,8 @@ use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::partial_archive::PartialArchive;
-use crate::runtime::archive::{At, Happened, MissionRecord, Moment, NoTake, Sound, Unreadable};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive::{At, Happened, MissionRecord, NoTake, PastMoment, Sound, Unreadable};
+use crate::runtime::archive_reader::ArchiveReader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -72,8 +72,8 @@ impl PartialArchive for Pictures {
         (mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] })
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Vec<Moment> {
-        let moments: Option<Vec<Moment>> = at.iter().map(|at| past::moment(*at)).collect();
+    fn moments(&self, mission: MissionId, at: &[At]) -> Vec<PastMoment> {
+        let moments: Option<Vec<PastMoment>> = at.iter().map(|at| past::moment(*at)).collect();
         moments.filter(|_| mission == MissionId(1)).unwrap_or_default()
     }
 
@@ -104,7 +104,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
 /// Like `app`, with this access.
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
-    let door = HttpDoor::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
+    let door = HttpDoor::new(handle, ArchiveReader::new(Arc::new(Pictures)), "airport", access);
     TestApp { door, publish, refuse, given, noted }
 }
 

@@ -8,8 +8,8 @@ use tokio::sync::watch;
 
 use super::HttpDoor;
 use super::problem::Problem;
-use super::streams::OpenStream;
 use crate::access::Caller;
+use crate::doors::connection_limits::OpenStream;
 use hallsweep_core::snapshot::Snapshot;
 
 /// Interval at which the reader's right is checked again.

@@ -64,7 +64,7 @@ struct Registry {
     /// A counter of arrivals, which tells clients of one name apart.
     moments: u64,
     present: HashMap<Name, Present>,
-    remembered: HashMap<Name, Remembered>,
+    remembered: HashMap<Name, RememberedSession>,
 }
 
 #[derive(Debug)]
@@ -77,7 +77,7 @@ struct Present {
 }
 
 #[derive(Debug)]
-struct Remembered {
+struct RememberedSession {
     moment: u64,
     session: Option<Session>,
 }
@@ -115,7 +115,7 @@ impl ClientIds {
         let mut gives_way = None;
         let is_remembered = memory.wants && is_named && registry.has_memory(&mut gives_way);
         if is_remembered {
-            registry.remembered.insert(name.clone(), Remembered { moment, session: None });
+            registry.remembered.insert(name.clone(), RememberedSession { moment, session: None });
         }
         let (gone, gone_too) = watch::channel(());
         let (leave, asked) = watch::channel(is_overtaken);
@@ -142,7 +142,7 @@ impl ClientIds {
 
     fn handle_timeout(&self, now: Duration) {
         let mut wills = Vec::new();
-        let mut is_over = |remembered: &mut Remembered| {
+        let mut is_over = |remembered: &mut RememberedSession| {
             let Some(session) = &mut remembered.session else { return false };
             let (is_over, will) = session.handle_timeout(now);
             wills.extend(will);
@@ -155,7 +155,7 @@ impl ClientIds {
     }
 
     /// Ends forgotten sessions, which may leave wills.
-    fn end(&self, forgotten: impl IntoIterator<Item = Remembered>) {
+    fn end(&self, forgotten: impl IntoIterator<Item = RememberedSession>) {
         let now = self.0.clock.since_start();
         forgotten.into_iter().filter_map(|remembered| remembered.session).for_each(|session| session.end(now));
     }
@@ -180,7 +180,7 @@ impl Registry {
 
     /// Whether one more client can be remembered; if there are too many, of the owner with the most the one that was away longest
     /// gives way.
-    fn has_memory(&mut self, gives_way: &mut Option<Remembered>) -> bool {
+    fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
         }
@@ -210,7 +210,7 @@ impl ClientId {
     /// Remembers the client's session for its return; `None` when the client wants nothing remembered.
     pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
-        let is_ours = |remembered: &Remembered| remembered.moment == self.moment;
+        let is_ours = |remembered: &RememberedSession| remembered.moment == self.moment;
         let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
             Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
             Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
@@ -228,7 +228,7 @@ impl ClientId {
         };
         drop(registry);
         let moment = self.moment;
-        self.ids.end(forgotten.map(|session| Remembered { moment, session: Some(session) }));
+        self.ids.end(forgotten.map(|session| RememberedSession { moment, session: Some(session) }));
         self.ids.0.has_gone.notify_one();
     }
 

@@ -1,5 +1,5 @@
 //! From a new connection to a client. On the receiving thread, the client introduces itself, and its input is checked for a STOP
-//! from then on, before anything else is decided; on other threads it is admitted or told why not, and is served by the pump. The
+//! from then on, before anything else is decided; on other threads it is admitted or told why not, and is served by `client_io`. The
 //! gate decides what a client may do.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -15,27 +15,25 @@ use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 
 use super::client_ids::{ClientIds, Memory, Name};
+use super::client_io::{self, ClientEnds, Running};
 use super::commands::Commands;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::incoming::{IncomingConnection, Origin, Reader, Writer};
+use super::incoming::{ClientReader, IncomingConnection, Origin, Writer};
 use super::introduction::{SentAway, introduction};
 use super::limits::{CONNECT_TIME, LEAVING, WAITING};
-use super::pump::{self, Ends, Running};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
-use super::seats::Seats;
 use crate::access::{Attempts, Network};
 use crate::api::door;
-use crate::doors::room::Room;
-use crate::doors::seldom::Seldom;
-use crate::doors::vestibule::{Vestibule, Waiting};
+use crate::doors::connection_limits::{ConnectionBudget, PendingConnection, PendingConnections, SessionLimits};
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::{CONNECT, KEEP_ALIVE_S};
 use mqtt_gate::packet::Version;
 use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::write::{self, Connack, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
-use mqtt_gate::{Kind, frame};
+use mqtt_gate::{PacketKind, frame};
 
 /// Maximum time for a client that is refused to read the reason.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -51,19 +49,19 @@ struct Rooms {
     broker: Arc<Broker>,
     commands: Commands,
     /// Connections that have not introduced themselves yet.
-    vestibule: Vestibule,
+    pending: PendingConnections,
     /// Connections that are about to close.
-    leaving: Vestibule,
-    seats: Seats,
+    leaving: PendingConnections,
+    sessions: SessionLimits,
     pool: Pool,
     ids: ClientIds,
     attempts: Attempts,
     /// Wrong passwords.
-    wrong: Seldom,
+    wrong: LogThrottle,
     clock: Clock,
 }
 
-/// The listener for a client's commands, and the channel that reports when the client has a seat.
+/// The listener for a client's commands, and the channel that reports when the client has a session.
 type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 struct IdentifiedClient {
@@ -77,32 +75,32 @@ struct IdentifiedClient {
 impl Clients {
     /// Starts without clients. Commands go to `commands`.
     pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
-        Clients::with_room(broker, commands, Room::default())
+        Clients::with_budget(broker, commands, ConnectionBudget::default())
     }
 
-    pub fn with_room(broker: Arc<Broker>, commands: Commands, room: Room) -> Clients {
+    pub fn with_budget(broker: Arc<Broker>, commands: Commands, budget: ConnectionBudget) -> Clients {
         Clients(Arc::new(Rooms {
             broker,
             commands,
-            vestibule: Vestibule::new(room.part(WAITING)),
-            leaving: Vestibule::new(room.part(LEAVING)),
-            seats: Seats::new(room),
+            pending: PendingConnections::new(budget.scaled(WAITING)),
+            leaving: PendingConnections::new(budget.scaled(LEAVING)),
+            sessions: SessionLimits::new(budget),
             pool: Pool::default(),
             ids: ClientIds::default(),
             attempts: Attempts::default(),
-            wrong: Seldom::default(),
+            wrong: LogThrottle::default(),
             clock: Clock::default(),
         }))
     }
 
     /// Lets a connection from this address wait until it has introduced itself; another one may have to make room.
-    pub(super) fn let_wait(&self, from: IpAddr) -> Waiting {
-        self.0.vestibule.enter(from, Arc::default())
+    pub(super) fn admit_pending(&self, from: IpAddr) -> PendingConnection {
+        self.0.pending.admit(from, Arc::default())
     }
 
     /// Cuts some connections of strangers, when the system has no more descriptors; returns their number.
-    pub(super) fn relieve(&self) -> usize {
-        self.0.vestibule.relieve()
+    pub(super) fn evict_some(&self) -> usize {
+        self.0.pending.evict_some()
     }
 
     /// Looks after clients that are away: how long each is remembered, and its will. Never returns.
@@ -111,21 +109,31 @@ impl Clients {
     }
 
     /// Reads from a newcomer until it ends, on the receiving thread, while it is served on `work`.
-    pub(super) async fn attend(self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) {
+    pub(super) async fn attend(
+        self,
+        incoming: IncomingConnection,
+        waiting: PendingConnection,
+        (running, work): (Running, Handle),
+    ) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, (running, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
     /// Returns why it ended.
-    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (running, work): (Running, Handle)) -> SentAway {
+    async fn converse(
+        &self,
+        incoming: IncomingConnection,
+        waiting: PendingConnection,
+        (running, work): (Running, Handle),
+    ) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
             // Received bytes are read before this connection has to make room.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
-            () = waiting.cut() => Err(SentAway::GaveWay),
+            () = waiting.evicted() => Err(SentAway::GaveWay),
         };
         let (mut connect, identity) = match introduced {
             Ok(known) => known,
@@ -146,8 +154,8 @@ impl Clients {
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
         // Other faults are checked only now, after a STOP has halted. Until that is done the connection still counts as waiting.
-        let (seated, has_seat) = oneshot::channel();
-        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), running));
+        let (admitted, is_admitted) = oneshot::channel();
+        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, admitted), running));
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
@@ -155,8 +163,8 @@ impl Clients {
         });
         tokio::select! {
             sent = &mut sent => return sent,
-            _ = has_seat => {}
-            () = waiting.cut() => aborted.abort(),
+            _ = is_admitted => {}
+            () = waiting.evicted() => aborted.abort(),
         }
         drop(waiting);
         sent.await
@@ -186,7 +194,7 @@ impl Clients {
         &self,
         incoming: IncomingConnection,
         heard: &[u8],
-        waiting: Waiting,
+        waiting: PendingConnection,
         (sent, work): (SentAway, Handle),
     ) -> SentAway {
         let IncomingConnection { reader, writer, origin } = incoming;
@@ -195,7 +203,7 @@ impl Clients {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
             // A connection with a wrong password gives way while it waits for its answer.
-            () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
+            () = waiting.evicted() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, version)) = stranger else {
             return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(SentAway::Ended(Ended::Gone));
@@ -208,7 +216,7 @@ impl Clients {
         let told = work.spawn(self.clone().tell(from, writer, sent));
         tokio::select! {
             () = hearing.run(reader) => {}
-            () = waiting.cut() => {}
+            () = waiting.evicted() => {}
         }
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
@@ -216,7 +224,7 @@ impl Clients {
     /// Identity and protocol version of a sender whose CONNECT cannot be accepted; `None` when it would not be admitted anyway.
     async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
-        let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
+        let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == PacketKind::Connect);
         let credentials = connect.map(|frame| connect::credentials(&heard[frame.head..frame.length])).unwrap_or_default();
         self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }
@@ -224,7 +232,7 @@ impl Clients {
     /// The identity that a newcomer claims, if it is valid. After a wrong password it waits for its answer, longer each time.
     async fn introduced(
         &self,
-        reader: &mut Reader,
+        reader: &mut ClientReader,
         heard: &mut BytesMut,
         origin: &Origin,
     ) -> Result<(Connect, Identity), SentAway> {
@@ -266,7 +274,7 @@ impl Clients {
         self,
         (writer, ahead): (Writer, Taker),
         (known, greeted): (IdentifiedClient, usize),
-        (listener, seated): Heeded,
+        (listener, admitted): Heeded,
         running: Running,
     ) -> SentAway {
         if let Some(welcome) = self.refusal(&known) {
@@ -274,16 +282,16 @@ impl Clients {
             return self.tell(known.origin.from, writer, SentAway::Refused(known.connect.version(), welcome)).await;
         }
         let now = self.0.clock.since_start();
-        let seat = Arc::new(self.0.seats.take(known.identity.holder(), now));
+        let permit = Arc::new(self.0.sessions.take(known.identity.owner(), now));
         let _connected = self.0.commands.figures().connected(door::MQTT);
-        drop(seated);
+        drop(admitted);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
         // The greeting says whether its session is remembered.
         let (id, session) = tokio::select! {
             biased;
             taken = self.0.ids.take(name.clone(), memory) => taken,
-            () = seat.given_up() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
+            () = permit.evicted() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
         };
         tracing::debug!(from = %known.origin.from, who = %name.who, client = name.client, "an MQTT client has come");
         let greeting = known.greeting(session.is_some(), id.is_remembered());
@@ -299,8 +307,8 @@ impl Clients {
             greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
         let connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
-        let ends = Ends { client: writer, ahead, seat, id, leaving: (self.0.leaving.clone(), origin.from) };
-        SentAway::Ended(pump::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
+        let ends = ClientEnds { client: writer, ahead, permit, id, leaving: (self.0.leaving.clone(), origin.from) };
+        SentAway::Ended(client_io::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
     }
 
     /// Tells a client why it is refused, whether or not it reads that.

@@ -6,8 +6,8 @@ use tokio::sync::{mpsc, watch};
 use super::*;
 use crate::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::fixture::idle;
+use crate::doors::connection_limits::CONNECTIONS;
 use crate::doors::mqtt::identity::Identity;
-use crate::doors::mqtt::limits::CONNECTIONS;
 use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
@@ -25,7 +25,7 @@ fn from_here(access: Access) -> Origin {
     Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access }
 }
 
-/// Safety A5, S9: however many come with one name, no more of them wait than there are seats.
+/// Safety A5, S9: however many come with one name, no more of them wait than there are sessions.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let (clients, _script) = clients();
@@ -41,12 +41,12 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
 
     let (mut client, stream) = tokio::io::duplex(1024);
     let incoming = IncomingConnection::over(stream, origin);
-    let waiting = clients.let_wait(incoming.origin.from);
+    let waiting = clients.admit_pending(incoming.origin.from);
     let served = tokio::spawn(clients.clone().attend(incoming, waiting, (running, Handle::current())));
     client.write_all(&hello).await.expect("it is taken");
     within("somebody of the same name", hangs.wanted()).await;
-    let holder = identity.holder();
-    let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.seats.take(holder.clone(), Duration::MAX)).collect();
+    let owner = identity.owner();
+    let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.sessions.take(owner.clone(), Duration::MAX)).collect();
     tokio::time::timeout(Duration::from_millis(100), served).await.expect("it waits no longer").expect("it ends in order");
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
 }
@@ -57,7 +57,7 @@ async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (_runs, running) = watch::channel(());
     let origin = from_here(access);
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
-    let waiting = clients.let_wait(origin.from);
+    let waiting = clients.admit_pending(origin.from);
     let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (running, Handle::current())));
     // The introduction comes before the rest.
     for piece in bytes.chunks(40) {
@@ -174,7 +174,7 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
             let (mut client, stream) = tokio::io::duplex(1024);
             client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
             let origin = from_here(access.clone());
-            let waiting = clients.let_wait(origin.from);
+            let waiting = clients.admit_pending(origin.from);
             let incoming = IncomingConnection::over(stream, origin);
             crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (running.clone(), Handle::current())))));
         }
@@ -196,7 +196,7 @@ async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
         let origin = from_here(Access::Open);
         let (mut client, stream) = tokio::io::duplex(1024);
-        let waiting = clients.let_wait(origin.from);
+        let waiting = clients.admit_pending(origin.from);
         let served =
             clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (running.clone(), idle.handle().clone()));
         let served = tokio::spawn(served);

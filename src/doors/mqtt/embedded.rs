@@ -9,9 +9,9 @@ use tokio::runtime::Handle;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 
+use super::client_io::Running;
 use super::clients::Clients;
 use super::incoming::{IncomingConnection, Origin};
-use super::pump::Running;
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;
@@ -77,7 +77,7 @@ impl Reception {
                 accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
-                        tracing::warn!(%error, relieved = self.clients.relieve(), "an MQTT connection could not be accepted");
+                        tracing::warn!(%error, relieved = self.clients.evict_some(), "an MQTT connection could not be accepted");
                         // Meanwhile clients with an open connection are still accepted.
                         accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
@@ -93,7 +93,7 @@ impl Reception {
     }
 
     fn receive_one(&self, clients: &mut JoinSet<()>, incoming: IncomingConnection) {
-        let waiting = self.clients.let_wait(incoming.origin.from);
+        let waiting = self.clients.admit_pending(incoming.origin.from);
         clients.spawn(self.clients.clone().attend(incoming, waiting, (self.running.clone(), self.work.clone())));
     }
 }

@@ -16,7 +16,7 @@ use crate::doors::mqtt::home_assistant::BIRTH;
 use crate::doors::mqtt::session::OwnSession;
 use crate::doors::mqtt::session::testing::{Album, Peer, publish, topics};
 use crate::doors::mqtt::topics::HOME_ASSISTANT_STATUS;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
@@ -42,7 +42,7 @@ impl TestBroker {
         let (_, web_clients) = mpsc::channel(1);
         let ways = Ways { listeners: listener.into(), access: Access::Open, web_clients, hearing: Handle::current() };
         let (shutdown, ended) = oneshot::channel::<()>();
-        let archive = Reader::new(Arc::new(Album));
+        let archive = ArchiveReader::new(Arc::new(Album));
         let session = OwnSession::new(broker, (topics(), true), script.publish.subscribe(), answers, archive);
         let session = session.run(async { drop(ended.await) });
         tokio::spawn(serve(clients, ways, session));

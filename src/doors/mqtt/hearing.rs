@@ -11,8 +11,8 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, ReadBuf};
 use tokio::runtime::Handle;
 
-use super::desk::serving_here;
-use super::incoming::Reader;
+use super::client_service::serving_here;
+use super::incoming::ClientReader;
 use super::read_ahead::{Feeder, Left, READ};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Listener;
@@ -61,7 +61,7 @@ impl Hearing {
     }
 
     /// Reads until the client ends, or until nobody takes its input any more.
-    pub(super) async fn run(mut self, mut reader: Reader) {
+    pub(super) async fn run(mut self, mut reader: ClientReader) {
         let left = loop {
             let room = match self.feeder.room().await {
                 Ok(room) => room,
@@ -84,7 +84,7 @@ impl Hearing {
     }
 
     /// Reads once, and then lets others read; `None` when nobody takes the input any more.
-    async fn read(&mut self, reader: &mut Reader, room: usize) -> Option<io::Result<Read>> {
+    async fn read(&mut self, reader: &mut ClientReader, room: usize) -> Option<io::Result<Read>> {
         let Hearing { search, listener, feeder, clock, work } = self;
         let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, (*clock, work), bytes);
         let read = tokio::select! {
@@ -99,7 +99,7 @@ impl Hearing {
     }
 
     /// Searches the received bytes of a client that is about to end.
-    async fn hear_rest(&mut self, reader: &mut Reader) {
+    async fn hear_rest(&mut self, reader: &mut ClientReader) {
         let mut heard = 0;
         while heard < REST {
             let read = std::future::poll_fn(|cx| match poll_read(reader, READ, &mut |bytes| self.hear(bytes), cx) {
@@ -113,7 +113,7 @@ impl Hearing {
         }
     }
 
-    async fn hear_on(&mut self, reader: &mut Reader) {
+    async fn hear_on(&mut self, reader: &mut ClientReader) {
         loop {
             let read = std::future::poll_fn(|cx| poll_read(reader, READ, &mut |bytes| self.hear(bytes), cx));
             let Ok(read) = read.await else { return };
@@ -160,7 +160,7 @@ fn hear(
 /// # Errors
 /// When nothing more comes.
 fn poll_read(
-    reader: &mut Reader,
+    reader: &mut ClientReader,
     room: usize,
     hear: &mut impl FnMut(&[u8]) -> Vec<u8>,
     cx: &mut Context<'_>,

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use super::commands::{Commands, IncomingMessage, Publisher, Taken};
 use super::incoming::Origin;
 use super::rights;
-use super::seats::Holder;
 use crate::access::{Access, Caller, Moment, Need};
+use crate::doors::connection_limits::SessionOwner;
 use hallsweep_core::units;
 use mqtt_gate::packet::connect;
 use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
@@ -47,9 +47,9 @@ impl Identity {
         matches!(self.0, Caller::Known(_))
     }
 
-    /// The holder of its seat.
-    pub(super) fn holder(&self) -> Holder {
-        Holder { who: self.name(), is_viewer: self.0.may(Need::Act).is_err(), has_share: self.has_key() }
+    /// The holder of its session.
+    pub(super) fn owner(&self) -> SessionOwner {
+        SessionOwner { who: self.name(), is_viewer: self.0.may(Need::Act).is_err(), has_share: self.has_key() }
     }
 
     pub(super) const fn tier(&self) -> Tier {

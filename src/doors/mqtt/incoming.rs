@@ -8,13 +8,13 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use crate::access::{Access, Caller};
 
 /// The client's input, read on the receiving thread.
-pub type Reader = Box<dyn AsyncRead + Send + Unpin>;
+pub type ClientReader = Box<dyn AsyncRead + Send + Unpin>;
 
 /// The client's output, written on the other threads.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 pub struct IncomingConnection {
-    pub reader: Reader,
+    pub reader: ClientReader,
     pub writer: Writer,
     pub origin: Origin,
 }

@@ -3,13 +3,13 @@
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
 
-use super::incoming::Reader;
+use super::incoming::ClientReader;
 use mqtt_gate::Ended;
 use mqtt_gate::limits::CONNECT;
 use mqtt_gate::packet::Version;
 use mqtt_gate::packet::connect::{self, Connect, NoConnect};
 use mqtt_gate::packet::write::Welcome;
-use mqtt_gate::{Kind, Malformed, frame};
+use mqtt_gate::{Malformed, PacketKind, frame};
 
 /// Why a newcomer was not admitted, or a client ended.
 #[derive(Debug, thiserror::Error)]
@@ -19,7 +19,7 @@ pub(super) enum SentAway {
     #[error("it gave way to a newer one before it had said who it is")]
     GaveWay,
     #[error("its first packet is a {0:?}, not a CONNECT")]
-    First(Kind),
+    First(PacketKind),
     #[error(transparent)]
     Unfit(#[from] NoConnect),
     #[error(transparent)]
@@ -33,15 +33,15 @@ pub(super) enum SentAway {
 }
 
 /// The first packet of a client, which must be its CONNECT.
-pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
+pub(super) async fn introduction(reader: &mut ClientReader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {
         // Wrong flags are reported when all of it has come: a STOP of its sender may follow.
-        if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == Kind::Connect as u8 && **first & 15 != 0) {
-            wrong = Some(Malformed::Kind(std::mem::replace(first, Kind::Connect.first_byte())));
+        if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == PacketKind::Connect as u8 && **first & 15 != 0) {
+            wrong = Some(Malformed::Kind(std::mem::replace(first, PacketKind::Connect.first_byte())));
         }
         if let Some(frame) = frame(heard, CONNECT)? {
-            if frame.kind != Kind::Connect {
+            if frame.kind != PacketKind::Connect {
                 return Err(SentAway::First(frame.kind));
             }
             if let Some(wrong) = wrong {

@@ -3,9 +3,10 @@
 
 pub mod change_feed;
 mod client_ids;
+mod client_io;
+mod client_service;
 mod clients;
 pub mod commands;
-mod desk;
 mod embedded;
 mod hearing;
 pub mod home_assistant;
@@ -14,18 +15,16 @@ mod incoming;
 mod introduction;
 mod limits;
 pub mod publication;
-mod pump;
 pub mod qak;
 mod read_ahead;
 mod rights;
 #[cfg(feature = "rumqttd-router")]
 mod rumqttd;
-mod seats;
 pub mod session;
 pub mod topics;
 
 pub use clients::Clients;
 pub use embedded::{Ways, serve};
-pub use incoming::{IncomingConnection, Origin, Reader, Writer};
+pub use incoming::{ClientReader, IncomingConnection, Origin, Writer};
 #[cfg(feature = "rumqttd-router")]
 pub use rumqttd::RumqttdRouter;

@@ -34,14 +34,14 @@ impl Pool {
 
 /// The end of the receiving thread.
 #[derive(Debug)]
-pub(super) struct Feeder(Arc<Shared>);
+pub(super) struct Feeder(Arc<ReadAhead>);
 
 /// The end of the task.
 #[derive(Debug)]
-pub(super) struct Taker(Arc<Shared>);
+pub(super) struct Taker(Arc<ReadAhead>);
 
 #[derive(Debug)]
-struct Shared {
+struct ReadAhead {
     state: Mutex<State>,
     /// Signals free room, or that nobody takes anything any more.
     room: Notify,
@@ -80,7 +80,7 @@ pub(super) enum Left {
 }
 
 pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
-    let shared = Shared { state: Mutex::default(), room: Notify::new(), pool: pool.clone() };
+    let shared = ReadAhead { state: Mutex::default(), room: Notify::new(), pool: pool.clone() };
     let shared = Arc::new(shared);
     (Feeder(Arc::clone(&shared)), Taker(shared))
 }
@@ -248,7 +248,7 @@ impl Drop for Taker {
     }
 }
 
-impl Shared {
+impl ReadAhead {
     fn room_in(&self, state: &State) -> usize {
         let is_lent_out = self.pool.bytes() >= READ_AHEAD;
         let own = CONNECTION_BYTES.saturating_sub(MESSAGES_PART + state.held);

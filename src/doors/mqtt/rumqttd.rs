@@ -4,7 +4,7 @@
 //! delivered directly.
 //!
 //! ```text
-//!   carry ─► transit: number, Passage         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
+//!   carry ─► transit: number, RoutedDelivery         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
 //!                 ▲ arrive                                                                              │
 //!                 └──────────────── a task for each link ◄──────────────────────────────────────────────┘
 //! ```
@@ -20,9 +20,9 @@ use rumqttd::{Notification, RouterConfig};
 use tokio::runtime::Handle;
 use tokio::task::JoinSet;
 
-use super::limits::CONNECTIONS;
+use crate::doors::connection_limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
-use mqtt_gate::{Passage, Router, Subscriber};
+use mqtt_gate::{RoutedDelivery, Router, Subscriber};
 
 /// Maximum number of clients with a link to rumqttd: connected, remembered, and leaving ones.
 const LINKS: usize = 2 * CONNECTIONS;
@@ -60,9 +60,9 @@ pub struct RumqttdRouter(Arc<Mutex<State>>);
 struct State {
     engine: Engine,
     /// All subscriptions, for the next engine.
-    subscribers: HashMap<usize, Reading>,
+    subscribers: HashMap<usize, RouterReader>,
     /// Messages on their way, oldest first, beginning with the number `first`.
-    transit: VecDeque<(Passage, Duration)>,
+    transit: VecDeque<(RoutedDelivery, Duration)>,
     first: u64,
     /// Hashes of the topics and filters passed to the engine, which never forgets them.
     shown: HashSet<u64>,
@@ -72,7 +72,7 @@ struct State {
 }
 
 #[derive(Debug)]
-struct Reading {
+struct RouterReader {
     subscriber: Arc<Subscriber>,
     filters: BTreeSet<String>,
 }
@@ -128,7 +128,7 @@ impl Router for RumqttdRouter {
         let reading = state
             .subscribers
             .entry(key)
-            .or_insert_with(|| Reading { subscriber: Arc::clone(subscriber), filters: BTreeSet::new() });
+            .or_insert_with(|| RouterReader { subscriber: Arc::clone(subscriber), filters: BTreeSet::new() });
         reading.filters.insert(filter.to_owned());
         state.order(Order::Subscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
     }
@@ -136,7 +136,7 @@ impl Router for RumqttdRouter {
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
         let mut state = self.state();
         // Messages on their way may not reach this subscriber any more, so they are delivered now.
-        state.transit.iter_mut().for_each(|(passage, _)| passage.arrive(subscriber));
+        state.transit.iter_mut().for_each(|(delivery, _)| delivery.arrive(subscriber));
         let key = Arc::as_ptr(subscriber).addr();
         if let Some(reading) = state.subscribers.get_mut(&key) {
             reading.filters.remove(filter);
@@ -147,11 +147,11 @@ impl Router for RumqttdRouter {
         state.order(Order::Unsubscribe(filter.to_owned(), Arc::clone(subscriber)), &self.0);
     }
 
-    fn carry(&self, passage: Passage) {
+    fn carry(&self, delivery: RoutedDelivery) {
         let mut state = self.state();
         let (number, now) = (state.first + state.transit.len() as u64, state.clock.since_start());
-        let topic = passage.topic().to_owned();
-        state.transit.push_back((passage, now));
+        let topic = delivery.topic().to_owned();
+        state.transit.push_back((delivery, now));
         state.order(Order::Publish(topic, number), &self.0);
         // Subscribers that do not read are not waited for, and rumqttd may lag behind: beyond the maximum the oldest message is
         // delivered directly.
@@ -185,7 +185,7 @@ impl State {
         let number = self.engine.number + 1;
         tracing::debug!(number, "another rumqttd routes MQTT messages from now on");
         self.engine = Engine::start(number, &Arc::downgrade(itself), &self.work);
-        for Reading { subscriber, filters } in self.subscribers.values() {
+        for RouterReader { subscriber, filters } in self.subscribers.values() {
             for filter in filters {
                 let _ = self.engine.orders.try_send(Order::Subscribe(filter.clone(), Arc::clone(subscriber)));
             }
@@ -208,10 +208,10 @@ impl State {
     /// A message has reached one of its subscribers.
     fn arrive(&mut self, number: u64, subscriber: &Arc<Subscriber>) {
         let place = number.checked_sub(self.first).and_then(|place| usize::try_from(place).ok());
-        if let Some((passage, _)) = place.and_then(|place| self.transit.get_mut(place)) {
-            passage.arrive(subscriber);
+        if let Some((delivery, _)) = place.and_then(|place| self.transit.get_mut(place)) {
+            delivery.arrive(subscriber);
         }
-        while self.transit.front().is_some_and(|(passage, _)| passage.is_over()) {
+        while self.transit.front().is_some_and(|(delivery, _)| delivery.is_over()) {
             self.pass_first();
         }
     }
@@ -252,7 +252,7 @@ struct Carrier {
 }
 
 /// A link to rumqttd, and its present subscriber.
-struct Link {
+struct RouterLink {
     to: LinkTx,
     subscriber: Arc<Mutex<Arc<Subscriber>>>,
     filters: usize,
@@ -266,7 +266,8 @@ impl Carrier {
         let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
         let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
         let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };
-        let (mut links, mut idle, mut made): (HashMap<usize, Link>, Vec<Link>, usize) = (HashMap::new(), Vec::new(), 0);
+        let (mut links, mut idle, mut made): (HashMap<usize, RouterLink>, Vec<RouterLink>, usize) =
+            (HashMap::new(), Vec::new(), 0);
         let mut coming = JoinSet::new();
         for order in &self.ordered {
             let done = match order {
@@ -289,7 +290,7 @@ impl Carrier {
                                 made += 1;
                                 let whose = Arc::new(Mutex::new(Arc::clone(&subscriber)));
                                 coming.spawn_on(come(from, Arc::clone(&whose), Weak::clone(&self.state)), &self.work);
-                                Link { to, subscriber: whose, filters: 0 }
+                                RouterLink { to, subscriber: whose, filters: 0 }
                             }),
                         };
                         let Some(link) = link else { return };

@@ -26,7 +26,7 @@ use crate::runtime::link::{RobotLink, Stamped, link};
 use hallsweep_core::event::{Photo, RobotEvent, RobotId};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Epoch;
-use hallsweep_drivers::line::{Asked, LineRobot};
+use hallsweep_drivers::line::{BodyRequest, LineRobot};
 pub use hallsweep_drivers::line::{MOST_BYTES, RobotName};
 use hallsweep_sim::Hall;
 
@@ -98,9 +98,9 @@ impl Emulator {
     fn pass_on(&mut self) {
         while let Some(asked) = self.robot.poll_asked() {
             match asked {
-                Asked::Halt => self.halter.halt(),
-                Asked::Led(blinks) => drop(self.link.led.send_replace(blinks)),
-                Asked::Order(order) => {
+                BodyRequest::Halt => self.halter.halt(),
+                BodyRequest::Led(blinks) => drop(self.link.led.send_replace(blinks)),
+                BodyRequest::Order(order) => {
                     // One order is open at a time, so there is room for it.
                     let stamped = Stamped { order, halts: self.link.halts.now().count };
                     let _ = self.link.orders.try_send(stamped);

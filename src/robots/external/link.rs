@@ -46,7 +46,7 @@ pub(super) async fn run(
     file: Option<MemoryFile>,
 ) {
     let connection = Connection::Calling(address.call());
-    let link = Link {
+    let link = ExternalLink {
         robot,
         driver,
         is_up: false,
@@ -67,7 +67,7 @@ pub(super) async fn run(
     link.run().await;
 }
 
-struct Link {
+struct ExternalLink {
     robot: RobotId,
     driver: Box<dyn Driver>,
     /// As last logged.
@@ -109,7 +109,7 @@ enum Happening {
     Closed(bool),
 }
 
-impl Link {
+impl ExternalLink {
     async fn run(mut self) {
         loop {
             self.keep();

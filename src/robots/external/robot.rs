@@ -16,24 +16,24 @@ use hallsweep_drivers::{Dialect, Driver, Room, VirtualRobot};
 
 pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
-    kind: Kind,
+    kind: ProtocolKind,
     address: Address,
     /// The address as one name.
     place: String,
     step: Duration,
     /// From the scene file of its page.
     room: Option<Room>,
-    remembered: Remembered,
+    remembered: ExternalMemory,
 }
 
 #[derive(Clone, Copy)]
-enum Kind {
+enum ProtocolKind {
     Virtual(Dialect),
     /// A robot that knows its own position.
     Line,
 }
 
-enum Remembered {
+enum ExternalMemory {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
@@ -47,17 +47,19 @@ impl ExternalRobot {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
             (RobotKind::Sim, _) => return Ok(None),
-            (RobotKind::VirtualTcp, _) => (Kind::Virtual(Dialect::Semicolons), Address::Tcp(at, Some(own_address(id)))),
-            (RobotKind::VirtualWs, _) => (Kind::Virtual(Dialect::Messages), Address::WebSocket(at)),
-            (RobotKind::Line, RobotAddress::Device(_)) => (Kind::Line, Address::Serial(at, settings.baud)),
-            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (Kind::Line, Address::Tcp(at, None)),
+            (RobotKind::VirtualTcp, _) => (ProtocolKind::Virtual(Dialect::Semicolons), Address::Tcp(at, Some(own_address(id)))),
+            (RobotKind::VirtualWs, _) => (ProtocolKind::Virtual(Dialect::Messages), Address::WebSocket(at)),
+            (RobotKind::Line, RobotAddress::Device(_)) => (ProtocolKind::Line, Address::Serial(at, settings.baud)),
+            (RobotKind::Line, RobotAddress::Network { .. } | RobotAddress::Here) => (ProtocolKind::Line, Address::Tcp(at, None)),
         };
         let (room, step) = match &settings.scene {
-            Some(scene) if matches!(kind, Kind::Virtual(_)) => room::room(id, scene).map(|(room, step)| (Some(room), step))?,
+            Some(scene) if matches!(kind, ProtocolKind::Virtual(_)) => {
+                room::room(id, scene).map(|(room, step)| (Some(room), step))?
+            }
             Some(_) | None => (None, settings.step),
         };
         let place = settings.address.place().unwrap_or_default();
-        Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: Remembered::Nothing }))
+        Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: ExternalMemory::Nothing }))
     }
 
     /// Its address, in place of the name of a hall.
@@ -67,11 +69,11 @@ impl ExternalRobot {
 
     /// Whether it measures its path by time, without a scene file that says where things stand.
     pub(in crate::robots) fn reckons(&self) -> bool {
-        matches!(self.kind, Kind::Virtual(_)) && self.room.is_none()
+        matches!(self.kind, ProtocolKind::Virtual(_)) && self.room.is_none()
     }
 
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
-        let Kind::Virtual(dialect) = self.kind else { return };
+        let ProtocolKind::Virtual(dialect) = self.kind else { return };
         let whose = format!("a virtual robot at {}", self.place);
         let opened = MemoryFile::open(folder, &self.id, &whose).and_then(|(file, memory)| {
             let read = memory.map(|memory| VirtualRobot::remembering(dialect, self.step, &memory)).transpose();
@@ -79,29 +81,29 @@ impl ExternalRobot {
             Ok((file, robot.map(Box::new)))
         });
         self.remembered = match opened {
-            Ok((file, robot)) => Remembered::Here(file, robot),
-            Err(lost) => Remembered::Lost(lost.to_string()),
+            Ok((file, robot)) => ExternalMemory::Here(file, robot),
+            Err(lost) => ExternalMemory::Lost(lost.to_string()),
         };
     }
 
     /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
-        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+        if let ExternalMemory::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
     /// The adapter that runs it. The link to a robot that may be anywhere stays down, and its adapter counts as running.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {
-            Remembered::Lost(lost) => {
+            ExternalMemory::Lost(lost) => {
                 tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
-            Remembered::Here(file, known) => (Some(file), known),
-            Remembered::Nothing => (None, None),
+            ExternalMemory::Here(file, known) => (Some(file), known),
+            ExternalMemory::Nothing => (None, None),
         };
         let driver: Box<dyn Driver> = match kind {
-            Kind::Virtual(dialect) => {
+            ProtocolKind::Virtual(dialect) => {
                 let robot = known.map_or_else(|| VirtualRobot::new(dialect, step), |known| *known);
                 Box::new(if let Some(room) = room {
                     robot.in_room(room)
@@ -111,7 +113,7 @@ impl ExternalRobot {
                     robot
                 })
             }
-            Kind::Line => Box::new(LineDriver::new()),
+            ProtocolKind::Line => Box::new(LineDriver::new()),
         };
         Box::new(move |side| Box::pin(link::run((id, driver), address, side, clock, file)))
     }

@@ -4,7 +4,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::remote::Ground;
+use super::remote::SimulatedHall;
 use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use hallsweep_sim::{Export, Format, Hall};
@@ -48,7 +48,7 @@ impl ChosenHall {
     }
 
     /// The chosen hall, if it was chosen instead of the one that the settings name now.
-    pub(in crate::robots) fn read(&self) -> Result<Option<Ground>, UnusableChosenHall> {
+    pub(in crate::robots) fn read(&self) -> Result<Option<SimulatedHall>, UnusableChosenHall> {
         let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
         let Some(bytes) = self.file().read(MOST).map_err(|error| unusable(error.to_string()))? else { return Ok(None) };
@@ -62,11 +62,11 @@ impl ChosenHall {
         let seed = line(SEED).and_then(|seed| seed.parse().ok());
         let seed = seed.ok_or_else(|| unusable(format!("the line `{SEED}…` with its number is missing")))?;
         let hall = Hall::parse(names::CHOSEN_HALL.written(), &text).map_err(|error| unusable(error.to_string()))?;
-        Ok(Some(Ground { hall: hall.into(), seed }))
+        Ok(Some(SimulatedHall { hall: hall.into(), seed }))
     }
 
     /// Stores the chosen hall, whole or not at all.
-    pub(super) fn keep(&self, ground: &Ground) -> io::Result<()> {
+    pub(super) fn keep(&self, ground: &SimulatedHall) -> io::Result<()> {
         let hall = file_of(&ground.hall);
         let text = format!("{INSTEAD}{}\n{SEED}{}\n{hall}", written(&self.usual), ground.seed);
         self.file().make(text.as_bytes())
@@ -90,8 +90,8 @@ mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
 
-    fn ground() -> Ground {
-        Ground { hall: Arc::new(Hall::named_or_file("airport").expect("it is built in")), seed: 7 }
+    fn ground() -> SimulatedHall {
+        SimulatedHall { hall: Arc::new(Hall::named_or_file("airport").expect("it is built in")), seed: 7 }
     }
 
     #[test]

@@ -196,7 +196,7 @@ async fn it_is_put_down_in_another_hall_when_that_is_decided_and_goes_on_when_it
         within("that it is ready", is_ready).await.expect("it says so");
         if comes {
             let hall = Arc::new(Hall::from_rows("other", &["S."]).expect("a good hall"));
-            decide.send(Ground { hall, seed: 3 }).expect("it waits");
+            decide.send(SimulatedHall { hall, seed: 3 }).expect("it waits");
             within("that it is put down", is_put_down).await.expect("it says so");
         }
     }

@@ -11,7 +11,7 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_link::Moved;
-use super::remote::{Controls, Ground, News, Remote};
+use super::remote::{Controls, News, Remote, SimulatedHall};
 use super::sim_time::SimTime;
 use super::state_file::SimStateFile;
 use crate::robots::waits::{done, done_for, hand_over};
@@ -49,7 +49,7 @@ pub(super) struct Begin {
 /// Runs a simulated robot until the loop's end of the channels is gone.
 pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     let Begin { sim, settings, speed, state_file, floor, remote, has_faults } = begin;
-    let link = Link {
+    let link = SimLink {
         sim,
         settings,
         side,
@@ -86,7 +86,7 @@ impl Floor {
     }
 }
 
-struct Link {
+struct SimLink {
     sim: Sim,
     settings: SimSettings,
     side: RobotSide,
@@ -115,7 +115,7 @@ struct Link {
     controls: Controls,
 }
 
-impl Link {
+impl SimLink {
     async fn run(mut self) {
         self.floor.moved.mark_changed();
         self.remote.controls.mark_changed();
@@ -271,8 +271,8 @@ impl Link {
     }
 
     /// Moves the robot to another hall, or lets it go on in this one.
-    fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
-        let Some((Ground { hall, seed }, put_down)) = decided else { return };
+    fn move_to(&mut self, decided: Option<(SimulatedHall, oneshot::Sender<()>)>) {
+        let Some((SimulatedHall { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;
         self.sim = Sim::new(Arc::clone(&hall), self.settings);
         self.sim.handle_faults(self.controls.faults, Now::default());

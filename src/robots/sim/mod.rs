@@ -18,7 +18,7 @@ mod state_file;
 pub(super) use chosen_hall::ChosenHall;
 pub(super) use kept_halls::unreadable as unreadable_halls;
 pub(super) use pair::SimPair;
-pub(super) use remote::{Controls, Ground, Remote};
+pub(super) use remote::{Controls, Remote, SimulatedHall};
 pub(super) use robot::SimRobot;
 pub(super) use settings::speed;
 pub use settings::{UnusableHall, hall, sim_settings};

@@ -24,11 +24,11 @@ pub(in crate::robots) struct SimPair {
     hall: Arc<Hall>,
     settings: PairSettings,
     speed: Speed,
-    remembered: Remembered,
+    remembered: PairRecollection,
     moved: watch::Sender<Moved>,
 }
 
-enum Remembered {
+enum PairRecollection {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(PairStateFile, Option<Box<PairMemory>>),
@@ -47,7 +47,7 @@ impl SimPair {
         let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
         let settings = PairSettings { way_out: true, mishaps, ..PairSettings::new(robot.seed, Place::ENTRANCE) };
         let moved = watch::Sender::new(Moved::new());
-        SimPair { hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing, moved }
+        SimPair { hall, settings, speed: speed(robot.speed), remembered: PairRecollection::Nothing, moved }
     }
 
     pub(in crate::robots) fn ids() -> [RobotId; 2] {
@@ -61,9 +61,9 @@ impl SimPair {
 
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
         self.remembered = match PairStateFile::open(folder, &self.hall) {
-            Ok((state_file, memory)) => Remembered::Here(state_file, memory.map(Box::new)),
-            Err(StateFileError::OtherHall { .. }) => Remembered::Elsewhere(folder.to_owned()),
-            Err(lost) => Remembered::Lost(lost.to_string()),
+            Ok((state_file, memory)) => PairRecollection::Here(state_file, memory.map(Box::new)),
+            Err(StateFileError::OtherHall { .. }) => PairRecollection::Elsewhere(folder.to_owned()),
+            Err(lost) => PairRecollection::Lost(lost.to_string()),
         };
     }
 
@@ -74,29 +74,29 @@ impl SimPair {
 
     /// The pieces it had lifted when it was left.
     pub(in crate::robots) fn taken_away(&self) -> Moved {
-        let Remembered::Here(_, Some(memory)) = &self.remembered else { return Moved::new() };
+        let PairRecollection::Here(_, Some(memory)) = &self.remembered else { return Moved::new() };
         Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default()).moved()
     }
 
     /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
-        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+        if let PairRecollection::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
     pub(in crate::robots) fn lose(&mut self, why: &str) {
-        self.remembered = Remembered::Lost(why.to_owned());
+        self.remembered = PairRecollection::Lost(why.to_owned());
     }
 
     /// Puts it at this hall when it was left at another.
     pub(in crate::robots) fn put_down(&mut self) {
-        if let Remembered::Elsewhere(folder) = &self.remembered {
-            self.remembered = Remembered::Here(PairStateFile::begin_anew(folder, &self.hall), None);
+        if let PairRecollection::Elsewhere(folder) = &self.remembered {
+            self.remembered = PairRecollection::Here(PairStateFile::begin_anew(folder, &self.hall), None);
         }
     }
 
     pub(in crate::robots) fn keep_other_hall(&mut self) {
-        if matches!(self.remembered, Remembered::Here(_, None)) {
-            self.remembered = Remembered::Nothing;
+        if matches!(self.remembered, PairRecollection::Here(_, None)) {
+            self.remembered = PairRecollection::Nothing;
         }
     }
 
@@ -104,12 +104,12 @@ impl SimPair {
     pub(in crate::robots) fn adapters(self, clock: Clock, remote: Remote) -> [Adapter; 2] {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {
-            Remembered::Lost(lost) => {
+            PairRecollection::Lost(lost) => {
                 tracing::error!(lost, "nobody knows where the simulated pair was left: it is not started");
                 return [(), ()].map(|()| -> Adapter { Box::new(|side| Box::pin(async move { side.reports.closed().await })) });
             }
-            Remembered::Here(state_file, memory) => (memory, Some(state_file)),
-            Remembered::Nothing | Remembered::Elsewhere(_) => (None, None),
+            PairRecollection::Here(state_file, memory) => (memory, Some(state_file)),
+            PairRecollection::Nothing | PairRecollection::Elsewhere(_) => (None, None),
         };
         let of_another = settings.clone();
         let pair = move |now| match memory {

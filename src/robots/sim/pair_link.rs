@@ -10,7 +10,7 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use super::pair_state_file::PairStateFile;
-use super::remote::{Controls, Ground, News, Remote};
+use super::remote::{Controls, News, Remote, SimulatedHall};
 use super::sim_time::SimTime;
 use crate::robots::Adapter;
 use crate::robots::waits::done;
@@ -199,8 +199,8 @@ impl PairLink {
     }
 
     /// Moves the pair to another hall, or lets it go on at this one.
-    fn move_to(&mut self, decided: Option<(Ground, oneshot::Sender<()>)>) {
-        let Some((Ground { hall, seed }, put_down)) = decided else { return };
+    fn move_to(&mut self, decided: Option<(SimulatedHall, oneshot::Sender<()>)>) {
+        let Some((SimulatedHall { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;
         if let Some(state_file) = &mut self.state_file {
             state_file.move_to(&hall);

@@ -32,7 +32,7 @@ pub(in crate::robots) struct Controls {
 
 /// A hall, and the seed of the noise in it.
 #[derive(Clone, Debug)]
-pub(in crate::robots) struct Ground {
+pub(in crate::robots) struct SimulatedHall {
     pub(in crate::robots) hall: Arc<Hall>,
     pub(in crate::robots) seed: u64,
 }
@@ -41,7 +41,7 @@ pub(in crate::robots) struct Ground {
 #[derive(Debug)]
 pub(in crate::robots) struct Move {
     pub(super) ready: Option<oneshot::Sender<()>>,
-    pub(super) decided: oneshot::Receiver<Ground>,
+    pub(super) decided: oneshot::Receiver<SimulatedHall>,
     pub(super) put_down: oneshot::Sender<()>,
 }
 
@@ -109,10 +109,10 @@ pub(super) enum News {
     /// A move to another hall may follow: nothing more may be begun.
     Asked,
     /// The new hall, and whom to tell; or `None` when there is no move.
-    Decided(Option<(Ground, oneshot::Sender<()>)>),
+    Decided(Option<(SimulatedHall, oneshot::Sender<()>)>),
 }
 
-async fn decided(under_way: &mut Option<Move>) -> Option<Ground> {
+async fn decided(under_way: &mut Option<Move>) -> Option<SimulatedHall> {
     let Some(under_way) = under_way else { return std::future::pending().await };
     (&mut under_way.decided).await.ok()
 }

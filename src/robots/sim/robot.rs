@@ -21,10 +21,10 @@ pub(in crate::robots) struct SimRobot {
     hall: Arc<Hall>,
     settings: SimSettings,
     speed: Speed,
-    remembered: Remembered,
+    remembered: SimRecollection,
 }
 
-enum Remembered {
+enum SimRecollection {
     /// Nothing is known, and nothing will be written.
     Nothing,
     /// The contents of the state file, if there was one.
@@ -41,41 +41,41 @@ impl SimRobot {
     /// With a hook if it fetches pieces by itself.
     pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
         let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
-        SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
+        SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: SimRecollection::Nothing }
     }
 
     /// `floor` is the hall as others have left it.
     pub(in crate::robots) fn recall(&mut self, folder: &Path, floor: &Hall) {
         self.remembered = match SimStateFile::open(folder, &self.id, &self.hall, floor) {
-            Ok((state_file, memory)) => Remembered::Here(Box::new(state_file), memory.map(Box::new)),
-            Err(StateFileError::OtherHall { remembered, .. }) => Remembered::Elsewhere(folder.to_owned(), remembered),
-            Err(lost) => Remembered::Lost(lost.to_string()),
+            Ok((state_file, memory)) => SimRecollection::Here(Box::new(state_file), memory.map(Box::new)),
+            Err(StateFileError::OtherHall { remembered, .. }) => SimRecollection::Elsewhere(folder.to_owned(), remembered),
+            Err(lost) => SimRecollection::Lost(lost.to_string()),
         };
     }
 
     /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
-        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+        if let SimRecollection::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
     pub(in crate::robots) fn lose(&mut self, why: &str) {
-        self.remembered = Remembered::Lost(why.to_owned());
+        self.remembered = SimRecollection::Lost(why.to_owned());
     }
 
     pub(in crate::robots) fn other_hall(&self) -> Option<&str> {
-        if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
+        if let SimRecollection::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }
 
     /// Puts it at home when it was left in another hall.
     pub(in crate::robots) fn put_down(&mut self) {
-        if let Remembered::Elsewhere(folder, _) = &self.remembered {
-            self.remembered = Remembered::PutDown(Box::new(SimStateFile::begin_anew(folder, &self.id, &self.hall)));
+        if let SimRecollection::Elsewhere(folder, _) = &self.remembered {
+            self.remembered = SimRecollection::PutDown(Box::new(SimStateFile::begin_anew(folder, &self.id, &self.hall)));
         }
     }
 
     pub(in crate::robots) fn keep_other_hall(&mut self) {
-        if matches!(self.remembered, Remembered::PutDown(_)) {
-            self.remembered = Remembered::Nothing;
+        if matches!(self.remembered, SimRecollection::PutDown(_)) {
+            self.remembered = SimRecollection::Nothing;
         }
     }
 
@@ -84,13 +84,13 @@ impl SimRobot {
     pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
-            Remembered::Lost(lost) => {
+            SimRecollection::Lost(lost) => {
                 tracing::error!(robot = %id, lost, "nobody knows where the simulated robot was left: it is not started");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
-            Remembered::Here(state_file, memory) => (memory.map(|memory| *memory), Some(*state_file)),
-            Remembered::PutDown(state_file) => (None, Some(*state_file)),
-            Remembered::Nothing | Remembered::Elsewhere(..) => (None, None),
+            SimRecollection::Here(state_file, memory) => (memory.map(|memory| *memory), Some(*state_file)),
+            SimRecollection::PutDown(state_file) => (None, Some(*state_file)),
+            SimRecollection::Nothing | SimRecollection::Elsewhere(..) => (None, None),
         };
         let floor = Floor::new(Arc::clone(&hall), moved);
         let has_faults = id == RobotId::discovery();

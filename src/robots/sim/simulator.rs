@@ -13,7 +13,7 @@ use tokio::sync::{Mutex, mpsc, oneshot, watch};
 use super::chosen_hall::{ChosenHall, file_of};
 use super::kept_halls::{fitting, size};
 use super::offered_halls::Offered;
-use super::remote::{Controls, Ground, Move};
+use super::remote::{Controls, Move, SimulatedHall};
 use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{
     Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Pace, Simulator, SimulatorState,
@@ -32,7 +32,7 @@ const READY_WITHIN: Duration = Duration::from_secs(5);
 
 /// What the factory knows of the simulator before the loop runs.
 pub(in crate::robots) struct Parts {
-    pub(in crate::robots) ground: Ground,
+    pub(in crate::robots) ground: SimulatedHall,
     pub(in crate::robots) speed: Speed,
     pub(in crate::robots) controls: watch::Sender<Controls>,
     /// The simulated robots, and the channels to their links, those of the pair first.
@@ -69,7 +69,7 @@ struct InHand {
     state: watch::Sender<Arc<SimulatorState>>,
     controls: watch::Sender<Controls>,
     /// Serialises the changes; holds the hall in which the robots are.
-    turn: Mutex<Ground>,
+    turn: Mutex<SimulatedHall>,
     robots: Vec<RobotId>,
     links: Vec<mpsc::Sender<Move>>,
     chosen: Option<ChosenHall>,
@@ -127,7 +127,7 @@ impl Simulator for InHand {
             self.must_be_recorded()?;
             let seed = hall.seed.unwrap_or(ground.seed);
             let hall = self.on_disk(move |offered| read(hall.source, offered)).await?;
-            let next = Ground { hall: Arc::new(hall), seed };
+            let next = SimulatedHall { hall: Arc::new(hall), seed };
             self.move_all(&next, issuer).await?;
             let unkept = self.keep_for_restart(&next).await;
             // Obstacles of the previous hall do not apply to this one.
@@ -220,7 +220,7 @@ impl InHand {
     }
 
     /// Moves all links into another hall, when the core agrees. Links whose request is dropped go on where they are.
-    async fn move_all(&self, next: &Ground, issuer: Issuer) -> Result<(), NotSimulated> {
+    async fn move_all(&self, next: &SimulatedHall, issuer: Issuer) -> Result<(), NotSimulated> {
         let mut moves = Vec::new();
         for link in &self.links {
             let ((ready, is_ready), (decide, decided), (put_down, is_put_down)) =
@@ -259,7 +259,7 @@ impl InHand {
     }
 
     /// Stores the hall for a restart; returns the reason when that fails.
-    async fn keep_for_restart(&self, next: &Ground) -> Option<String> {
+    async fn keep_for_restart(&self, next: &SimulatedHall) -> Option<String> {
         let (chosen, next) = (self.chosen.clone()?, next.clone());
         let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));
         kept.await.unwrap_or_else(|error| Err(error.to_string())).err()

@@ -18,7 +18,7 @@ use hallsweep_sim::SimMemory;
 mod error;
 
 pub(super) use error::StateFileError;
-use hallsweep_sim::page::{self, Page, Unread, Whose};
+use hallsweep_sim::page::{self, MemoryPage, Unread, Whose};
 
 /// The robot's file: the first robot's file keeps the name from before there were several robots.
 fn file_of(data: &Path, robot: &RobotId) -> SmallFile {
@@ -57,7 +57,7 @@ impl SimStateFile {
                 Err(error) => Err(StateFileError::Unreadable { path: unfinished, error }),
             };
         };
-        let Page { whose, turn, memory } = page::read(&bytes).map_err(|unread| match unread {
+        let MemoryPage { whose, turn, memory } = page::read(&bytes).map_err(|unread| match unread {
             Unread::Version(found) => StateFileError::OtherVersion { path: path(), found },
             Unread::Damaged(fault) => StateFileError::Damaged { path: path(), fault },
         })?;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rusqlite::{Connection, OptionalExtension, Params, Row, params};
 
-use super::connect::Reader;
+use super::connect::JournalReader;
 use super::fault::{Fault, Then, count};
 use super::folder::Folder;
 use super::memory::{self, MemoryJournal, MemoryStore};
@@ -14,7 +14,7 @@ use super::photos::Pictures;
 use super::rows::{self, EntryFilter, Kinds};
 use super::{chain, connect, marker, moments, project, recall};
 use crate::api::journal::{self, Picture};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, Moment, NoTake, Sound, Span, Unreadable};
+use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::command::{Note, Verdict};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -35,7 +35,7 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
 
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
-    Folder { folder: Folder, idle: Mutex<Vec<Reader>> },
+    Folder { folder: Folder, idle: Mutex<Vec<JournalReader>> },
     Memory(Arc<MemoryJournal>),
 }
 
@@ -92,7 +92,7 @@ impl SqliteArchive {
 /// Runs a query on an idle connection or a new one.
 fn ask_folder<T: Default>(
     folder: &Folder,
-    idle: &Mutex<Vec<Reader>>,
+    idle: &Mutex<Vec<JournalReader>>,
     question: impl FnOnce(&Connection) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
     // A panic cannot leave the list of connections incomplete.
@@ -185,7 +185,7 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<Moment>, Unreadable> {
+    fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable> {
         if i64::try_from(mission.0).is_err() {
             return Ok(Vec::new());
         }

@@ -41,23 +41,23 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
 }
 
 #[derive(Debug)]
-pub(super) struct Reader {
+pub(super) struct JournalReader {
     pub(super) connection: Connection,
     /// Whether the file was opened as immutable: such a connection does not see later writes.
     pub(super) is_still: bool,
 }
 
 /// Opens a read-only connection; `None` when there is no journal yet.
-pub(super) fn reader(folder: &Folder) -> Result<Option<Reader>, Fault> {
+pub(super) fn reader(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::FORMAT)
 }
 
 /// Like `reader`, for entries only: their format is older than that of the other tables.
-pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<Reader>, Fault> {
+pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::ENTRIES_SINCE)
 }
 
-fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<Reader>, Fault> {
+fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<JournalReader>, Fault> {
     if !folder.has_journal()? {
         return Ok(None);
     }
@@ -67,9 +67,9 @@ fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<Reader>, Fault> {
         Err(Fault::Sql(error)) if needs_no_log(&error) && !folder.has_log() => {
             let address = format!("file:{}?immutable=1", escaped(&folder.journal()));
             let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI, oldest)?;
-            Ok(connection.map(|connection| Reader { connection, is_still: true }))
+            Ok(connection.map(|connection| JournalReader { connection, is_still: true }))
         }
-        connection => Ok(connection?.map(|connection| Reader { connection, is_still: false })),
+        connection => Ok(connection?.map(|connection| JournalReader { connection, is_still: false })),
     }
 }
 

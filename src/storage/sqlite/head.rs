@@ -104,7 +104,7 @@ pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
         let why = format!("it says that entries were lost that were kept, up to entry {}", head.seq);
         return Err(Fault::Unusable(names::LOST, why));
     }
-    let Some(connect::Reader { connection, .. }) = connect::reader_of_entries(folder)? else {
+    let Some(connect::JournalReader { connection, .. }) = connect::reader_of_entries(folder)? else {
         return Err(if folder.has_photos() { Fault::OnlyPhotos } else { Fault::CutOff(head.seq) });
     };
     is_held(&connection, &head)

@@ -11,6 +11,7 @@
 //! overwritten, renamed or deleted.
 
 mod archive;
+mod archive_check;
 mod archive_file;
 mod chain;
 mod check;
@@ -30,7 +31,6 @@ mod reading;
 mod recall;
 mod rows;
 mod schema;
-mod together;
 mod unpack;
 mod writer;
 mod writer_status;
@@ -45,6 +45,7 @@ use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
 use tokio::sync::watch;
 
 use self::archive::SqliteArchive;
+pub use self::archive_check::ArchiveCheck;
 pub use self::archive_file::{Archived, is_within, write_out, write_out_at_start};
 pub use self::check::Findings;
 use self::fault::{Fault, Then};
@@ -53,8 +54,7 @@ use self::head::HeadFile;
 use self::marker::Marker;
 pub use self::memory::MemoryStore;
 use self::pages::Pages;
-pub use self::reading::{Reading, rebuild};
-pub use self::together::Together;
+pub use self::reading::{ReadOnlyJournal, rebuild};
 pub use self::unpack::unpack;
 use self::writer::{Hand, Handed, Patience, Writer};
 use self::writer_status::WriterStatus;

@@ -5,7 +5,7 @@ use rusqlite::{Connection, OptionalExtension};
 use super::fault::{Fault, count, whole};
 use super::recall;
 use super::rows::{self, Kinds};
-use crate::runtime::archive::{At, Moment, Sound};
+use crate::runtime::archive::{At, PastMoment, Sound};
 use hallsweep_core::engine::{Past, way_behind};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -27,7 +27,7 @@ pub(super) fn moments(
     mission: MissionId,
     at: &[At],
     words: impl Fn(&Fault) -> String,
-) -> Result<Vec<Moment>, Fault> {
+) -> Result<Vec<PastMoment>, Fault> {
     // One transaction, so that all queries see the same journal while somebody writes to it.
     let _unchanging = connection.unchecked_transaction()?;
     let end = end_of(connection, mission)?;
@@ -38,7 +38,7 @@ pub(super) fn moments(
     }
     let mut oldest_first: Vec<usize> = (0..places.len()).collect();
     oldest_first.sort_by_key(|place| places[*place].0);
-    let (mut moments, mut before): (Vec<(usize, Moment)>, Option<Stood>) = (Vec::new(), None);
+    let (mut moments, mut before): (Vec<(usize, PastMoment)>, Option<Stood>) = (Vec::new(), None);
     for place in oldest_first {
         let (seq, wall) = places[place];
         let Some(state) = stood(connection, mission, seq, before, &words)? else { return Ok(Vec::new()) };
@@ -112,12 +112,12 @@ fn moment(
     (seq, wall): (Seq, WallTime),
     state: Sound<PersistentState>,
     end: Seq,
-) -> Result<Moment, Fault> {
+) -> Result<PastMoment, Fault> {
     let Sound { of: state, damage } = state;
     let temperatures = rows::latest(connection, Kinds::Temperatures, seq, READINGS, NOT_LONG)?;
     let way = rows::latest(connection, Kinds::Way, seq, POSES, NOT_LONG)?;
     let past = Past { seq, state, trail: way_behind(&way), temperatures, latest: recall::latest(connection, seq)? };
-    Ok(Moment {
+    Ok(PastMoment {
         past: Sound { of: past, damage },
         wall,
         earlier: rows::last_of(connection, mission, Seq(seq.0.saturating_sub(1)))?.map(|(seq, _)| seq),

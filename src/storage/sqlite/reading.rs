@@ -7,29 +7,29 @@ use std::sync::Arc;
 use rusqlite::{Connection, TransactionBehavior};
 
 use super::archive::SqliteArchive;
+use super::archive_check::{self, ArchiveCheck};
 use super::check::{self, Findings};
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::of_archives::Records;
 use super::rows::{self, EntryFilter};
-use super::together::{self, Together};
 use super::{connect, project};
 use crate::api::journal::Line;
 use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::units::{MissionId, Seq};
 
 #[derive(Debug)]
-pub struct Reading {
+pub struct ReadOnlyJournal {
     folder: Folder,
     connection: Connection,
 }
 
-impl Reading {
-    pub fn open(path: &Path) -> Result<Reading, Unreadable> {
+impl ReadOnlyJournal {
+    pub fn open(path: &Path) -> Result<ReadOnlyJournal, Unreadable> {
         let folder = Folder::new(path);
         let opened = connect::reader_of_entries(&folder).map_err(|fault| unreadable(&folder, &fault))?;
         let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", path.display()));
-        Ok(Reading { connection: opened.ok_or_else(none)?.connection, folder })
+        Ok(ReadOnlyJournal { connection: opened.ok_or_else(none)?.connection, folder })
     }
 
     /// Visits the entries of one mission or of all, oldest first, or only the `last` ones, until `visit` says stop. An entry that
@@ -61,8 +61,8 @@ impl Reading {
     }
 
     /// Checks these archives against the journal and against each other.
-    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<Together, Unreadable> {
-        together::held_together(&self.connection, &self.folder, archives)
+    pub fn check_archives(&self, archives: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
+        archive_check::check_archives(&self.connection, &self.folder, archives)
     }
 
     /// File name and SHA-256 of the archive that holds this mission.
@@ -80,7 +80,7 @@ impl Reading {
 pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
     // Fails when there is no journal, so that none is created.
-    drop(Reading::open(path)?);
+    drop(ReadOnlyJournal::open(path)?);
     if folder.is_archive() {
         return Err(Unreadable(format!("{} is an archive, which is only read", path.display())));
     }

@@ -12,7 +12,7 @@ use super::rows::{self, EntryFilter, Kinds};
 use crate::runtime::archive::Sound;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::engine::{IDS, Recalled, Remembered};
+use hallsweep_core::engine::{IDS, Recalled, RememberedLine};
 use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::snapshot::said::Said;
 use hallsweep_core::state::PersistentState;
@@ -34,7 +34,7 @@ const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 /// Reads the stored state without a change; `None` when there is none. Entries after `lost_after`, which were declared lost
 /// before a kill, are ignored although they may be there.
 pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
-    let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
+    let Some(connect::JournalReader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
     let written = rows::last_up_to(&connection, lost_after)?;
     if written == Seq(0) {
@@ -47,17 +47,17 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
 }
 
 /// The latest commands and findings up to this entry, oldest first.
-pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<Remembered>, Fault> {
+pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<RememberedLine>, Fault> {
     let latest = rows::latest(connection, Kinds::Told, written, LATEST, LATEST_AMONG)?;
     Ok(latest.iter().map(remembered).collect())
 }
 
 /// A command or finding as a line of the log.
-fn remembered(entry: &Entry) -> Remembered {
+fn remembered(entry: &Entry) -> RememberedLine {
     let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
     let quiet = if is_refused { Tone::Warning } else { Tone::Info };
     let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
-    Remembered { wall: entry.wall, tone, said: Said::fact(&entry.fact) }
+    RememberedLine { wall: entry.wall, tone, said: Said::fact(&entry.fact) }
 }
 
 /// The state after all entries up to `written`.

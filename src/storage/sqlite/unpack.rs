@@ -24,7 +24,7 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
     if !archive.is_archive() {
         return Err(Unreadable(format!("there is no archive {}", file.display())));
     }
-    let place = Place::of(data)?;
+    let place = UnpackTarget::of(data)?;
     let from = sound(&archive)?;
     let begins = chain::anchor(&from).map_err(|fault| refused(file, &fault))?;
     let record = Unpacked {
@@ -42,16 +42,16 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
 }
 
 /// Destination of the folder, and where it is built until it is complete.
-struct Place {
+struct UnpackTarget {
     data: PathBuf,
     build: PathBuf,
     /// Whether the destination exists, perhaps as a volume or the target of a link: it stays, and the result is moved into it.
     is_there: bool,
 }
 
-impl Place {
+impl UnpackTarget {
     /// Checks that the destination is free: missing, an empty folder, or the leftover of a killed unpacking.
-    fn of(data: &Path) -> Result<Place, Unreadable> {
+    fn of(data: &Path) -> Result<UnpackTarget, Unreadable> {
         let refused = |words: &dyn std::fmt::Display| Unreadable(format!("{} cannot be used: {words}", data.display()));
         let data = match data.canonicalize() {
             Ok(there) => there,
@@ -59,7 +59,7 @@ impl Place {
                 let Some(name) = data.file_name() else { return Err(refused(&error)) };
                 let mut beside = name.to_owned();
                 beside.push(format!(".{}", names::UNPACK.written()));
-                return Ok(Place { data: data.to_owned(), build: data.with_file_name(beside), is_there: false });
+                return Ok(UnpackTarget { data: data.to_owned(), build: data.with_file_name(beside), is_there: false });
             }
             Err(error) => return Err(refused(&error)),
         };
@@ -71,7 +71,7 @@ impl Place {
         let was_begun = has(names::UNPACK) && !has(names::JOURNAL);
         if is_empty || was_begun {
             let build = names::UNPACK.within(&data);
-            Ok(Place { data, build, is_there: true })
+            Ok(UnpackTarget { data, build, is_there: true })
         } else {
             Err(Unreadable(format!("{} is not empty: name another folder with --data", data.display())))
         }

@@ -12,7 +12,7 @@ use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Stamp};
 use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent};
 use hallsweep_core::units::{Now, OrderId, Piece, Pose, WallTime};
-use hallsweep_drivers::line::{Asked, LineReader, LineRobot, RobotName};
+use hallsweep_drivers::line::{BodyRequest, LineReader, LineRobot, RobotName};
 
 /// The bytes of its photos.
 pub(crate) const PHOTO: usize = 100_000;
@@ -128,11 +128,11 @@ impl Life {
         self.robot.handle_received(bytes, self.now());
     }
 
-    fn obey(&mut self, asked: Asked) {
+    fn obey(&mut self, asked: BodyRequest) {
         let event = match asked {
-            Asked::Halt => self.open.take().map(|id| RobotEvent::Halted(id, true)),
-            Asked::Led(_) => None,
-            Asked::Order(order) => match order.action {
+            BodyRequest::Halt => self.open.take().map(|id| RobotEvent::Halted(id, true)),
+            BodyRequest::Led(_) => None,
+            BodyRequest::Order(order) => match order.action {
                 Action::Move(Move::Forward) if self.meets_luggage => {
                     Some(RobotEvent::Blocked(order.id, Obstacle::Luggage(Piece(1))))
                 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep::doors::mqtt::commands::Commands;
-use hallsweep::doors::mqtt::session::{Link, Parts, Session, Times, believing};
+use hallsweep::doors::mqtt::session::{Parts, Session, SessionLink, Times, believing};
 use hallsweep::doors::mqtt::topics::Topics;
-use hallsweep::runtime::archive_reader::Reader;
+use hallsweep::runtime::archive_reader::ArchiveReader;
 use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
 use hallsweep::storage::sqlite::MemoryStore;
@@ -48,7 +48,7 @@ impl TestApp {
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
         let handle = Handle::new(commands, watched.clone(), Halter::new(Epoch(1)));
         let session = Session::new(Parts {
-            link: Link {
+            link: SessionLink {
                 version: if broker.kind() == Kind::MosquittoFive { Version::Five } else { Version::Three },
                 host: "127.0.0.1".to_owned(),
                 port: broker.port(),
@@ -61,7 +61,7 @@ impl TestApp {
             home_assistant: false,
             states: watched,
             answers,
-            archive: Reader::new(MemoryStore::new().archive()),
+            archive: ArchiveReader::new(MemoryStore::new().archive()),
             seed: u64::from(broker.port()),
             times: Times::default(),
         });

@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use self::scope::Scopes;
 use super::blackboard::Blackboard;
-use super::document::{Attribute, Document, Element, Form, Model, Place, TreeDefinition};
+use super::document::{Attribute, Document, Element, Form, Model, SourcePosition, TreeDefinition};
 use super::error::{Reason, TreeError, format_4_name};
 use super::findings::Findings;
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
-use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
+use super::tree::{DEEPEST, Label, Live, MOST_NODES, MOST_TEXT, Node, NodeKind, Shape, Tree};
 use crate::fnv1a;
 
 /// Most nodes and most bytes of attributes of all trees of a file together, each with its subtrees, when the file is
@@ -80,7 +80,7 @@ impl Tree {
 impl Document {
     /// The tree of this ID; without one, the main tree that the document names, or its only tree.
     pub(crate) fn main_tree(&self, id: Option<&str>) -> Result<&TreeDefinition, TreeError> {
-        let refuse = |reason| TreeError::at(Place { line: 1, column: 1 }, reason);
+        let refuse = |reason| TreeError::at(SourcePosition { line: 1, column: 1 }, reason);
         match (id.or(self.main.as_deref()), &self.trees[..]) {
             (Some(id), _) => self.tree(id).ok_or_else(|| refuse(Reason::UnknownTree(id.to_owned()))),
             (None, [only]) => Ok(only),
@@ -187,8 +187,8 @@ struct Builder<'a> {
     fingerprint: u64,
 }
 
-enum Found<'a> {
-    Node(Kind),
+enum FoundNode<'a> {
+    Node(NodeKind),
     /// A control node or decorator that nobody here performs.
     Declared(&'a Model),
 }
@@ -216,8 +216,8 @@ impl<'a> Builder<'a> {
             return refuse(Reason::TooMuchText);
         }
         let kind = match self.kind(element) {
-            Ok(Found::Node(kind)) => kind,
-            Ok(Found::Declared(model)) => {
+            Ok(FoundNode::Node(kind)) => kind,
+            Ok(FoundNode::Declared(model)) => {
                 self.declared(element, model, scope);
                 return self.children(element, scope, prefix);
             }
@@ -228,9 +228,9 @@ impl<'a> Builder<'a> {
         };
         let (family, children) = match kind {
             // The child of a subtree stands in a tree of its own.
-            Kind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
-            Kind::BuiltIn(kind) => (kind.family(), kind.children()),
-            Kind::Leaf(_) => (Family::Leaf, (0, 0)),
+            NodeKind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
+            NodeKind::BuiltIn(kind) => (kind.family(), kind.children()),
+            NodeKind::Leaf(_) => (Family::Leaf, (0, 0)),
         };
         self.count_children(element, children);
         self.count_async(element, kind);
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
         let label = Label {
             name: Arc::from(name),
             path: path.clone(),
-            id: Arc::from(if kind == Kind::BuiltIn(BuiltIn::SubTree) { "SubTree" } else { element.id.as_str() }),
+            id: Arc::from(if kind == NodeKind::BuiltIn(BuiltIn::SubTree) { "SubTree" } else { element.id.as_str() }),
             place: element.place,
             depth: u16::try_from(self.depth).unwrap_or(u16::MAX),
         };
@@ -250,7 +250,7 @@ impl<'a> Builder<'a> {
         self.shape.labels.push(label);
         self.bind(element, kind, scope, to_u32(at));
         self.shape.nodes[at].port_count = u16::try_from(self.shape.bindings.len() - ports as usize).unwrap_or(u16::MAX);
-        if kind == Kind::BuiltIn(BuiltIn::SubTree) {
+        if kind == NodeKind::BuiltIn(BuiltIn::SubTree) {
             self.subtree(element, scope, &path)?;
         } else {
             self.children(element, scope, prefix)?;
@@ -287,13 +287,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Looks up an element: a node of the engine, a leaf, a node that a file declares, or nothing.
-    fn kind(&self, element: &Element) -> Result<Found<'a>, Reason> {
+    fn kind(&self, element: &Element) -> Result<FoundNode<'a>, Reason> {
         let id = &element.id;
         if id.is_empty() {
             return Err(Reason::NoId(element.form.word().to_owned()));
         }
         if element.form == Form::SubTree {
-            return Ok(Found::Node(Kind::BuiltIn(BuiltIn::SubTree)));
+            return Ok(FoundNode::Node(NodeKind::BuiltIn(BuiltIn::SubTree)));
         }
         let (found, fits) = if let Some(kind) = BuiltIn::named(id) {
             let fits = match element.form {
@@ -304,13 +304,13 @@ impl<'a> Builder<'a> {
                 Form::Condition => kind == BuiltIn::ScriptCondition,
                 Form::SubTree => false,
             };
-            (Found::Node(Kind::BuiltIn(kind)), fits)
+            (FoundNode::Node(NodeKind::BuiltIn(kind)), fits)
         } else if let Some(place) = self.catalogue.place(id) {
             let is_condition = self.catalogue.kinds()[place].is_condition;
             let form = if is_condition { Form::Condition } else { Form::Action };
-            (Found::Node(Kind::Leaf(place)), [Form::Compact, form].contains(&element.form))
+            (FoundNode::Node(NodeKind::Leaf(place)), [Form::Compact, form].contains(&element.form))
         } else if let Some(model) = self.catalogue.declared(id).filter(|model| model.form != Form::SubTree) {
-            (Found::Declared(model), [Form::Compact, model.form].contains(&element.form))
+            (FoundNode::Declared(model), [Form::Compact, model.form].contains(&element.form))
         } else if let Some(now) = format_4_name(id) {
             return Err(Reason::Format3 { written: id.clone(), now });
         } else if element.children.is_empty() {
@@ -346,9 +346,9 @@ impl<'a> Builder<'a> {
     }
 
     /// BehaviorTree.CPP has the same rule: one asynchronous child would have the other halted in each tick.
-    fn count_async(&mut self, element: &Element, kind: Kind) {
+    fn count_async(&mut self, element: &Element, kind: NodeKind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
-        if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
+        if kind == NodeKind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
             self.findings.fault(TreeError::at(element.place, Reason::TwoAsync));
         }
     }

@@ -4,11 +4,11 @@ use super::{Builder, to_u32};
 use crate::blackboard::Slot;
 use crate::document::{Attribute, Element, Form, Model};
 use crate::error::{Reason, TreeError, format_4_name};
-use crate::kind::{BuiltIn, BuiltInPort, Needed, Written};
+use crate::kind::{BuiltIn, BuiltInPort, Needed, PortForm};
 use crate::leaf::{Binding, Direction, Port};
 use crate::script::Script;
 use crate::status::Status;
-use crate::tree::{Conditions, Kind};
+use crate::tree::{Conditions, NodeKind};
 use crate::value::{Value, ValueType};
 
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
@@ -20,11 +20,11 @@ const AUTOREMAP: &str = "_autoremap";
 const MOST_PARTIES: usize = 16;
 
 impl<'a> Builder<'a> {
-    pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) {
+    pub(super) fn bind(&mut self, element: &'a Element, kind: NodeKind, scope: usize, node: u32) {
         match kind {
             // The attributes of a subtree are handled by `enter`.
-            Kind::BuiltIn(BuiltIn::SubTree) => {}
-            Kind::BuiltIn(kind) => {
+            NodeKind::BuiltIn(BuiltIn::SubTree) => {}
+            NodeKind::BuiltIn(kind) => {
                 self.known_ports(element, |name| kind.ports().iter().any(|port| port.name == name));
                 if kind == BuiltIn::Sync {
                     let bound = self.bind_barrier(element, kind);
@@ -37,7 +37,7 @@ impl<'a> Builder<'a> {
                     self.shape.bindings.push(binding);
                 }
             }
-            Kind::Leaf(place) => {
+            NodeKind::Leaf(place) => {
                 let ports = &self.catalogue.kinds()[place].ports;
                 self.known_ports(element, |name| ports.iter().any(|port| port.name == name));
                 for port in ports {
@@ -109,7 +109,7 @@ impl<'a> Builder<'a> {
         };
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
-            (Written::EntryName, _) => {
+            (PortForm::EntryName, _) => {
                 // With or without braces, the text is the name: a slot cannot be an entry that holds the name of
                 // another. Only braces create the entry, though.
                 let name = pointer.unwrap_or(text);
@@ -122,21 +122,21 @@ impl<'a> Builder<'a> {
                 let is_out_of_reach = port.name == "key" && !self.scopes.is_own(scope, name);
                 Ok(if is_out_of_reach { Binding::Unset } else { Binding::Slot(slot) })
             }
-            (Written::Value(ty), Some(name)) => {
+            (PortForm::Value(ty), Some(name)) => {
                 let slot = self.scopes.declare(scope, name, ty, self.blackboard);
                 slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
             }
-            (Written::Value(ty), None) => match Value::parse(text, ty) {
+            (PortForm::Value(ty), None) => match Value::parse(text, ty) {
                 Some(value) => Ok(Binding::Literal(value)),
                 None => Err(refuse(Reason::Literal { port: port.name.to_owned(), ty, value: text.to_owned() })),
             },
-            (Written::Literal, Some(_)) => Err(refuse(Reason::EntryForLiteral(port.name.to_owned()))),
-            (Written::Output(ty), Some(name)) => {
+            (PortForm::Literal, Some(_)) => Err(refuse(Reason::EntryForLiteral(port.name.to_owned()))),
+            (PortForm::Output(ty), Some(name)) => {
                 let slot = self.scopes.declare(scope, name, ty, self.blackboard);
                 slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
             }
-            (Written::Output(_), None) => Err(refuse(Reason::LiteralOutput(port.name.to_owned()))),
-            (Written::Literal, None) if matches!(port.name, "else" | "if_empty") => {
+            (PortForm::Output(_), None) => Err(refuse(Reason::LiteralOutput(port.name.to_owned()))),
+            (PortForm::Literal, None) if matches!(port.name, "else" | "if_empty") => {
                 let status = Status::named(text).filter(|status| *status != Status::Idle).ok_or_else(|| {
                     let wanted = "SUCCESS, FAILURE, RUNNING or SKIPPED";
                     refuse(Reason::Word { port: port.name.to_owned(), value: text.to_owned(), wanted })
@@ -144,7 +144,7 @@ impl<'a> Builder<'a> {
                 self.shape.otherwise.push((node, status));
                 Ok(Binding::Unset)
             }
-            (Written::Literal, None) => {
+            (PortForm::Literal, None) => {
                 let script = self.script(&Attribute { place, ..Attribute::new(port.name, text) }, scope)?;
                 self.shape.scripts.push((node, script));
                 Ok(Binding::Unset)

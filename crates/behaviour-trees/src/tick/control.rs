@@ -1,11 +1,11 @@
 //! Nodes with several children. The rules are those of the sources of BehaviorTree.CPP 4, including what is reset when;
 //! comments mark those that surprise.
 
-use super::{Faulted, Leaves, Node, Outcome, Run, Status, children};
+use super::{Faulted, Leaves, Node, Outcome, Status, TreeRun, children};
 use crate::tree::Shape;
 use crate::value::Value;
 
-impl<'a, L: Leaves> Run<'a, L> {
+impl<'a, L: Leaves> TreeRun<'a, L> {
     /// Sequence and Fallback: `end` is the status of a child that ends the node. An asynchronous one returns RUNNING
     /// after each child that was not running before.
     pub(super) fn in_order(&mut self, at: usize, node: &Node, end: Status, is_async: bool) -> Outcome {

@@ -1,11 +1,11 @@
 //! Nodes with one child, which stands right behind its parent in the row. Their time is the tree's own: the sum of what
 //! its ticks were told.
 
-use super::{Leaves, Node, Outcome, Run, Status};
+use super::{Leaves, Node, Outcome, Status, TreeRun};
 
 const NANOSECONDS_PER_MILLISECOND: u64 = 1_000_000;
 
-impl<L: Leaves> Run<'_, L> {
+impl<L: Leaves> TreeRun<'_, L> {
     pub(super) fn inverter(&mut self, at: usize) -> Outcome {
         self.live[at].status = Status::Running;
         let said = self.tick(at + 1)?;

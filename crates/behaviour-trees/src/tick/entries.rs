@@ -2,12 +2,12 @@
 //! between its elements, or behind each; an empty text has no elements. The queues that BehaviorTree.CPP stores in
 //! entries of their own type are not supported.
 
-use super::{Leaves, Node, Outcome, Run, Status};
+use super::{Leaves, Node, Outcome, Status, TreeRun};
 use crate::kind::BuiltIn;
 use crate::leaf::Binding;
 use crate::value::{Value, ValueType};
 
-impl<L: Leaves> Run<'_, L> {
+impl<L: Leaves> TreeRun<'_, L> {
     /// Ticks the child if the entry was written since the last look; a running child continues without another look.
     pub(super) fn if_updated(&mut self, at: usize, node: &Node, otherwise: Status) -> Outcome {
         if !self.live[at].has_begun && !self.is_updated(at, node) {

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use super::{Leaves, Node, NodeId, Outcome, Run, Status};
+use super::{Leaves, Node, NodeId, Outcome, Status, TreeRun};
 use crate::leaf::{Binding, Leaf, Misuse};
 use crate::script::Script;
 use crate::tree::Shape;
 use crate::value::Value;
 
-impl<'a, L: Leaves> Run<'a, L> {
+impl<'a, L: Leaves> TreeRun<'a, L> {
     pub(super) fn leaf(&mut self, at: usize, node: &Node, kind: usize) -> Outcome {
         let live = &mut self.live[at];
         let is_starting = live.status != Status::Running;

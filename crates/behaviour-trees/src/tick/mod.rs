@@ -13,12 +13,12 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::blackboard::Blackboard;
-use super::document::Place;
+use super::document::SourcePosition;
 use super::kind::{BuiltIn, Family};
 use super::leaf::{Binding, Leaves};
 use super::script::Script;
 use super::status::Status;
-use super::tree::{Kind, Live, Node, NodeId, Shape};
+use super::tree::{Live, Node, NodeId, NodeKind, Shape};
 use super::value::Value;
 
 /// Why a tick could not be completed, and at which node.
@@ -29,7 +29,7 @@ pub struct Fault {
     /// Its path in the tree.
     pub path: Arc<str>,
     /// Its place in its file.
-    pub place: Place,
+    pub place: SourcePosition,
     /// What is wrong, in words.
     pub reason: String,
 }
@@ -48,7 +48,7 @@ pub(crate) struct Faulted;
 
 pub(crate) type Outcome = Result<Status, Faulted>;
 
-pub(crate) struct Run<'a, L> {
+pub(crate) struct TreeRun<'a, L> {
     pub(crate) shape: &'a Shape,
     pub(crate) live: &'a mut [Live],
     pub(crate) blackboard: &'a mut Blackboard,
@@ -58,7 +58,7 @@ pub(crate) struct Run<'a, L> {
     pub(crate) fault: Option<Fault>,
 }
 
-impl<'a, L: Leaves> Run<'a, L> {
+impl<'a, L: Leaves> TreeRun<'a, L> {
     /// Ticks a node: its conditions, then the node itself, then the scripts that follow.
     pub(crate) fn tick(&mut self, at: usize) -> Outcome {
         let shape: &'a Shape = self.shape;
@@ -85,8 +85,8 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     fn perform(&mut self, at: usize, node: &Node) -> Outcome {
         match node.kind {
-            Kind::Leaf(kind) => self.leaf(at, node, kind),
-            Kind::BuiltIn(kind) => match kind {
+            NodeKind::Leaf(kind) => self.leaf(at, node, kind),
+            NodeKind::BuiltIn(kind) => match kind {
                 BuiltIn::Sequence => self.in_order(at, node, Status::Failure, false),
                 BuiltIn::AsyncSequence => self.in_order(at, node, Status::Failure, true),
                 BuiltIn::Fallback => self.in_order(at, node, Status::Success, false),
@@ -180,8 +180,8 @@ impl<'a, L: Leaves> Run<'a, L> {
         let shape: &'a Shape = self.shape;
         let node = &shape.nodes[at];
         match node.kind {
-            Kind::Leaf(kind) => self.halt_leaf(at, node, kind),
-            Kind::BuiltIn(kind) => {
+            NodeKind::Leaf(kind) => self.halt_leaf(at, node, kind),
+            NodeKind::BuiltIn(kind) => {
                 if kind == BuiltIn::TryCatch {
                     self.catch_on_halt(at, node);
                 }
@@ -288,8 +288,8 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     fn port_name(&self, node: &Node, port: usize) -> &'static str {
         match node.kind {
-            Kind::BuiltIn(kind) => kind.ports().get(port).map_or("", |port| port.name),
-            Kind::Leaf(_) => "",
+            NodeKind::BuiltIn(kind) => kind.ports().get(port).map_or("", |port| port.name),
+            NodeKind::Leaf(_) => "",
         }
     }
 }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 
-use crate::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort, Place, TreeDefinition};
+use crate::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort, SourcePosition, TreeDefinition};
 use crate::error::{Reason, TreeError, format_4_name};
 use crate::findings::Findings;
 use crate::leaf::Direction;
@@ -47,7 +47,7 @@ pub fn read_with(text: &str, findings: &mut Findings) -> Option<Document> {
 }
 
 fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
-    let start = Place { line: 1, column: 1 };
+    let start = SourcePosition { line: 1, column: 1 };
     if text.len() > LONGEST_FILE {
         return Err(TreeError::at(start, Reason::TooLong { length: text.len(), most: LONGEST_FILE }));
     }
@@ -63,9 +63,9 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
         // The place stands in front already.
         let said = error.to_string();
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
-        TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
+        TreeError::at(SourcePosition { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
-    Reader { xml: &xml, lines, findings }.document()
+    XmlReader { xml: &xml, lines, findings }.document()
 }
 
 /// The parser compares each attribute with all others of its element, and each namespace with all in scope: files for
@@ -122,7 +122,7 @@ impl<'x> Lines<'x> {
         Lines { text, starts, last: Cell::new((0, 1)) }
     }
 
-    fn place(&self, at: usize) -> Place {
+    fn place(&self, at: usize) -> SourcePosition {
         let line = self.starts.partition_point(|start| *start <= at);
         let start = self.starts[line - 1];
         let (last, before) = self.last.get();
@@ -130,19 +130,19 @@ impl<'x> Lines<'x> {
         let column = counted + self.text[from..at].chars().count();
         self.last.set((at, column));
         let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
-        Place { line: number(line), column: number(column) }
+        SourcePosition { line: number(line), column: number(column) }
     }
 }
 
-struct Reader<'x, 'f> {
+struct XmlReader<'x, 'f> {
     xml: &'x Xml<'x>,
     lines: Lines<'x>,
     findings: &'f mut Findings,
 }
 
 /// Faults go to the findings; an `Err` is one after which the file cannot be read on.
-impl<'x> Reader<'x, '_> {
-    fn of(&self, node: Node<'_, '_>) -> Place {
+impl<'x> XmlReader<'x, '_> {
+    fn of(&self, node: Node<'_, '_>) -> SourcePosition {
         self.lines.place(node.range().start)
     }
 

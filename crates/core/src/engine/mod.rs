@@ -10,6 +10,7 @@
 
 mod acts;
 mod arms;
+mod coalesced_entries;
 mod decide;
 mod facts;
 mod fetch_alone;
@@ -27,7 +28,6 @@ mod repeats;
 mod reports;
 mod retrieval;
 mod robots;
-mod sharing;
 mod simulated;
 mod stops;
 mod team;
@@ -43,14 +43,14 @@ use std::time::Duration;
 use self::decide::Step;
 pub use self::motion::Barred;
 pub use self::past::{Past, way_behind};
-pub use self::recall::{Recalled, Remembered};
+pub use self::recall::{Recalled, RememberedLine};
 pub use self::repeats::IDS;
 
+use self::coalesced_entries::CoalescedEntries;
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, WaitingAnswer};
 use self::refusals::Note;
 use self::repeats::{Content, IdUse, Outcome, Repeats};
-use self::sharing::Sharing;
 use self::stops::Stops;
 use self::team::Ticked;
 use self::view::Shown;
@@ -87,7 +87,7 @@ pub struct Engine {
     outbox: Outbox,
     watchdog: SensorWatchdog,
     repeats: Repeats,
-    refusals: Sharing<Note>,
+    refusals: CoalescedEntries<Note>,
     stops: Stops,
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
@@ -120,7 +120,7 @@ impl Engine {
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
-            refusals: Sharing::new(refusals::LIMITS),
+            refusals: CoalescedEntries::new(refusals::LIMITS),
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Engine;
 use super::on_record::OnRecord;
-use super::recall::Remembered;
+use super::recall::RememberedLine;
 use crate::effect::{Entry, Fact};
 use crate::mission::TRAIL;
 use crate::robot::RobotId;
@@ -15,7 +15,7 @@ use crate::state::PersistentState;
 use crate::state::readings::recall;
 use crate::units::{Cell, Revision, Seq};
 use crate::world::resource::Resource;
-use crate::world::temperature::{Reading, Thermometer};
+use crate::world::temperature::{SourceReading, Thermometer};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
@@ -28,7 +28,7 @@ pub struct Past {
     /// Recent entries with temperatures, oldest first.
     pub temperatures: Vec<Entry>,
     /// The latest actions of people and finds, oldest first.
-    pub latest: Vec<Remembered>,
+    pub latest: Vec<RememberedLine>,
 }
 
 /// The cells that the robot left, the latest last, as many as a snapshot shows. They come from the latest entries,
@@ -62,7 +62,7 @@ const fn begins_a_way(fact: &Fact) -> bool {
 impl Past {
     /// The last reading in these entries; the settings matter only to what follows from it.
     #[must_use]
-    pub fn reading(&self) -> Option<Reading> {
+    pub fn reading(&self) -> Option<SourceReading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
         recall(&mut thermometer, &self.temperatures);
         thermometer.latest()
@@ -86,7 +86,7 @@ impl Past {
         engine.recall_team();
         engine.mission.trail = trail.into();
         recall(&mut engine.world.thermometer, &temperatures);
-        for Remembered { wall, tone, said } in latest {
+        for RememberedLine { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }
         engine.on_record = OnRecord::of(engine.mission_as_it_is());

@@ -29,11 +29,11 @@ pub struct Recalled {
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
     /// The latest actions of people and finds, oldest first.
-    pub latest: Vec<Remembered>,
+    pub latest: Vec<RememberedLine>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remembered {
+pub struct RememberedLine {
     pub wall: WallTime,
     pub tone: Tone,
     pub said: Said,
@@ -49,7 +49,7 @@ impl Engine {
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
         engine.begin(now);
-        for Remembered { wall, tone, said } in latest {
+        for RememberedLine { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);
         }
         engine.take_up(state);

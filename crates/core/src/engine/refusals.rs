@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use super::Engine;
-use super::sharing::{Limits, Sender, Shared};
+use super::coalesced_entries::{CoalescedEntry, CoalescingLimits, Sender};
 use crate::command::{Issuer, Refusal, Refused};
 use crate::effect::Fact;
 use crate::mission::Asked;
@@ -16,8 +16,8 @@ use crate::units::{Now, Seq};
 
 /// More than a person presses in a minute; beyond it one entry per period. There are fewer keys, at all doors together,
 /// than senders.
-pub(super) const LIMITS: Limits =
-    Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
+pub(super) const LIMITS: CoalescingLimits =
+    CoalescingLimits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Note {
@@ -40,7 +40,7 @@ impl Engine {
         is_written.then(|| self.outbox.written())
     }
 
-    pub(super) fn write_refusals(&mut self, due: impl IntoIterator<Item = Shared<Note>>) {
+    pub(super) fn write_refusals(&mut self, due: impl IntoIterator<Item = CoalescedEntry<Note>>) {
         for Note { issuer, asked, refused } in due.into_iter().map(Note::of) {
             let (kept, command) = (Some(Refusal::from(&refused)), asked.to_string());
             let said = Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: Some(refused) };
@@ -56,7 +56,7 @@ impl Note {
         (self.issuer.key(), self.issuer.door)
     }
 
-    fn of(Shared { last, count, .. }: Shared<Note>) -> Note {
+    fn of(CoalescedEntry { last, count, .. }: CoalescedEntry<Note>) -> Note {
         if count <= 1 {
             return last;
         }
@@ -70,18 +70,18 @@ impl Note {
 mod tests {
     use super::*;
     use crate::command::Door;
-    use crate::engine::sharing::Sharing;
+    use crate::engine::coalesced_entries::CoalescedEntries;
 
     fn note(who: &str, asked: &str) -> Note {
         let issuer = Issuer { door: Door("mqtt"), who: who.into(), from: "192.0.2.7".into() };
         Note { issuer, asked: Asked::from_words(asked), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 
-    fn come(refusals: &mut Sharing<Note>, note: Note, count: u64, now: Duration) -> Option<Shared<Note>> {
+    fn come(refusals: &mut CoalescedEntries<Note>, note: Note, count: u64, now: Duration) -> Option<CoalescedEntry<Note>> {
         refusals.come(note.sender(), (note, count), now)
     }
 
-    fn asked(due: impl IntoIterator<Item = Shared<Note>>) -> Vec<String> {
+    fn asked(due: impl IntoIterator<Item = CoalescedEntry<Note>>) -> Vec<String> {
         due.into_iter().map(|shared| Note::of(shared).asked.to_string()).collect()
     }
 
@@ -94,7 +94,7 @@ mod tests {
     /// Safety A5, A6.
     #[test]
     fn a_flood_of_refusals_is_counted_and_every_one_of_them_is_in_an_entry() {
-        let mut refusals = Sharing::new(LIMITS);
+        let mut refusals = CoalescedEntries::new(LIMITS);
         let mut written = 0;
         for n in 0..3000_u32 {
             written += usize::from(come(&mut refusals, note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).is_some());
@@ -110,7 +110,7 @@ mod tests {
     /// Safety A6: the door counts while the queue of commands is full.
     #[test]
     fn what_comes_as_the_last_of_many_counts_as_many() {
-        let mut refusals = Sharing::new(LIMITS);
+        let mut refusals = CoalescedEntries::new(LIMITS);
         assert_eq!(come(&mut refusals, note("lobby", "START 1"), 1000, SECOND), None);
         assert_eq!(come(&mut refusals, note("lobby", "START 2"), 1, SECOND), None);
         assert_eq!(asked(refusals.fall_due(EVERY + SECOND)), ["START 2, and 1000 more that were refused"]);
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn whoever_is_refused_now_and_then_is_written_one_by_one_and_nobody_for_another() {
-        let mut refusals = Sharing::new(LIMITS);
+        let mut refusals = CoalescedEntries::new(LIMITS);
         (0..9 * BURST).for_each(|_| drop(come(&mut refusals, note("lobby", "START"), 1, SECOND)));
         assert_eq!(asked(come(&mut refusals, note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_nothing_of_others_is_lost() {
-        let mut refusals = Sharing::new(LIMITS);
+        let mut refusals = CoalescedEntries::new(LIMITS);
         (0..=BURST).for_each(|_| drop(come(&mut refusals, note("first", "START"), 1, Duration::ZERO)));
         for n in 1..LIMITS.senders {
             assert!(come(&mut refusals, note(&format!("key-{n}"), "START"), 1, Duration::ZERO).is_some());

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
-use super::sharing::{Limits, Sender, Shared, Sharing};
+use super::coalesced_entries::{CoalescedEntries, CoalescedEntry, CoalescingLimits, Sender};
 use crate::command::{Command, CommandId, Issuer, OPERATOR, Request};
 use crate::effect::Fact;
 use crate::mission::Asked;
@@ -17,7 +17,8 @@ use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
 
 /// More than a person presses, and less than a disk can write. The senders are those who pressed in the last seconds.
-const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
+const RECORDS: CoalescingLimits =
+    CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
 /// Longest wait of a stop's answer for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -36,7 +37,7 @@ pub(super) struct Stops {
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be given that was delayed for the sake of an answer.
     put_off: Option<Duration>,
-    pub(super) records: Sharing<Press>,
+    pub(super) records: CoalescedEntries<StopRequest>,
     /// Oldest first.
     named: VecDeque<Named>,
 }
@@ -50,7 +51,7 @@ struct Named {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Press {
+pub(super) struct StopRequest {
     issuer: Issuer,
     id: Option<CommandId>,
     wall: WallTime,
@@ -58,7 +59,7 @@ pub(super) struct Press {
 
 impl Default for Stops {
     fn default() -> Stops {
-        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS), named: VecDeque::new() }
+        Stops { waiting: Vec::new(), put_off: None, records: CoalescedEntries::new(RECORDS), named: VecDeque::new() }
     }
 }
 
@@ -105,8 +106,8 @@ impl Engine {
         if count == 1 && self.is_same_press(request) {
             return;
         }
-        let press = Press { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
-        let due = self.stops.records.come(sender(&request.issuer), (press, count), self.now.since_start);
+        let stop_request = StopRequest { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
+        let due = self.stops.records.come(sender(&request.issuer), (stop_request, count), self.now.since_start);
         self.write_stops(due);
     }
 
@@ -115,9 +116,9 @@ impl Engine {
         let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
         let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
         let is_over = |epoch| released.is_some_and(|released| released >= epoch);
-        named.retain(|press| at.saturating_sub(press.at) < SAME_PRESS && !is_over(press.epoch));
+        named.retain(|stop_request| at.saturating_sub(stop_request.at) < SAME_PRESS && !is_over(stop_request.epoch));
         let who = request.issuer.key();
-        let is_known = named.iter().any(|press| press.who == who && press.id == *id);
+        let is_known = named.iter().any(|stop_request| stop_request.who == who && stop_request.id == *id);
         if !is_known {
             named.push_back(Named { who, id: id.clone(), epoch, at });
         }
@@ -127,8 +128,8 @@ impl Engine {
         is_known
     }
 
-    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
-        for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
+    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<StopRequest>>) {
+        for CoalescedEntry { last: StopRequest { issuer, id, wall }, count, lasted } in stops {
             let within = Some(lasted).filter(|lasted| !lasted.is_zero());
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))

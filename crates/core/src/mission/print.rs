@@ -1,7 +1,7 @@
 //! The transition table as Markdown, for `docs/mission-table.md` and `hallsweep table`.
 
 use super::rule::{Rule, To};
-use super::table::{Row, row};
+use super::table::{InputRow, row};
 use super::{Input, rules};
 use crate::phase::PhaseName;
 
@@ -17,18 +17,18 @@ pub fn table_markdown() -> String {
          last stop's is refused as outdated. Raising a hold during a mission also raises `awaitingStart`.\n",
     );
     text.push_str(&section("in every phase", |input| match row(input) {
-        Row::Everywhere(rules) => Some(rules),
-        Row::Halting { .. } | Row::ByPhase(_) => None,
+        InputRow::Everywhere(rules) => Some(rules),
+        InputRow::Halting { .. } | InputRow::ByPhase(_) => None,
     }));
     text.push_str(&section("in every phase but driving", |input| match row(input) {
-        Row::Halting { elsewhere, .. } => Some(elsewhere),
-        Row::Everywhere(_) | Row::ByPhase(_) => None,
+        InputRow::Halting { elsewhere, .. } => Some(elsewhere),
+        InputRow::Everywhere(_) | InputRow::ByPhase(_) => None,
     }));
     for phase in PhaseName::ALL {
         let own = |input| match row(input) {
-            Row::Everywhere(_) => None,
-            Row::Halting { elsewhere, .. } => Some(rules(phase, input)).filter(|rules| *rules != elsewhere),
-            Row::ByPhase(_) => Some(rules(phase, input)),
+            InputRow::Everywhere(_) => None,
+            InputRow::Halting { elsewhere, .. } => Some(rules(phase, input)).filter(|rules| *rules != elsewhere),
+            InputRow::ByPhase(_) => Some(rules(phase, input)),
         };
         text.push_str(&section(&format!("{}: {}", phase.name(), phase.in_words()), own));
     }

@@ -8,7 +8,7 @@ use behaviour_trees::state::StateError;
 impl Team {
     #[must_use]
     pub fn state(&self) -> TeamState {
-        let held = |entry: &behaviour_trees::blackboard::Entry| Some((entry.name().to_owned(), entry.value()?.clone()));
+        let held = |entry: &behaviour_trees::blackboard::BlackboardEntry| Some((entry.name().to_owned(), entry.value()?.clone()));
         let [one, two, three] = &self.trees;
         TeamState {
             trees: [one.state(), two.state(), three.state()],

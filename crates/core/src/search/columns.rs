@@ -1,7 +1,7 @@
 //! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the one beside it.
 //! Cells left behind an obstacle are visited when nothing is nearer.
 
-use super::entries::{Entry, Visit, best_entry};
+use super::entries::{CellEntry, Visit, best_entry};
 use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
@@ -14,7 +14,7 @@ const COLUMN: i32 = 1000;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     let here = view.pose.cell;
-    best_entry(view, ways, 0, |entry: &Entry| {
+    best_entry(view, ways, 0, |entry: &CellEntry| {
         let away = i32::try_from(view.grid.cell(entry.target).x.abs_diff(here.x)).unwrap_or(i32::MAX);
         let aside = if matches!(entry.at.heading, Heading::East | Heading::West) { ASIDE } else { 0 };
         COLUMN.saturating_mul(away).saturating_add(aside)

@@ -10,7 +10,7 @@ use crate::command::Move;
 use crate::units::{Cell, Heading};
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct CellEntry {
     /// The state before it, and the way there.
     pub(crate) at: Reached,
     pub(crate) target: Spot,
@@ -25,7 +25,12 @@ pub(crate) struct Visit {
 
 /// The entry with the least sum of the way there, in thousandths of a step, and its worth. `worth` is lower for cells
 /// that should come sooner, and never below `least`, which ends the search.
-pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth: impl FnMut(&Entry) -> i32) -> Option<Visit> {
+pub(crate) fn best_entry(
+    view: &View<'_>,
+    ways: &mut Ways,
+    least: i32,
+    mut worth: impl FnMut(&CellEntry) -> i32,
+) -> Option<Visit> {
     let View { grid, pose, terms: Terms { costs, .. }, .. } = *view;
     if !grid.has_open() {
         return None;
@@ -35,7 +40,7 @@ pub(crate) fn best_entry(view: &View<'_>, ways: &mut Ways, least: i32, mut worth
     let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
         if grid.here(target).is_open() {
-            let score = in_thousandths(at.cost).saturating_add(worth(&Entry { at, target }));
+            let score = in_thousandths(at.cost).saturating_add(worth(&CellEntry { at, target }));
             if best.is_none_or(|(so_far, ..)| score < so_far) {
                 best = Some((score, target, (at.spot, at.heading)));
                 limit = affordable(score.saturating_sub(least));

@@ -1,7 +1,7 @@
 //! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them,
 //! so that few lone cells are left behind to come back for.
 
-use super::entries::{Entry, Visit, best_entry};
+use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;
 use super::view::View;
 use super::ways::Ways;
@@ -12,7 +12,8 @@ const NEIGHBOUR: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     let grid = view.grid;
-    let unvisited =
-        |entry: &Entry| Heading::ALL.iter().filter(|side| grid.here(onward(entry.target, grid.step(**side))).is_open()).count();
+    let unvisited = |entry: &CellEntry| {
+        Heading::ALL.iter().filter(|side| grid.here(onward(entry.target, grid.step(**side))).is_open()).count()
+    };
     best_entry(view, ways, 0, |entry| NEIGHBOUR * i32::try_from(unvisited(entry)).unwrap_or(0))
 }

@@ -9,7 +9,7 @@
 //! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen counts as unknown where the
 //! hall is to be covered, and as visited where luggage is to be found.
 
-use super::entries::Entry;
+use super::entries::CellEntry;
 use super::grid::{Grid, Spot, Square, onward};
 use super::tables::{LINEAR, RUN, SMALL, STARTS, TABLES};
 use super::view::{Gait, Objective, View};
@@ -49,11 +49,11 @@ pub(crate) struct Looking<'a> {
 }
 
 /// A place in the window: ahead of the target, and aside.
-type Place = (isize, isize);
+type WindowPosition = (isize, isize);
 
 struct Sight<'a> {
     looking: &'a Looking<'a>,
-    entry: &'a Entry,
+    entry: &'a CellEntry,
     forward: isize,
     right: isize,
     is_mirrored: bool,
@@ -103,12 +103,12 @@ impl<'a> Looking<'a> {
         count
     }
 
-    pub(crate) fn at(&self, entry: &Entry) -> Outlook {
+    pub(crate) fn at(&self, entry: &CellEntry) -> Outlook {
         let sight = Sight::of(self, entry);
         Outlook { linear: sight.linear(), rows: sight.rows() }
     }
 
-    fn turn(&self, entry: &Entry) -> Turn {
+    fn turn(&self, entry: &CellEntry) -> Turn {
         if entry.at.spot != self.spot {
             Turn::Elsewhere
         } else if entry.at.heading == self.heading {
@@ -122,13 +122,14 @@ impl<'a> Looking<'a> {
 }
 
 impl<'a> Sight<'a> {
-    fn of(looking: &'a Looking<'a>, entry: &'a Entry) -> Sight<'a> {
+    fn of(looking: &'a Looking<'a>, entry: &'a CellEntry) -> Sight<'a> {
         let grid = looking.grid;
         let (forward, right) = (grid.step(entry.at.heading), grid.step(entry.at.heading.right()));
-        let look =
-            |(ahead, aside): Place, right: isize| looking.kind(grid.here(onward(entry.target, ahead * forward + aside * right)));
+        let look = |(ahead, aside): WindowPosition, right: isize| {
+            looking.kind(grid.here(onward(entry.target, ahead * forward + aside * right)))
+        };
         let weight = |right: isize| {
-            let side: [Place; 7] = [(0, 1), (1, 1), (-1, 1), (0, 2), (1, 2), (2, 1), (-1, 2)];
+            let side: [WindowPosition; 7] = [(0, 1), (1, 1), (-1, 1), (0, 2), (1, 2), (2, 1), (-1, 2)];
             side.into_iter().fold(0, |sum, place| sum * 3 + u32::from(look(place, right)))
         };
         let is_mirrored = weight(-right) > weight(right);
@@ -144,27 +145,29 @@ impl<'a> Sight<'a> {
         Sight { looking, entry, forward, right, is_mirrored, window, turn, run, component }
     }
 
-    fn at(&self, (ahead, aside): Place) -> u8 {
+    fn at(&self, (ahead, aside): WindowPosition) -> u8 {
         self.window[(ahead + 2).cast_unsigned()][(aside + 2).cast_unsigned()]
     }
 
-    fn is_unknown(&self, place: Place) -> bool {
+    fn is_unknown(&self, place: WindowPosition) -> bool {
         self.at(place) == UNKNOWN
     }
 
-    fn is_blocked(&self, place: Place) -> bool {
+    fn is_blocked(&self, place: WindowPosition) -> bool {
         self.at(place) == BLOCKED
     }
 
-    fn beyond(&self, (ahead, aside): Place) -> u8 {
+    fn beyond(&self, (ahead, aside): WindowPosition) -> u8 {
         self.looking.kind(self.looking.grid.here(onward(self.entry.target, ahead * self.forward + aside * self.right)))
     }
 
     fn linear(&self) -> [i16; LINEAR] {
-        let pair =
-            |(ahead, aside): Place| i16::from(self.is_unknown((ahead, aside))) + i16::from(self.is_unknown((ahead, -aside)));
-        let blocked =
-            |(ahead, aside): Place| i16::from(self.is_blocked((ahead, aside))) + i16::from(self.is_blocked((ahead, -aside)));
+        let pair = |(ahead, aside): WindowPosition| {
+            i16::from(self.is_unknown((ahead, aside))) + i16::from(self.is_unknown((ahead, -aside)))
+        };
+        let blocked = |(ahead, aside): WindowPosition| {
+            i16::from(self.is_blocked((ahead, aside))) + i16::from(self.is_blocked((ahead, -aside)))
+        };
         let diagonal = |aside: isize, is_known: bool| {
             i16::from(self.is_unknown((0, aside)) == is_known && self.is_unknown((1, aside)) != is_known)
         };
@@ -220,14 +223,14 @@ impl<'a> Sight<'a> {
     }
 
     fn rows(&self) -> [u32; TABLES.len()] {
-        const ROUND: [Place; 7] = [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1)];
-        const NEAR: [Place; 12] =
+        const ROUND: [WindowPosition; 7] = [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1)];
+        const NEAR: [WindowPosition; 12] =
             [(0, -1), (0, 1), (1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1), (2, 0), (0, -2), (0, 2), (2, -1), (2, 1)];
-        const WIDE: [Place; 12] =
+        const WIDE: [WindowPosition; 12] =
             [(1, -2), (1, 2), (2, -2), (2, 2), (3, -1), (3, 1), (3, 0), (-1, -2), (-1, 2), (0, -1), (0, 1), (1, 0)];
-        const BEHIND: [Place; 5] = [(-1, -1), (-1, 1), (-2, 0), (-2, -1), (-2, 1)];
-        const AHEAD: [Place; 9] = [(1, -1), (1, 0), (1, 1), (2, -1), (2, 0), (2, 1), (3, -1), (3, 0), (3, 1)];
-        const FAR: [Place; 8] = [(4, 0), (3, 0), (2, -2), (2, 2), (1, -2), (1, 2), (0, -2), (0, 2)];
+        const BEHIND: [WindowPosition; 5] = [(-1, -1), (-1, 1), (-2, 0), (-2, -1), (-2, 1)];
+        const AHEAD: [WindowPosition; 9] = [(1, -1), (1, 0), (1, 1), (2, -1), (2, 0), (2, 1), (3, -1), (3, 0), (3, 1)];
+        const FAR: [WindowPosition; 8] = [(4, 0), (3, 0), (2, -2), (2, 2), (1, -2), (1, 2), (0, -2), (0, 2)];
         let way = self.entry.at.cost as usize;
         let way_class = match way {
             0..=1 => 0,
@@ -266,11 +269,11 @@ impl<'a> Sight<'a> {
         counted
     }
 
-    fn ternary(&self, places: &[Place]) -> usize {
+    fn ternary(&self, places: &[WindowPosition]) -> usize {
         places.iter().fold(0, |sum, place| sum * 3 + usize::from(self.at(*place)))
     }
 
-    fn binary(&self, places: &[Place]) -> usize {
+    fn binary(&self, places: &[WindowPosition]) -> usize {
         places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
     }
 

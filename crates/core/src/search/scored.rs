@@ -2,7 +2,7 @@
 //! weights come from `hallsweep tune`.
 
 use super::costs::in_thousandths;
-use super::entries::{Entry, Visit, best_entry};
+use super::entries::{CellEntry, Visit, best_entry};
 use super::outlook::{Looking, Outlook};
 use super::view::View;
 use super::ways::Ways;
@@ -35,7 +35,7 @@ pub fn choose(
     mut seen: impl FnMut(Candidate),
 ) -> Option<(Cell, Vec<Move>)> {
     let looking = Looking::of(view);
-    let visit = best_entry(view, ways, weights.least.saturating_sub(slack), |entry: &Entry| {
+    let visit = best_entry(view, ways, weights.least.saturating_sub(slack), |entry: &CellEntry| {
         let outlook = looking.at(entry);
         let worth = weights.worth(&outlook);
         let score = in_thousandths(entry.at.cost) + worth;

@@ -16,11 +16,11 @@ use crate::world::hall_map::{Bounds, REACH};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snail {
     ring: i32,
-    stage: Stage,
+    stage: SnailStage,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum SnailStage {
     Corner,
     /// Visit the unknown cells in the ring's square.
     Fill,
@@ -31,11 +31,12 @@ enum Stage {
 }
 
 /// The stages by their numbers in notes: new ones go to the end.
-const STAGES: [Stage; 5] = [Stage::Corner, Stage::Fill, Stage::NextRing, Stage::Finish, Stage::Done];
+const STAGES: [SnailStage; 5] =
+    [SnailStage::Corner, SnailStage::Fill, SnailStage::NextRing, SnailStage::Finish, SnailStage::Done];
 
 impl Default for Snail {
     fn default() -> Snail {
-        Snail { ring: 1, stage: Stage::Corner }
+        Snail { ring: 1, stage: SnailStage::Corner }
     }
 }
 
@@ -56,31 +57,31 @@ impl Snail {
     pub(super) fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
         loop {
             match self.stage {
-                Stage::Corner => {
-                    self.stage = Stage::Fill;
+                SnailStage::Corner => {
+                    self.stage = SnailStage::Fill;
                     return NextGoal::Visit(self.corner(view, ways), Vec::new());
                 }
-                Stage::Fill => {
+                SnailStage::Fill => {
                     let square = Bounds { least: Cell::HOME, most: Cell::new(self.ring, self.ring) };
                     if let Some(Visit { cell, route }) = nearest(view, ways, |cell| square.contains(cell)) {
                         return NextGoal::Visit(cell, route);
                     }
-                    self.stage = Stage::NextRing;
+                    self.stage = SnailStage::NextRing;
                     return NextGoal::GoHome;
                 }
-                Stage::NextRing => {
-                    self.stage = if nothing_lies_beyond(view, ways, self.ring) { Stage::Finish } else { Stage::Corner };
+                SnailStage::NextRing => {
+                    self.stage = if nothing_lies_beyond(view, ways, self.ring) { SnailStage::Finish } else { SnailStage::Corner };
                     self.ring += 1;
                 }
-                Stage::Finish => {
+                SnailStage::Finish => {
                     if let Some(Visit { cell, route }) = nearest(view, ways, |_| true) {
                         return NextGoal::Visit(cell, route);
                     }
-                    self.stage = Stage::Done;
+                    self.stage = SnailStage::Done;
                     return NextGoal::GoHome;
                 }
-                Stage::Done if nearest(view, ways, |_| true).is_some() => self.stage = Stage::Finish,
-                Stage::Done => return NextGoal::Finished,
+                SnailStage::Done if nearest(view, ways, |_| true).is_some() => self.stage = SnailStage::Finish,
+                SnailStage::Done => return NextGoal::Finished,
             }
         }
     }

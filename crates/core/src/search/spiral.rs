@@ -1,7 +1,7 @@
 //! Round and round from the walls inwards: visited or blocked cells stay on the robot's right hand for as long as
 //! possible.
 
-use super::entries::{Entry, Visit, best_entry};
+use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;
 use super::view::View;
 use super::ways::Ways;
@@ -11,7 +11,7 @@ const OPEN: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
     let grid = view.grid;
-    best_entry(view, ways, 0, |entry: &Entry| {
+    best_entry(view, ways, 0, |entry: &CellEntry| {
         let right = onward(entry.target, grid.step(entry.at.heading.right()));
         if grid.here(right).is_open() { OPEN } else { 0 }
     })

@@ -12,13 +12,13 @@ use crate::units::LuggageId;
 /// Records per part: a change copies as many pointers, and a snapshot one for each part.
 pub const PART: usize = 128;
 
-type Part = Arc<Vec<Arc<Luggage>>>;
+type LuggagePart = Arc<Vec<Arc<Luggage>>>;
 
 /// Records of luggage, each number once, in the order of the numbers.
 #[derive(Clone, Debug, Default)]
 pub struct LuggageRecords {
     /// No part is empty.
-    parts: Arc<Vec<Part>>,
+    parts: Arc<Vec<LuggagePart>>,
     size: usize,
     pending: BTreeSet<LuggageId>,
     bombs_left: BTreeSet<LuggageId>,
@@ -79,7 +79,7 @@ impl LuggageRecords {
 
     /// The parts that are not the same memory as in `older`, an earlier state of these, each with its index.
     pub fn parts_changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = (usize, &'a [Arc<Luggage>])> {
-        let is_shared = |n: usize, part: &Part| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
+        let is_shared = |n: usize, part: &LuggagePart| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
         let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
         parts.map(|(n, part)| (n, &part[..]))
     }

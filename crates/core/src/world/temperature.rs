@@ -44,11 +44,11 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    fn view(&self) -> Reading {
+    fn view(&self) -> SourceReading {
         // The reading of a source without a reading in this run comes from an earlier run, and its silence began with
         // this one.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
-        Reading { celsius: self.reading, read, silent_since: self.silent_since }
+        SourceReading { celsius: self.reading, read, silent_since: self.silent_since }
     }
 }
 
@@ -137,7 +137,7 @@ impl Thermometer {
         self.sources.values().any(|source| source.hot)
     }
 
-    pub(crate) fn latest(&self) -> Option<Reading> {
+    pub(crate) fn latest(&self) -> Option<SourceReading> {
         self.last.as_ref().map(|(_, last)| last.view())
     }
 
@@ -174,11 +174,11 @@ pub struct TemperatureView {
     /// A source that was above the threshold is cool again at this reading or below.
     pub cool: Celsius,
     /// The sources that make the hall too hot, each with its last reading.
-    pub hot: Vec<(Arc<str>, Reading)>,
+    pub hot: Vec<(Arc<str>, SourceReading)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct SourceReading {
     pub celsius: Celsius,
     /// To some seconds; `None` where that is not known.
     pub read: Option<WallTime>,

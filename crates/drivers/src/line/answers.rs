@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::driver::{LineDriver, Link, Open};
+use super::driver::{LineDriver, LinkStage, Open};
 use super::from_robot::FromRobot;
 use super::numbers::Seq;
 use super::picture::{MOST_BYTES, Picture};
@@ -33,10 +33,10 @@ impl LineDriver {
         match (said, &self.link) {
             (FromRobot::Hello(hello), _) => self.greeted(hello, now),
             (FromRobot::Photo(seq, length, crc), _) => self.expose(seq, length, crc, now),
-            (_, Link::Down | Link::Greeting(_)) => {}
-            (FromRobot::Sonar(cm), Link::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
-            (FromRobot::Temperature(celsius), Link::Up(_)) => self.warm(celsius),
-            (said, Link::Up(_)) => self.answered(said),
+            (_, LinkStage::Down | LinkStage::Greeting(_)) => {}
+            (FromRobot::Sonar(cm), LinkStage::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
+            (FromRobot::Temperature(celsius), LinkStage::Up(_)) => self.warm(celsius),
+            (said, LinkStage::Up(_)) => self.answered(said),
         }
         if self.next_readings().is_some_and(|at| at <= now.since_start) {
             self.tell_readings(now);
@@ -122,7 +122,7 @@ impl LineDriver {
     fn close_done(&mut self, seq: Seq) -> Option<OrderId> {
         let task = self.open.as_ref().map(|open| open.task)?;
         let id = self.close_motion(seq, false)?;
-        if let Link::Up(robot) = &mut self.link {
+        if let LinkStage::Up(robot) = &mut self.link {
             robot.pose = task.after(robot.pose);
         }
         Some(id)

@@ -8,7 +8,7 @@ use super::frame::{LineReader, framed};
 use super::from_robot::RobotName;
 use super::numbers::{Seq, millis};
 use super::picture::Picture;
-use super::to_robot::{Task, ToRobot};
+use super::to_robot::{RobotTask, ToRobot};
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
@@ -39,7 +39,7 @@ pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: swit
 
 #[derive(Debug)]
 pub struct LineDriver {
-    pub(super) link: Link,
+    pub(super) link: LinkStage,
     lines: LineReader,
     /// An excerpt of a valid line without known meaning, for whoever looks for the reason of a fault.
     pub(super) not_understood: Option<String>,
@@ -72,7 +72,7 @@ pub struct LineDriver {
 }
 
 #[derive(Debug)]
-pub(super) enum Link {
+pub(super) enum LinkStage {
     Down,
     /// Connected. Once the robot has said who it is, it is told the number above which orders begin.
     Greeting(Option<Seq>),
@@ -92,7 +92,7 @@ pub(super) struct Robot {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) order: Order,
-    pub(super) task: Task,
+    pub(super) task: RobotTask,
     pub(super) until: Duration,
     repeat_at: Duration,
     /// The order is to be void: the halt is repeated in place of it.
@@ -105,7 +105,7 @@ impl LineDriver {
     #[must_use]
     pub fn new() -> LineDriver {
         LineDriver {
-            link: Link::Down,
+            link: LinkStage::Down,
             lines: LineReader::default(),
             not_understood: None,
             picture: None,
@@ -141,7 +141,7 @@ impl LineDriver {
     }
 
     pub(super) fn has(&self, part: Part) -> bool {
-        matches!(&self.link, Link::Up(robot) if robot.parts.has(part))
+        matches!(&self.link, LinkStage::Up(robot) if robot.parts.has(part))
     }
 
     /// Repeats the open order, or the halt that voids it.
@@ -163,14 +163,14 @@ impl LineDriver {
     }
 
     /// The task for an action, or why a robot with these parts does not get it.
-    fn task(&self, action: Action) -> Result<Task, &'static str> {
+    fn task(&self, action: Action) -> Result<RobotTask, &'static str> {
         let task = match action {
-            Action::Move(Move::Forward) => Task::Forward,
-            Action::Move(Move::Backward) => Task::Backward,
-            Action::Move(Move::TurnLeft) => Task::Left,
-            Action::Move(Move::TurnRight) => Task::Right,
-            Action::Recentre => Task::Recentre,
-            Action::Photograph(_) => Task::Photo,
+            Action::Move(Move::Forward) => RobotTask::Forward,
+            Action::Move(Move::Backward) => RobotTask::Backward,
+            Action::Move(Move::TurnLeft) => RobotTask::Left,
+            Action::Move(Move::TurnRight) => RobotTask::Right,
+            Action::Recentre => RobotTask::Recentre,
+            Action::Photograph(_) => RobotTask::Photo,
             Action::Move(Move::NudgeLeft | Move::NudgeRight) => return Err("the line protocol has no small corrective turns"),
             Action::Enter | Action::Leave => return Err("the line protocol knows nothing before the entrance"),
             Action::Arm(_) => return Err("the line protocol knows no arm"),
@@ -179,7 +179,7 @@ impl LineDriver {
     }
 
     fn begin(&mut self, order: Order, now: Now) -> Result<(), String> {
-        if !matches!(self.link, Link::Up(_)) {
+        if !matches!(self.link, LinkStage::Up(_)) {
             return Err("the robot is not connected".to_owned());
         }
         if let Some(id) = self.open.as_ref().map(|open| open.order.id).or(self.drawing.map(|(id, _)| id)) {
@@ -232,7 +232,7 @@ impl LineDriver {
 
     /// Gives up the connection; another is made after a while.
     pub(super) fn break_link(&mut self, words: String) {
-        self.link = Link::Down;
+        self.link = LinkStage::Down;
         self.drop_order();
         self.outputs.push_back(Output::GiveUp(words));
     }
@@ -245,9 +245,9 @@ impl LineDriver {
     /// How long the robot may be silent; `None` without a connection.
     const fn patience(&self) -> Option<Duration> {
         match self.link {
-            Link::Down => None,
-            Link::Greeting(_) => Some(AWAKE),
-            Link::Up(_) => Some(SILENCE),
+            LinkStage::Down => None,
+            LinkStage::Greeting(_) => Some(AWAKE),
+            LinkStage::Up(_) => Some(SILENCE),
         }
     }
 
@@ -259,8 +259,8 @@ impl LineDriver {
     /// noticed.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
-            (Link::Down, _) | (_, Some(_)) => None,
-            (Link::Greeting(_) | Link::Up(_), None) => Some(self.hello_at),
+            (LinkStage::Down, _) | (_, Some(_)) => None,
+            (LinkStage::Greeting(_) | LinkStage::Up(_), None) => Some(self.hello_at),
         }
     }
 
@@ -278,7 +278,7 @@ impl Default for LineDriver {
 impl Driver for LineDriver {
     fn handle_connected(&mut self, now: Now) {
         self.drop_order();
-        self.link = Link::Greeting(None);
+        self.link = LinkStage::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
         // Ends a line of the last program that may have arrived in part.
@@ -287,7 +287,7 @@ impl Driver for LineDriver {
     }
 
     fn handle_lost(&mut self, words: &str, _: Now) {
-        self.link = Link::Down;
+        self.link = LinkStage::Down;
         self.drop_order();
         self.tell_lost(words);
     }
@@ -326,7 +326,7 @@ impl Driver for LineDriver {
                 }
                 self.seq
             }
-            _ if matches!(self.link, Link::Down) => return,
+            _ if matches!(self.link, LinkStage::Down) => return,
             // A photo goes on, and has the last number.
             Some(_) => self.seq.before(),
             None => self.voided(),

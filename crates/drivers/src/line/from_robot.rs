@@ -123,10 +123,10 @@ impl fmt::Display for FromRobot {
             FromRobot::Done(seq, None) => write!(f, "done {seq}"),
             FromRobot::Done(seq, Some(Ahead { free, obstacle: None })) => write!(f, "done {seq} ahead {free}"),
             FromRobot::Done(seq, Some(Ahead { free, obstacle: Some(what) })) => {
-                write!(f, "done {seq} ahead {free} {}", Written(*what))
+                write!(f, "done {seq} ahead {free} {}", ObstacleWords(*what))
             }
-            FromRobot::Blocked(seq, None, what) => write!(f, "blocked {seq} none {}", Written(*what)),
-            FromRobot::Blocked(seq, Some(cm), what) => write!(f, "blocked {seq} {cm} {}", Written(*what)),
+            FromRobot::Blocked(seq, None, what) => write!(f, "blocked {seq} none {}", ObstacleWords(*what)),
+            FromRobot::Blocked(seq, Some(cm), what) => write!(f, "blocked {seq} {cm} {}", ObstacleWords(*what)),
             FromRobot::Halted(seq, off) => write!(f, "halted {seq} {}", word(*off)),
             FromRobot::Failed(seq, why) => write!(f, "failed {seq} {why}"),
             FromRobot::NoPhoto(seq, why) => write!(f, "nophoto {seq} {why}"),
@@ -206,9 +206,9 @@ fn temperature(text: &str) -> Option<Celsius> {
     Celsius::new((degrees * 10.0).round() / 10.0)
 }
 
-struct Written(Obstacle);
+struct ObstacleWords(Obstacle);
 
-impl fmt::Display for Written {
+impl fmt::Display for ObstacleWords {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             Obstacle::Wall { left: 0, right: 0 } => f.write_str("wall"),

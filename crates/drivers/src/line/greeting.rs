@@ -10,7 +10,7 @@
 
 use std::time::Duration;
 
-use super::driver::{ALL_COUNTED, HELLO, LineDriver, Link, Robot};
+use super::driver::{ALL_COUNTED, HELLO, LineDriver, LinkStage, Robot};
 use super::from_robot::Hello;
 use super::numbers::Seq;
 use super::to_robot::ToRobot;
@@ -31,7 +31,7 @@ impl LineDriver {
     /// Asks the robot who it is, or repeats the number above which orders begin.
     pub(super) fn greet(&mut self, now: Now) {
         self.hello_at = now.since_start + HELLO;
-        let words = if let Link::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
+        let words = if let LinkStage::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
         self.say(words);
         // The LED is repeated as often, since nothing confirms it.
         self.say_led();
@@ -41,22 +41,22 @@ impl LineDriver {
     /// which they begin.
     pub(super) const fn voided(&self) -> Seq {
         match self.link {
-            Link::Greeting(Some(from)) => from,
-            Link::Greeting(None) => Seq::FIRST,
-            Link::Down | Link::Up(_) => self.seq,
+            LinkStage::Greeting(Some(from)) => from,
+            LinkStage::Greeting(None) => Seq::FIRST,
+            LinkStage::Down | LinkStage::Up(_) => self.seq,
         }
     }
 
     pub(super) fn greeted(&mut self, hello: Hello, now: Now) {
         match &self.link {
-            Link::Down => {}
-            Link::Greeting(Some(from)) if hello.last == Some(*from) => self.rise(hello, *from, now),
-            Link::Greeting(_) if now.since_start.saturating_sub(self.connected) > GREETED => {
+            LinkStage::Down => {}
+            LinkStage::Greeting(Some(from)) if hello.last == Some(*from) => self.rise(hello, *from, now),
+            LinkStage::Greeting(_) if now.since_start.saturating_sub(self.connected) > GREETED => {
                 self.break_link(format!("{} says who it is and takes no orders: is there another program?", hello.name));
             }
-            Link::Greeting(Some(from)) if hello.last < Some(*from) => {}
-            Link::Greeting(_) => self.begin_above(hello.last, now),
-            Link::Up(robot) => {
+            LinkStage::Greeting(Some(from)) if hello.last < Some(*from) => {}
+            LinkStage::Greeting(_) => self.begin_above(hello.last, now),
+            LinkStage::Up(robot) => {
                 if let Some(words) = self.mismatch(robot, &hello) {
                     self.break_link(words);
                 }
@@ -100,8 +100,8 @@ impl LineDriver {
     /// on; until then it is asked again.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
-        let is_first = matches!(self.link, Link::Greeting(None));
-        self.link = Link::Greeting(from);
+        let is_first = matches!(self.link, LinkStage::Greeting(None));
+        self.link = LinkStage::Greeting(from);
         match from {
             // A robot that always knows of more orders is not told more often than any other.
             Some(_) if is_first => self.greet(now),
@@ -124,7 +124,7 @@ impl LineDriver {
         // Every robot of this protocol answers each move.
         let acknowledging = parts.with(Part::AcknowledgedMoves);
         let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };
-        self.link = Link::Up(Robot { name, parts: acknowledging, from, pose: stands.pose });
+        self.link = LinkStage::Up(Robot { name, parts: acknowledging, from, pose: stands.pose });
         (self.seq, self.off_centre, self.told) = (from, stands.off_centre, None);
         self.hello_at = now.since_start + HELLO;
         self.events.extend([RobotEvent::Stands(stands), RobotEvent::LinkUp(can)]);

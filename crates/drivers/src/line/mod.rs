@@ -28,5 +28,5 @@ pub use self::frame::{LONGEST, LineReader, framed};
 pub use self::from_robot::{FromRobot, Hello, RobotName, Words};
 pub use self::numbers::Seq;
 pub use self::picture::MOST_BYTES;
-pub use self::robot::{Asked, LineRobot};
-pub use self::to_robot::{Task, ToRobot};
+pub use self::robot::{BodyRequest, LineRobot};
+pub use self::to_robot::{RobotTask, ToRobot};

@@ -11,9 +11,9 @@ use hallsweep_core::event::Photo;
 pub const MOST_BYTES: u32 = 4 << 20;
 
 /// The check that a file is a whole picture of this kind, as far as that can be seen, and its media type.
-type Kind = (fn(&[u8]) -> bool, &'static str);
+type PictureKind = (fn(&[u8]) -> bool, &'static str);
 
-const KINDS: [Kind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
+const KINDS: [PictureKind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
 
 #[derive(Debug)]
 pub(super) struct Picture {

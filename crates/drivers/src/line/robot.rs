@@ -9,7 +9,7 @@ use super::crc::Crc32;
 use super::frame::{LONGEST_FOR_ROBOT, LineReader, framed};
 use super::from_robot::{FromRobot, Hello, RobotName, Words};
 use super::numbers::Seq;
-use super::to_robot::{Task, ToRobot};
+use super::to_robot::{RobotTask, ToRobot};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Ahead, Capabilities, OffCentre, Photo, RobotEvent, Whereabouts};
@@ -22,7 +22,7 @@ const WATCHDOG: Duration = Duration::from_millis(400);
 const WAITING: usize = 32;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub enum BodyRequest {
     Order(Order),
     /// Halt, and answer what was under way.
     Halt,
@@ -47,14 +47,14 @@ pub struct LineRobot {
     ahead: Option<Ahead>,
     /// When the last valid line came.
     heard: Duration,
-    asked: VecDeque<Asked>,
+    asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct UnderWay {
     seq: Seq,
-    task: Task,
+    task: RobotTask,
     is_halted: bool,
 }
 
@@ -134,7 +134,7 @@ impl LineRobot {
         }
     }
 
-    pub fn poll_asked(&mut self) -> Option<Asked> {
+    pub fn poll_asked(&mut self) -> Option<BodyRequest> {
         self.asked.pop_front()
     }
 
@@ -168,12 +168,12 @@ impl LineRobot {
             }
             ToRobot::Order(task, seq, deadline_ms) => self.order(task, seq, Duration::from_millis(deadline_ms.into()), now),
             ToRobot::Halt(seq) => self.void(seq),
-            ToRobot::Led(blinks) => self.asked.push_back(Asked::Led(blinks)),
+            ToRobot::Led(blinks) => self.asked.push_back(BodyRequest::Led(blinks)),
         }
     }
 
     /// Begins an order, if it is new and nothing else is under way. The program repeats it until it is answered.
-    fn order(&mut self, task: Task, seq: Seq, deadline: Duration, now: Now) {
+    fn order(&mut self, task: RobotTask, seq: Seq, deadline: Duration, now: Now) {
         if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
             return;
         }
@@ -183,15 +183,15 @@ impl LineRobot {
         self.last = Some(seq);
         self.under_way = Some(UnderWay { seq, task, is_halted: false });
         let action = match task {
-            Task::Forward => Action::Move(Move::Forward),
-            Task::Backward => Action::Move(Move::Backward),
-            Task::Left => Action::Move(Move::TurnLeft),
-            Task::Right => Action::Move(Move::TurnRight),
-            Task::Recentre => Action::Recentre,
-            Task::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
+            RobotTask::Forward => Action::Move(Move::Forward),
+            RobotTask::Backward => Action::Move(Move::Backward),
+            RobotTask::Left => Action::Move(Move::TurnLeft),
+            RobotTask::Right => Action::Move(Move::TurnRight),
+            RobotTask::Recentre => Action::Recentre,
+            RobotTask::Photo => Action::Photograph(Stamp { pose: self.stands.pose, wall: now.wall }),
         };
         let id = OrderId(seq.number().into());
-        self.asked.push_back(Asked::Order(Order { id, action, epoch: Epoch(0), deadline }));
+        self.asked.push_back(BodyRequest::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
     /// Handles a halt: a motion is answered when the robot stands, and orders up to this number never begin.
@@ -209,7 +209,7 @@ impl LineRobot {
     fn halt(&mut self) {
         if let Some(under_way) = self.under_way.as_mut().filter(|under_way| under_way.task.is_motion() && !under_way.is_halted) {
             under_way.is_halted = true;
-            self.asked.push_back(Asked::Halt);
+            self.asked.push_back(BodyRequest::Halt);
         }
     }
 

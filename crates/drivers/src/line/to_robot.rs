@@ -12,14 +12,14 @@ pub enum ToRobot {
     /// Halt; all orders up to this number are void, and new ones begin above it.
     From(Seq),
     /// An order with its number, and the milliseconds after which the robot halts by itself.
-    Order(Task, Seq, u32),
+    Order(RobotTask, Seq, u32),
     /// Halt; all orders up to this number are void.
     Halt(Seq),
     Led(bool),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Task {
+pub enum RobotTask {
     Forward,
     Backward,
     /// 90° to the left.
@@ -31,33 +31,34 @@ pub enum Task {
     Photo,
 }
 
-impl Task {
-    const ALL: [Task; 6] = [Task::Forward, Task::Backward, Task::Left, Task::Right, Task::Recentre, Task::Photo];
+impl RobotTask {
+    const ALL: [RobotTask; 6] =
+        [RobotTask::Forward, RobotTask::Backward, RobotTask::Left, RobotTask::Right, RobotTask::Recentre, RobotTask::Photo];
 
     const fn word(self) -> &'static str {
         match self {
-            Task::Forward => "w",
-            Task::Backward => "s",
-            Task::Left => "a",
-            Task::Right => "d",
-            Task::Recentre => "c",
-            Task::Photo => "photo",
+            RobotTask::Forward => "w",
+            RobotTask::Backward => "s",
+            RobotTask::Left => "a",
+            RobotTask::Right => "d",
+            RobotTask::Recentre => "c",
+            RobotTask::Photo => "photo",
         }
     }
 
     #[must_use]
     pub fn is_motion(self) -> bool {
-        self != Task::Photo
+        self != RobotTask::Photo
     }
 
     pub(super) const fn after(self, pose: Pose) -> Pose {
         let Pose { cell, heading } = pose;
         match self {
-            Task::Forward => Pose { cell: cell.ahead(heading), heading },
-            Task::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
-            Task::Left => Pose { cell, heading: heading.left() },
-            Task::Right => Pose { cell, heading: heading.right() },
-            Task::Recentre | Task::Photo => pose,
+            RobotTask::Forward => Pose { cell: cell.ahead(heading), heading },
+            RobotTask::Backward => Pose { cell: cell.ahead(heading.opposite()), heading },
+            RobotTask::Left => Pose { cell, heading: heading.left() },
+            RobotTask::Right => Pose { cell, heading: heading.right() },
+            RobotTask::Recentre | RobotTask::Photo => pose,
         }
     }
 }
@@ -74,7 +75,7 @@ impl ToRobot {
             ["led", "blink"] => Some(ToRobot::Led(true)),
             ["led", "off"] => Some(ToRobot::Led(false)),
             [word, seq, deadline] => {
-                let task = Task::ALL.into_iter().find(|task| task.word() == word)?;
+                let task = RobotTask::ALL.into_iter().find(|task| task.word() == word)?;
                 Some(ToRobot::Order(task, Seq::read(seq)?, number(deadline)?))
             }
             _ => None,
@@ -106,7 +107,7 @@ mod tests {
 
     fn said() -> impl Strategy<Value = ToRobot> {
         let seq = (1..=Seq::LAST.number()).prop_map(|number| Seq::new(number).expect("it is within"));
-        let task = prop::sample::select(&Task::ALL[..]);
+        let task = prop::sample::select(&RobotTask::ALL[..]);
         prop_oneof![
             Just(ToRobot::Hello),
             seq.clone().prop_map(ToRobot::From),
@@ -121,8 +122,8 @@ mod tests {
         let seven = Seq::new(7).expect("seven is one");
         for (said, text) in [
             (ToRobot::From(seven), "from 7"),
-            (ToRobot::Order(Task::Forward, seven, 1990), "w 7 1990"),
-            (ToRobot::Order(Task::Photo, seven, 4000), "photo 7 4000"),
+            (ToRobot::Order(RobotTask::Forward, seven, 1990), "w 7 1990"),
+            (ToRobot::Order(RobotTask::Photo, seven, 4000), "photo 7 4000"),
             (ToRobot::Halt(seven), "h 7"),
             (ToRobot::Led(true), "led blink"),
         ] {

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::{Asked, LineDriver, LineRobot, RobotName};
+use super::{BodyRequest, LineDriver, LineRobot, RobotName};
 use crate::{Driver, Output};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
@@ -57,21 +57,21 @@ struct Body {
 }
 
 impl Body {
-    fn obey(&mut self, asked: Asked, now: Duration) -> Option<RobotEvent> {
+    fn obey(&mut self, asked: BodyRequest, now: Duration) -> Option<RobotEvent> {
         match asked {
-            Asked::Order(order) => {
+            BodyRequest::Order(order) => {
                 assert!(self.under_way.is_none(), "one order at a time");
                 self.begun += u64::from(order.action.is_motion());
                 let takes = Duration::from_millis(50 + self.chance.below(400));
                 self.under_way = Some((order, now + takes));
                 None
             }
-            Asked::Halt => {
+            BodyRequest::Halt => {
                 let (order, _) = self.under_way.take().expect("only what moves is halted");
                 self.off_centre = true;
                 Some(RobotEvent::Halted(order.id, true))
             }
-            Asked::Led(_) => None,
+            BodyRequest::Led(_) => None,
         }
     }
 
@@ -234,7 +234,7 @@ impl Run {
             self.robot.handle_event(event);
         }
         while let Some(asked) = self.robot.poll_asked() {
-            if asked == Asked::Halt && self.body.under_way.is_none() {
+            if asked == BodyRequest::Halt && self.body.under_way.is_none() {
                 continue;
             }
             if let Some(event) = self.body.obey(asked, self.now.since_start) {

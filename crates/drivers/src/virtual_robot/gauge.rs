@@ -3,8 +3,7 @@
 
 use std::time::Duration;
 
-use super::legs::{TURNS_LATE, legs};
-use super::measures::STEPS;
+use super::motion::{STEPS, TURNS_LATE, legs};
 use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use super::{Command, Dialect, Leg, Stage, VirtualRobot};
+use super::{Command, Dialect, Leg, LegStage, VirtualRobot};
 use crate::Output;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 
@@ -31,7 +31,7 @@ impl VirtualRobot {
         if std::mem::take(&mut self.is_page_closed) {
             self.page_opened_anew();
         }
-        if matches!(self.leg(), Some(Leg { stage: Stage::Fresh, .. })) {
+        if matches!(self.leg(), Some(Leg { stage: LegStage::Fresh, .. })) {
             self.queue();
         } else if !self.is_up {
             (self.is_up, self.said) = (true, None);

@@ -9,7 +9,7 @@ use hallsweep_core::units::Heading;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leg {
     pub(super) way: Way,
-    pub(super) stage: Stage,
+    pub(super) stage: LegStage,
     /// Whether the server has reported its end.
     pub(super) is_acknowledged: bool,
     /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
@@ -29,7 +29,7 @@ pub(super) enum Way {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Stage {
+pub(super) enum LegStage {
     /// It waits for a new connection, which shows that a page is open and that the server's messages come to us.
     Fresh,
     /// It was refused because another one was under way, and is tried again at this time.
@@ -43,7 +43,7 @@ pub(super) enum Stage {
 }
 
 impl Leg {
-    pub(super) const fn new(way: Way, stage: Stage) -> Leg {
+    pub(super) const fn new(way: Way, stage: LegStage) -> Leg {
         Leg { way, stage, is_acknowledged: false, is_halted: false, refused: None }
     }
 
@@ -64,6 +64,6 @@ impl Leg {
 
     /// Whether the robot may be moving by it.
     pub(super) const fn is_sent(&self) -> bool {
-        matches!(self.stage, Stage::Sent(_) | Stage::Halting { .. })
+        matches!(self.stage, LegStage::Sent(_) | LegStage::Halting { .. })
     }
 }

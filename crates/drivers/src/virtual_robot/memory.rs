@@ -4,9 +4,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::measures::{SLOWEST, STEPS};
+use super::motion::{SLOWEST, STEPS, Unheard};
 use super::reckoning::Reckoning;
-use super::unheard::Unheard;
 use super::{Aim, Dialect, VirtualRobot};
 use hallsweep_core::units::Heading;
 

@@ -22,27 +22,23 @@ use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
-mod back;
-mod contacts;
 mod gauge;
 mod greeting;
 mod leg;
-mod legs;
-mod measures;
 mod memory;
+mod motion;
 mod reckoning;
 mod room;
 mod task;
 mod touch;
-mod unheard;
 mod words;
 
 use greeting::GREETING;
-use leg::{Leg, Stage, Way};
+use leg::{Leg, LegStage, Way};
+use motion::Unheard;
 use reckoning::Reckoning;
 pub use room::{Extent, Room, Thing};
-use task::{Aim, Task, Then};
-use unheard::Unheard;
+use task::{Aim, OrderTask, Then};
 use words::{Command, Heard, Stream};
 
 /// Duration of a turn: it cannot be halted, so it has to be short (safety S5), and a shorter one looks wrong on the
@@ -89,7 +85,7 @@ pub struct VirtualRobot {
     /// The state of the link as it was reported to the core, with the reason.
     is_up: bool,
     said: Option<String>,
-    task: Option<Task>,
+    task: Option<OrderTask>,
     /// An alarm for a STOP is still to be sent: there is no connection, or a turn is under way, which an alarm would
     /// leave askew.
     owes_alarm: bool,
@@ -308,8 +304,8 @@ impl Driver for VirtualRobot {
 
     fn handle_sent(&mut self, now: Now) {
         self.now = now.since_start;
-        if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == Stage::Queued) {
-            leg.stage = Stage::Sent(now.since_start);
+        if let Some(leg) = self.leg_mut().filter(|leg| leg.stage == LegStage::Queued) {
+            leg.stage = LegStage::Sent(now.since_start);
             self.is_changed = true;
         }
     }
@@ -322,7 +318,7 @@ impl Driver for VirtualRobot {
         }
         let deadline = self.now.saturating_add(order.deadline);
         let Order { id, action, .. } = order;
-        self.task = Some(Task { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
+        self.task = Some(OrderTask { order: id, action, deadline, aim: Aim::Back, leg: None, hindered: 0 });
         match self.lost.clone().filter(|_| action.is_motion()) {
             Some(_) if self.is_told_lost && self.dialect == Dialect::Messages => self.is_put_home(),
             Some(lost) => self.fail_lost(lost),

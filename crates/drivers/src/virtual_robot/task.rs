@@ -7,7 +7,7 @@ use hallsweep_core::effect::Action;
 use hallsweep_core::units::{OrderId, Pose};
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Task {
+pub(super) struct OrderTask {
     pub(super) order: OrderId,
     pub(super) action: Action,
     pub(super) deadline: Duration,

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{ALIASES, SHARED, WITH_WORDS};
 use crate::outbox::Outbox;
 use crate::packet::connect::Reception;
@@ -70,7 +70,7 @@ impl ClientWriter {
     }
 
     /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP with its reason code, and the reason in words, if there are any.
-    pub(super) fn ack(&self, kind: Kind, id: u16, (reason, words): (Reason, &str), out: &mut Outbox) {
+    pub(super) fn ack(&self, kind: PacketKind, id: u16, (reason, words): (Reason, &str), out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);
         }

@@ -1,7 +1,7 @@
 //! Why a connection ends. Reasons that only the owner of the socket can know are here too, so that there is one list of
 //! them.
 
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::limits::UNRELEASED;
 use crate::packet::reason::Reason;
 
@@ -22,7 +22,7 @@ pub enum Ended {
     Malformed(#[from] Malformed),
     /// The client sent a packet that no client sends, or a second CONNECT.
     #[error("the client sent a {0:?}, which is not for it to send")]
-    Unexpected(Kind),
+    Unexpected(PacketKind),
     /// The client was silent for too long.
     #[error("the client was silent for too long")]
     Idle,

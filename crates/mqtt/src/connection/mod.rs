@@ -36,7 +36,7 @@ use self::routes::Routes;
 use self::sending::{Cause, Unacknowledged};
 use crate::broker::Broker;
 use crate::filter;
-use crate::frame::{Frame, Kind, Malformed, frame};
+use crate::frame::{Frame, Malformed, PacketKind, frame};
 use crate::limits::{CLIENT_PACKET, CLIENT_ROOM, KEPT_ROOM, SILENCE, TURN};
 use crate::outbox::Outbox;
 use crate::packet::ack::{self, Ack};
@@ -303,25 +303,32 @@ impl ClientConnection {
     fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let body = &packet[frame.head..];
         match frame.kind {
-            Kind::Publish => self.publish(frame, packet)?,
-            Kind::Puback | Kind::Pubcomp => self.unacknowledged.acknowledged(self.ack(frame.kind, body)?.id, frame.kind),
-            Kind::Pubrec => {
+            PacketKind::Publish => self.publish(frame, packet)?,
+            PacketKind::Puback | PacketKind::Pubcomp => {
+                self.unacknowledged.acknowledged(self.ack(frame.kind, body)?.id, frame.kind)
+            }
+            PacketKind::Pubrec => {
                 let ack = self.ack(frame.kind, body)?;
                 self.unacknowledged.received(ack.id, ack.is_refusal(), (&mut self.writer, &mut self.to_client));
             }
-            Kind::Pubrel => self.released(self.ack(frame.kind, body)?.id),
-            Kind::Subscribe => self.subscribe(body)?,
-            Kind::Unsubscribe => self.unsubscribe(body)?,
-            Kind::Pingreq => self.ping(body)?,
-            Kind::Disconnect => return Err(self.leave(body)),
-            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp | Kind::Auth => {
+            PacketKind::Pubrel => self.released(self.ack(frame.kind, body)?.id),
+            PacketKind::Subscribe => self.subscribe(body)?,
+            PacketKind::Unsubscribe => self.unsubscribe(body)?,
+            PacketKind::Pingreq => self.ping(body)?,
+            PacketKind::Disconnect => return Err(self.leave(body)),
+            PacketKind::Connect
+            | PacketKind::Connack
+            | PacketKind::Suback
+            | PacketKind::Unsuback
+            | PacketKind::Pingresp
+            | PacketKind::Auth => {
                 return Err(Ended::Unexpected(frame.kind));
             }
         }
         Ok(())
     }
 
-    fn ack(&self, kind: Kind, body: &[u8]) -> Result<Ack, Malformed> {
+    fn ack(&self, kind: PacketKind, body: &[u8]) -> Result<Ack, Malformed> {
         ack::read(body, kind, self.writer.version())
     }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::routes::{Dropped, Route};
 use super::{AnswerTo, ClientConnection, CommandDecision, Ended, Mark, Said};
 use crate::filter;
-use crate::frame::{Frame, Kind, Malformed};
+use crate::frame::{Frame, Malformed, PacketKind};
 use crate::limits::{ALIASES, PROPERTIES, TOPIC};
 use crate::message::Draft;
 use crate::packet::connect::Will;
@@ -43,8 +43,8 @@ impl ClientConnection {
         };
         let kind = match publish.qos {
             Qos::Zero => return Ok(()),
-            Qos::One => Kind::Puback,
-            Qos::Two => Kind::Pubrec,
+            Qos::One => PacketKind::Puback,
+            Qos::Two => PacketKind::Pubrec,
         };
         self.writer.ack(kind, publish.id, (told.reason, &told.words), &mut self.to_client);
         Ok(())
@@ -76,7 +76,7 @@ impl ClientConnection {
 
     pub(super) fn released(&mut self, id: u16) {
         let reason = if self.duplicates.released(id) { Reason::Success } else { Reason::UnknownId };
-        self.writer.ack(Kind::Pubcomp, id, (reason, ""), &mut self.to_client);
+        self.writer.ack(PacketKind::Pubcomp, id, (reason, ""), &mut self.to_client);
     }
 
     /// Whether this will may be published on its topic; notes a refusal.

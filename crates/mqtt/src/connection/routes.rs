@@ -11,7 +11,7 @@ use crate::limits::{LONG, PIECE, PROPERTIES};
 use crate::message::{Message, SubscriberId};
 use crate::packet::reason::Reason;
 use crate::packet::text;
-use crate::readers::Found;
+use crate::readers::TopicReaders;
 use crate::rights::Tier;
 use crate::subscriber::Subscriber;
 
@@ -51,7 +51,7 @@ pub(super) struct Routes {
     topic: Arc<str>,
     route: Option<Route>,
     /// The topic's readers, as of `generation`.
-    readers: Found,
+    readers: TopicReaders,
     generation: Option<u64>,
     /// Whether messages were sent and it was not checked yet which readers are behind.
     is_unsettled: bool,
@@ -67,7 +67,7 @@ impl Default for Routes {
         Routes {
             topic: Arc::from(""),
             route: None,
-            readers: Found::default(),
+            readers: TopicReaders::default(),
             generation: None,
             is_unsettled: false,
             passed: 0,

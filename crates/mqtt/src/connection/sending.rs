@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::client_writer::ClientWriter;
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{WINDOW, WINDOW_BYTES};
 use crate::outbox::Outbox;
 use crate::packet::Qos;
@@ -104,15 +104,15 @@ impl Unacknowledged {
                         continue;
                     }
                 }
-                None => writer.ack(Kind::Pubrel, next.id, (Reason::Success, ""), out),
+                None => writer.ack(PacketKind::Pubrel, next.id, (Reason::Success, ""), out),
             }
             self.sent.extend(self.unsent.pop_front());
         }
     }
 
     /// Handles a PUBACK or PUBCOMP, whichever ends a message of this QoS. An unknown id is ignored.
-    pub(super) fn acknowledged(&mut self, id: u16, kind: Kind) {
-        let is_meant = |sent: &Sent| sent.id == id && (kind == Kind::Puback) == (sent.qos == Qos::One);
+    pub(super) fn acknowledged(&mut self, id: u16, kind: PacketKind) {
+        let is_meant = |sent: &Sent| sent.id == id && (kind == PacketKind::Puback) == (sent.qos == Qos::One);
         if let Some(sent) = self.sent.iter().position(is_meant).and_then(|place| self.sent.remove(place)) {
             self.forget(sent);
         }
@@ -121,14 +121,14 @@ impl Unacknowledged {
     /// Handles a PUBREC: answers with PUBREL, unless the client refused the message, which is then over.
     pub(super) fn received(&mut self, id: u16, is_refused: bool, (writer, out): (&mut ClientWriter, &mut Outbox)) {
         if is_refused {
-            return self.acknowledged(id, Kind::Pubcomp);
+            return self.acknowledged(id, PacketKind::Pubcomp);
         }
         let sent = self.sent.iter_mut().find(|sent| sent.id == id && sent.qos == Qos::Two);
         let reason = if sent.is_some() { Reason::Success } else { Reason::UnknownId };
         if let Some(sent) = sent {
             self.bytes -= sent.delivery.take().map_or(0, |delivery| delivery.message.cost());
         }
-        writer.ack(Kind::Pubrel, id, (reason, ""), out);
+        writer.ack(PacketKind::Pubrel, id, (reason, ""), out);
     }
 
     fn forget(&mut self, sent: Sent) {
@@ -164,7 +164,7 @@ mod tests {
             unacknowledged.send(delivery.clone(), Cause::Published, (&mut writer, &mut out), Duration::ZERO);
         };
         (0..3).for_each(|_| send(&mut unacknowledged));
-        unacknowledged.acknowledged(2, Kind::Puback);
+        unacknowledged.acknowledged(2, PacketKind::Puback);
         unacknowledged.last_id = u16::MAX;
         for expected in [2, 4] {
             send(&mut unacknowledged);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{ClientConnection, Ended};
 use crate::filter::{self, Shared, Unfit};
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::grant::Grant;
 use crate::limits::{FILTER_BYTES, FILTERS};
 use crate::packet::filters::{Filters, Options, RetainHandling};
@@ -65,7 +65,7 @@ impl ClientConnection {
             Version::Three => write::suback(self.to_client.end(), filters.id, &codes),
             Version::Five => {
                 let words = self.writer.words(&words);
-                write::codes_five(self.to_client.end(), Kind::Suback, filters.id, &codes, words);
+                write::codes_five(self.to_client.end(), PacketKind::Suback, filters.id, &codes, words);
             }
         }
         for (filter, grant) in accepted {
@@ -91,8 +91,8 @@ impl ClientConnection {
             } as u8);
         }
         match self.writer.version() {
-            Version::Three => write::ack(self.to_client.end(), Kind::Unsuback, filters.id),
-            Version::Five => write::codes_five(self.to_client.end(), Kind::Unsuback, filters.id, &codes, None),
+            Version::Three => write::ack(self.to_client.end(), PacketKind::Unsuback, filters.id),
+            Version::Five => write::codes_five(self.to_client.end(), PacketKind::Unsuback, filters.id, &codes, None),
         }
         Ok(())
     }

@@ -2,10 +2,10 @@
 
 use bytes::Bytes;
 
-use super::properties::{Place, Properties, Property, that_go_on};
+use super::properties::{Properties, Property, PropertyContext, that_go_on};
 use super::reason::Reason;
 use super::write::{Connack, Welcome, connack};
-use super::{Fields, Qos, Version};
+use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PROPERTIES;
 
@@ -118,14 +118,14 @@ impl std::fmt::Debug for Connect {
 /// # Errors
 /// When it speaks another version, or is malformed.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     let version = version(&mut fields)?;
     let connect = read_of(version, &mut fields).map_err(|wrong| NoConnect::Malformed(version, wrong))?;
     connect.ok_or(NoConnect::Authentication)
 }
 
 /// Reads a CONNECT of this version; `None`: it asks for enhanced authentication.
-fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>, Malformed> {
+fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Connect>, Malformed> {
     let flags = flags(fields.byte("flags")?, version)?;
     let clean_start = flags & 2 != 0;
     let keep_alive_s = fields.number("keep alive")?;
@@ -134,7 +134,7 @@ fn read_of(version: Version, fields: &mut Fields<'_>) -> Result<Option<Connect>,
         Version::Three => session_expiry_s = if clean_start { 0 } else { FOR_EVER_S },
         Version::Five => {
             let (mut has_data, mut has_method) = (false, false);
-            for property in Properties::read(fields, Place::Connect)? {
+            for property in Properties::read(fields, PropertyContext::Connect)? {
                 if let Property::SessionExpiry(seconds) = property {
                     session_expiry_s = seconds;
                 } else if let Property::ReceiveMaximum(most) = property {
@@ -187,11 +187,11 @@ impl std::fmt::Debug for Credentials {
 #[must_use]
 pub fn credentials(body: &[u8]) -> Credentials {
     let mut credentials = Credentials::default();
-    let _ = read_credentials(&mut Fields::new(body), &mut credentials);
+    let _ = read_credentials(&mut PacketFields::new(body), &mut credentials);
     credentials
 }
 
-fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
+fn read_credentials(fields: &mut PacketFields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
     fields.bytes("protocol")?;
     if fields.byte("level")? == 5 {
         credentials.version = Version::Five;
@@ -215,7 +215,7 @@ fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> R
 }
 
 /// Skips the properties that MQTT 5 has before some fields (section 2.2.2).
-fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malformed> {
+fn skip_properties(fields: &mut PacketFields<'_>, version: Version) -> Result<(), Malformed> {
     let mut length = 0;
     for place in 0..if version == Version::Five { 4 } else { 0 } {
         let byte = fields.byte("properties")?;
@@ -227,7 +227,7 @@ fn skip_properties(fields: &mut Fields<'_>, version: Version) -> Result<(), Malf
     (0..length).try_for_each(|_| fields.byte("properties").map(drop))
 }
 
-fn version(fields: &mut Fields<'_>) -> Result<Version, NoConnect> {
+fn version(fields: &mut PacketFields<'_>) -> Result<Version, NoConnect> {
     let mut begin = || Ok((fields.bytes("protocol")?, fields.byte("level")?));
     let (protocol, level) = begin().map_err(|wrong| NoConnect::Malformed(Version::Three, wrong))?;
     match (protocol, level) {
@@ -246,10 +246,10 @@ fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
     if is_wrong { Err(Malformed::ConnectFlags(flags)) } else { Ok(flags) }
 }
 
-fn will(fields: &mut Fields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
+fn will(fields: &mut PacketFields<'_>, flags: u8, version: Version) -> Result<Will, Malformed> {
     let properties = match version {
         Version::Three => Properties::default(),
-        Version::Five => Properties::read(fields, Place::Will)?,
+        Version::Five => Properties::read(fields, PropertyContext::Will)?,
     };
     let topic = fields.text("topic of the will")?;
     if topic.is_empty() || topic.contains(['+', '#']) {

@@ -1,7 +1,7 @@
 //! DISCONNECT (section 3.14): how a client ends its connection.
 
-use super::properties::{Place, Properties, Property};
-use super::{Fields, Version};
+use super::properties::{Properties, Property, PropertyContext};
+use super::{PacketFields, Version};
 use crate::frame::Malformed;
 
 /// A client's DISCONNECT.
@@ -18,7 +18,7 @@ pub struct Disconnect {
 /// # Errors
 /// When it is malformed: in MQTT 3.1.1, when it has a body.
 pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
-    let mut fields = Fields::new(body);
+    let mut fields = PacketFields::new(body);
     let mut disconnect = Disconnect { reason: 0, session_expiry_s: None };
     if version == Version::Three || body.is_empty() {
         return fields.end().map(|()| disconnect);
@@ -28,7 +28,7 @@ pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
         reason => return Err(Malformed::Reason(reason)),
     };
     if !fields.rest().is_empty() {
-        let mut properties = Properties::read(&mut fields, Place::Disconnect)?;
+        let mut properties = Properties::read(&mut fields, PropertyContext::Disconnect)?;
         disconnect.session_expiry_s =
             properties.find_map(|property| if let Property::SessionExpiry(seconds) = property { Some(seconds) } else { None });
     }

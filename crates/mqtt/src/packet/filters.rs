@@ -1,8 +1,8 @@
 //! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is valid is checked in
 //! `filter`.
 
-use super::properties::{Place, Properties, Property};
-use super::{Fields, Qos, Version};
+use super::properties::{Properties, Property, PropertyContext};
+use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
@@ -13,7 +13,7 @@ pub struct Filters<'a> {
     pub id: u16,
     /// The subscription id, which messages of these subscriptions carry (MQTT 5).
     pub subscription_id: Option<u32>,
-    fields: Fields<'a>,
+    fields: PacketFields<'a>,
     /// The version of the options behind each filter; `None`: there are none.
     options: Option<Version>,
 }
@@ -70,7 +70,7 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// When it is malformed.
     pub fn of_subscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
-        Filters::read(body, version, Place::Subscribe)
+        Filters::read(body, version, PropertyContext::Subscribe)
     }
 
     /// Reads an UNSUBSCRIBE.
@@ -78,18 +78,18 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// When it is malformed.
     pub fn of_unsubscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
-        Filters::read(body, version, Place::Unsubscribe)
+        Filters::read(body, version, PropertyContext::Unsubscribe)
     }
 
-    fn read(body: &'a [u8], version: Version, place: Place) -> Result<Filters<'a>, Malformed> {
-        let mut fields = Fields::new(body);
+    fn read(body: &'a [u8], version: Version, place: PropertyContext) -> Result<Filters<'a>, Malformed> {
+        let mut fields = PacketFields::new(body);
         let (id, mut subscription_id) = (fields.id()?, None);
         if version == Version::Five {
             let mut properties = Properties::read(&mut fields, place)?;
             subscription_id =
                 properties.find_map(|property| if let Property::SubscriptionId(id) = property { Some(id) } else { None });
         }
-        let options = (place == Place::Subscribe).then_some(version);
+        let options = (place == PropertyContext::Subscribe).then_some(version);
         let filters = Filters { id, subscription_id, fields, options };
         let mut unread = filters;
         let mut count = 0_usize;

@@ -50,11 +50,11 @@ impl Qos {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fields<'a>(&'a [u8]);
+pub(crate) struct PacketFields<'a>(&'a [u8]);
 
-impl<'a> Fields<'a> {
-    pub(crate) const fn new(body: &'a [u8]) -> Fields<'a> {
-        Fields(body)
+impl<'a> PacketFields<'a> {
+    pub(crate) const fn new(body: &'a [u8]) -> PacketFields<'a> {
+        PacketFields(body)
     }
 
     pub(super) fn byte(&mut self, what: &'static str) -> Result<u8, Malformed> {

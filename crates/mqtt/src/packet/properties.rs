@@ -3,7 +3,7 @@
 
 use bytes::{BufMut, BytesMut};
 
-use super::Fields;
+use super::PacketFields;
 use crate::frame::{Malformed, length};
 
 /// One property with its value.
@@ -35,7 +35,7 @@ pub enum Property<'a> {
 /// A place for properties: a packet of a client, or the will in one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
-pub enum Place {
+pub enum PropertyContext {
     Connect,
     Will,
     Publish,
@@ -51,9 +51,9 @@ pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
     /// Reads and checks the properties at the head of `fields`.
-    pub(super) fn read(fields: &mut Fields<'a>, place: Place) -> Result<Properties<'a>, Malformed> {
+    pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
-        let (mut rest, mut seen) = (Fields::new(properties.0), 0_u64);
+        let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
         while !rest.rest().is_empty() {
             let property = Property::read(&mut rest)?;
             let id = property.id();
@@ -71,7 +71,7 @@ impl<'a> Properties<'a> {
 
     /// Reads the properties at the head of `fields` without checking whether they may stand there.
     #[cfg(test)]
-    pub(crate) fn of_server(fields: &mut Fields<'a>) -> Properties<'a> {
+    pub(crate) fn of_server(fields: &mut PacketFields<'a>) -> Properties<'a> {
         Properties(split(fields).unwrap())
     }
 
@@ -81,11 +81,11 @@ impl<'a> Properties<'a> {
 }
 
 /// The bytes of the properties at the head of `fields`.
-fn split<'a>(fields: &mut Fields<'a>) -> Result<&'a [u8], Malformed> {
+fn split<'a>(fields: &mut PacketFields<'a>) -> Result<&'a [u8], Malformed> {
     let wrong = Malformed::Short("properties");
     let (size, own) = length(fields.rest())?.ok_or(wrong)?;
     let (properties, rest) = fields.rest()[own..].split_at_checked(size).ok_or(wrong)?;
-    *fields = Fields::new(rest);
+    *fields = PacketFields::new(rest);
     Ok(properties)
 }
 
@@ -96,7 +96,7 @@ impl<'a> Iterator for Properties<'a> {
         if self.0.is_empty() {
             return None;
         }
-        let mut fields = Fields::new(self.0);
+        let mut fields = PacketFields::new(self.0);
         let property = Property::read(&mut fields).ok();
         // An error ends the iteration; there is none in properties that were checked.
         self.0 = if property.is_some() { fields.rest() } else { &[] };
@@ -131,7 +131,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    pub(crate) fn read(fields: &mut Fields<'a>) -> Result<Property<'a>, Malformed> {
+    pub(crate) fn read(fields: &mut PacketFields<'a>) -> Result<Property<'a>, Malformed> {
         const WHAT: &str = "properties";
         Ok(match fields.byte(WHAT)? {
             0x01 => Property::PayloadFormat(fields.byte(WHAT)?),
@@ -185,26 +185,26 @@ impl<'a> Property<'a> {
     }
 
     /// Whether a client may send this property in this place.
-    const fn stands_in(self, place: Place) -> bool {
+    const fn stands_in(self, place: PropertyContext) -> bool {
         match self {
             Property::User(..) => true,
             Property::PayloadFormat(_)
             | Property::MessageExpiry(_)
             | Property::ContentType(_)
             | Property::ResponseTopic(_)
-            | Property::CorrelationData(_) => matches!(place, Place::Publish | Place::Will),
-            Property::SubscriptionId(_) => matches!(place, Place::Subscribe),
-            Property::SessionExpiry(_) => matches!(place, Place::Connect | Place::Disconnect),
+            | Property::CorrelationData(_) => matches!(place, PropertyContext::Publish | PropertyContext::Will),
+            Property::SubscriptionId(_) => matches!(place, PropertyContext::Subscribe),
+            Property::SessionExpiry(_) => matches!(place, PropertyContext::Connect | PropertyContext::Disconnect),
             Property::AuthenticationMethod(_)
             | Property::AuthenticationData(_)
             | Property::RequestProblem(_)
             | Property::RequestResponse(_)
             | Property::ReceiveMaximum(_)
             | Property::TopicAliasMaximum(_)
-            | Property::MaximumPacket(_) => matches!(place, Place::Connect),
-            Property::WillDelay(_) => matches!(place, Place::Will),
-            Property::ReasonString(_) => matches!(place, Place::Ack | Place::Disconnect),
-            Property::TopicAlias(_) => matches!(place, Place::Publish),
+            | Property::MaximumPacket(_) => matches!(place, PropertyContext::Connect),
+            Property::WillDelay(_) => matches!(place, PropertyContext::Will),
+            Property::ReasonString(_) => matches!(place, PropertyContext::Ack | PropertyContext::Disconnect),
+            Property::TopicAlias(_) => matches!(place, PropertyContext::Publish),
             Property::AssignedClientId(_) | Property::ServerKeepAlive(_) => false,
         }
     }

@@ -1,7 +1,7 @@
 //! The head of a PUBLISH (section 3.3). The topic is checked elsewhere, since senders use few topics and send much.
 
-use super::properties::{Place, Properties};
-use super::{Fields, Qos, Version};
+use super::properties::{Properties, PropertyContext};
+use super::{PacketFields, Qos, Version};
 use crate::frame::{Frame, Malformed};
 
 /// A PUBLISH.
@@ -33,12 +33,12 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Pub
     if is_duplicate && qos == Qos::Zero {
         return Err(Malformed::Duplicate);
     }
-    let mut fields = Fields::new(&packet[frame.head..]);
+    let mut fields = PacketFields::new(&packet[frame.head..]);
     let topic = fields.bytes("topic")?;
     let id = if qos == Qos::Zero { 0 } else { fields.id()? };
     let properties = match version {
         Version::Three => Properties::default(),
-        Version::Five => Properties::read(&mut fields, Place::Publish)?,
+        Version::Five => Properties::read(&mut fields, PropertyContext::Publish)?,
     };
     Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0, properties })
 }

@@ -5,11 +5,11 @@ use bytes::{BufMut, BytesMut};
 use super::Qos;
 use super::properties::{Property, put_variable, variable_length};
 use super::reason::Reason;
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 
 /// A whole PINGRESP.
-pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
+pub const PINGRESP: [u8; 2] = [PacketKind::Pingresp.first_byte(), 0];
 
 const DUPLICATE: u8 = 8;
 
@@ -105,7 +105,7 @@ impl Connack<'_> {
 
     fn with(self, properties: &[Property<'_>]) -> Vec<u8> {
         let (mut out, properties) = (BytesMut::new(), written(properties));
-        head(&mut out, Kind::Connack.first_byte(), 2 + properties.len());
+        head(&mut out, PacketKind::Connack.first_byte(), 2 + properties.len());
         out.put_slice(&[u8::from(self.session_present), self.reason as u8]);
         out.put_slice(&properties);
         out.to_vec()
@@ -115,12 +115,12 @@ impl Connack<'_> {
 /// Writes a CONNACK of MQTT 3.1.1.
 #[must_use]
 pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
-    [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
+    [PacketKind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
 /// Writes a CONNECT with this client id, name and password, and without a will.
 pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
-    head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
+    head(out, PacketKind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
     out.put_slice(&[4, 0xC0 | u8::from(clean_session) << 1]);
     out.put_u16(keep_alive_s);
@@ -178,7 +178,7 @@ impl PublishHead<'_> {
     /// Writes everything that stands before a payload of this many bytes.
     pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
         let again = if self.is_duplicate && self.qos > Qos::Zero { DUPLICATE } else { 0 };
-        let first = Kind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
+        let first = PacketKind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
         head(out, first, self.rest() + payload);
         bytes(out, self.topic);
         if self.qos != Qos::Zero {
@@ -206,13 +206,13 @@ impl PublishProperties<'_> {
 }
 
 /// Writes a successful PUBACK, PUBREC, PUBREL or PUBCOMP; in MQTT 3.1.1 UNSUBACK as well.
-pub fn ack(out: &mut BytesMut, kind: Kind, id: u16) {
+pub fn ack(out: &mut BytesMut, kind: PacketKind, id: u16) {
     let [high, low] = id.to_be_bytes();
     out.put_slice(&[kind.first_byte(), 2, high, low]);
 }
 
 /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5 with its reason.
-pub fn ack_with(out: &mut BytesMut, kind: Kind, id: u16, reason: Reason, words: Option<&str>) {
+pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, kind.first_byte(), 3 + properties.len());
     out.put_u16(id);
@@ -222,15 +222,15 @@ pub fn ack_with(out: &mut BytesMut, kind: Kind, id: u16, reason: Reason, words: 
 
 /// Writes a SUBACK with a code for each filter.
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
-    codes_of(out, Kind::Suback, id, (&[], codes));
+    codes_of(out, PacketKind::Suback, id, (&[], codes));
 }
 
 /// Writes a SUBACK or an UNSUBACK of MQTT 5 with a code for each filter.
-pub fn codes_five(out: &mut BytesMut, kind: Kind, id: u16, codes: &[u8], words: Option<&str>) {
+pub fn codes_five(out: &mut BytesMut, kind: PacketKind, id: u16, codes: &[u8], words: Option<&str>) {
     codes_of(out, kind, id, (&reason_string(words), codes));
 }
 
-fn codes_of(out: &mut BytesMut, kind: Kind, id: u16, (properties, codes): (&[u8], &[u8])) {
+fn codes_of(out: &mut BytesMut, kind: PacketKind, id: u16, (properties, codes): (&[u8], &[u8])) {
     head(out, kind.first_byte(), 2 + properties.len() + codes.len());
     out.put_u16(id);
     out.put_slice(properties);
@@ -240,14 +240,14 @@ fn codes_of(out: &mut BytesMut, kind: Kind, id: u16, (properties, codes): (&[u8]
 /// Writes a DISCONNECT of MQTT 5.
 pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
-    head(out, Kind::Disconnect.first_byte(), 1 + properties.len());
+    head(out, PacketKind::Disconnect.first_byte(), 1 + properties.len());
     out.put_u8(reason as u8);
     out.put_slice(&properties);
 }
 
 /// Writes a SUBSCRIBE to these filters, of which there is at least one.
 pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
-    head(out, Kind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
+    head(out, PacketKind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
     out.put_u16(id);
     for (filter, qos) in filters {
         text(out, filter);
@@ -257,7 +257,7 @@ pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
 
 /// Writes an UNSUBSCRIBE from these filters, of which there is at least one.
 pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
-    head(out, Kind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
+    head(out, PacketKind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
     out.put_u16(id);
     for filter in filters {
         text(out, filter);
@@ -376,7 +376,7 @@ mod tests {
         }
         let mut written = BytesMut::new();
         properties.put(&mut written);
-        let mut fields = super::super::Fields::new(&written);
+        let mut fields = super::super::PacketFields::new(&written);
         let read: Vec<_> = Properties::of_server(&mut fields).collect();
         let ids = [Property::SubscriptionId(1), Property::SubscriptionId(300)];
         assert_eq!(
@@ -388,10 +388,10 @@ mod tests {
     #[test]
     fn answers_of_mqtt_5_are_as_the_standard_has_them() {
         let mut out = BytesMut::new();
-        ack_with(&mut out, Kind::Puback, 0x0102, Reason::NotAuthorized, None);
-        ack_with(&mut out, Kind::Pubrec, 3, Reason::Quota, Some("no"));
-        codes_five(&mut out, Kind::Suback, 3, &[1, 0x8F], None);
-        codes_five(&mut out, Kind::Unsuback, 3, &[0x11], None);
+        ack_with(&mut out, PacketKind::Puback, 0x0102, Reason::NotAuthorized, None);
+        ack_with(&mut out, PacketKind::Pubrec, 3, Reason::Quota, Some("no"));
+        codes_five(&mut out, PacketKind::Suback, 3, &[1, 0x8F], None);
+        codes_five(&mut out, PacketKind::Unsuback, 3, &[0x11], None);
         disconnect(&mut out, Reason::ShuttingDown, Some("end"));
         let expected: [&[u8]; 5] = [
             &[0x40, 4, 1, 2, 0x87, 0],
@@ -413,7 +413,7 @@ mod tests {
     #[test]
     fn answers_are_as_the_standard_has_them() {
         let mut out = BytesMut::new();
-        ack(&mut out, Kind::Pubrel, 0x0102);
+        ack(&mut out, PacketKind::Pubrel, 0x0102);
         suback(&mut out, 3, &[1, REFUSED]);
         out.extend_from_slice(&connack(Welcome::Login, false));
         out.extend_from_slice(&connack(Welcome::Accepted, true));

@@ -3,7 +3,7 @@
 //!
 //! Lengths are in cells of half a metre; a piece may be 0.76 wide for one cell, and a cell longer for each one more.
 
-use super::super::bag::{Bag, Kind};
+use super::super::bag::{Bag, BagKind};
 use super::solid::{Shape, Solid, Surface};
 use super::space::{Paint, Vector, vector};
 
@@ -24,12 +24,12 @@ pub(super) fn model(bag: &Bag, cells: f32) -> Model {
     let paint = Paint(f32::from(bag.colour.red), f32::from(bag.colour.green), f32::from(bag.colour.blue));
     let piece = Making { paint, height: (bag.height_m / 0.5) as f32, longer: cells - 1.0, solids: Vec::new() };
     match bag.kind {
-        Kind::Suitcase => piece.suitcase(),
-        Kind::Backpack => piece.backpack(),
-        Kind::Trolley => piece.trolley(),
-        Kind::Duffel => piece.duffel(),
-        Kind::Box => piece.carton(),
-        Kind::Handbag => piece.handbag(),
+        BagKind::Suitcase => piece.suitcase(),
+        BagKind::Backpack => piece.backpack(),
+        BagKind::Trolley => piece.trolley(),
+        BagKind::Duffel => piece.duffel(),
+        BagKind::Box => piece.carton(),
+        BagKind::Handbag => piece.handbag(),
     }
 }
 

@@ -6,7 +6,7 @@ use super::super::bag::Bag;
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
 use super::luggage::{Model, model};
-use super::solid::{self, Place};
+use super::solid::{self, Placement};
 use super::space::vector;
 use super::view::{HEIGHT, View, WIDTH};
 use super::{Exposure, caption, png, room};
@@ -23,7 +23,7 @@ pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
     let view = View::of(exposure.body, hall.cell_m(), exposure.away);
     let mut canvas = Canvas::new();
     room::draw(&mut canvas, hall, &view);
-    let pieces: Vec<(Place, Model)> = in_view(hall, &view).into_iter().flat_map(|bag| placed(hall, bag)).collect();
+    let pieces: Vec<(Placement, Model)> = in_view(hall, &view).into_iter().flat_map(|bag| placed(hall, bag)).collect();
     for (place, model) in &pieces {
         solid::draw_shadow(&mut canvas, &view, *place, model.foot);
     }
@@ -56,14 +56,14 @@ fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
 }
 
 /// The models of a piece: one along its cells when these are in a row, or else a part on each cell.
-fn placed(hall: &Hall, bag: &Bag) -> Vec<(Place, Model)> {
+fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     let (Some(first), Some(last)) = (bag.cells.first(), bag.cells.last()) else { return Vec::new() };
     if first.y == last.y && bag.cells.iter().all(|cell| cell.y == first.y) || bag.cells.iter().all(|cell| cell.x == first.x) {
         let foot = (point(*first) + point(*last)) * 0.5;
         let length = (point(*last) - point(*first)).length() + 1.0;
-        vec![(Place { foot, turn: turn(hall, bag, *first, *last) }, model(bag, length))]
+        vec![(Placement { foot, turn: turn(hall, bag, *first, *last) }, model(bag, length))]
     } else {
-        let part = |cell: &Cell| (Place { foot: point(*cell), turn: turn(hall, bag, *cell, *cell) }, model(bag, 1.0));
+        let part = |cell: &Cell| (Placement { foot: point(*cell), turn: turn(hall, bag, *cell, *cell) }, model(bag, 1.0));
         bag.cells.iter().map(part).collect()
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     let faces: Vec<Face> = directions.iter().map(|direction| walk(hall, view.eye, *direction)).collect();
     for row in 0..HEIGHT {
         let fall = view.fall(row);
-        let ground = Ground::at(EYE / fall);
+        let ground = FloorRow::at(EYE / fall);
         let roof = (EYE - CEILING) / fall;
         for (column, (face, direction)) in faces.iter().zip(&directions).enumerate() {
             let height = EYE - fall * face.depth;
@@ -92,7 +92,7 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
 
 /// The floor along one row of the picture, all of it equally far ahead: two tiles to a cell with grout between. The
 /// pattern fades with distance before it can flicker.
-struct Ground {
+struct FloorRow {
     depth: f32,
     haze: f32,
     /// The width of the grout, in cells, and its strength.
@@ -100,10 +100,10 @@ struct Ground {
     tones: f32,
 }
 
-impl Ground {
-    fn at(depth: f32) -> Ground {
+impl FloorRow {
+    fn at(depth: f32) -> FloorRow {
         let grout = (0.006 + depth * 0.0025, 1.0 - smooth(3.0, 9.0, depth));
-        Ground { depth, haze: haze(depth), grout, tones: 0.10 * (1.0 - smooth(4.0, 14.0, depth)) }
+        FloorRow { depth, haze: haze(depth), grout, tones: 0.10 * (1.0 - smooth(4.0, 14.0, depth)) }
     }
 
     fn paint(&self, at: Vector, wall_depth: f32) -> Paint {

@@ -45,13 +45,13 @@ pub(super) enum Shape {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct Placement {
     pub(super) foot: Vector,
     /// Cosine and sine of its turn about the vertical.
     pub(super) turn: (f32, f32),
 }
 
-impl Place {
+impl Placement {
     fn to_hall(self, point: Vector) -> Vector {
         self.foot + point.turned(self.turn)
     }
@@ -66,7 +66,7 @@ impl Place {
 }
 
 /// Draws a solid where nothing nearer is drawn yet. `number` tells it from its neighbours when outlines are softened.
-pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Place, solid: &Solid, number: u16) {
+pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &Solid, number: u16) {
     let (least, most) = solid.shape.bounds();
     let corners = corners(least, most).map(|corner| place.to_hall(corner));
     if corners.iter().all(|corner| view.depth(*corner) < 0.1) {
@@ -89,7 +89,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Place, solid: &Solid
 }
 
 /// Darkens the floor under and around a foot of this half size. Call it before any solid is drawn.
-pub(super) fn draw_shadow(canvas: &mut Canvas, view: &View, place: Place, half: (f32, f32)) {
+pub(super) fn draw_shadow(canvas: &mut Canvas, view: &View, place: Placement, half: (f32, f32)) {
     const REACH: f32 = 0.4;
     let (x, y) = (half.0 + REACH, half.1 + REACH);
     let corners = [(-x, -y), (-x, y), (x, -y), (x, y)].map(|(x, y)| place.to_hall(vector(x, y, 0.0)));

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::HallError;
-use super::rows::Reading;
+use super::rows::DrawingRows;
 use super::scene::HallOfScene;
 use super::{Hall, Truth, movingai, occupancy, rows, seed_text, toml};
 use crate::bag::Bag;
@@ -50,7 +50,7 @@ impl Format {
 const EXPLORED: &str = "As far as it was explored; where nothing is known it has walls.";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct WrittenHall {
     /// The bytes of the main file.
     pub file: Vec<u8>,
     /// The PGM image beside it, for the format that has one.
@@ -87,7 +87,7 @@ impl Export {
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
-        let mut reading = Reading::default();
+        let mut reading = DrawingRows::default();
         let mut marks = Vec::new();
         for y in bounds.least.y..=bounds.most.y {
             for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
@@ -146,7 +146,7 @@ impl Export {
     ///
     /// # Errors
     /// What is written could not be read again, such as a map wider than a hall may be.
-    pub fn written(&self, format: Format, stem: &str) -> Result<Written, HallError> {
+    pub fn written(&self, format: Format, stem: &str) -> Result<WrittenHall, HallError> {
         let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
         let name = format!("{stem}.{}", format.extension());
         let text = String::from_utf8_lossy(&file);
@@ -155,7 +155,7 @@ impl Export {
             None => Hall::parse(&name, &text)?,
         };
         let lost = self.lost(&again, format);
-        Ok(Written { file, image, lost })
+        Ok(WrittenHall { file, image, lost })
     }
 
     fn lost(&self, again: &Hall, format: Format) -> Vec<String> {

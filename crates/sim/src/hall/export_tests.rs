@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::bag::{Colour, Kind};
+use crate::bag::{BagKind, Colour};
 use crate::headless::{Run, Verdicts, explore_and_tell};
 use crate::{Camera, SimSettings};
 use hallsweep_core::command::Strategy as SearchStrategy;
@@ -45,7 +45,7 @@ fn rich() -> Hall {
     Hall::parse("rich.toml", RICH).unwrap()
 }
 
-fn again(written: &Written, format: Format) -> Hall {
+fn again(written: &WrittenHall, format: Format) -> Hall {
     let text = String::from_utf8(written.file.clone()).unwrap();
     match &written.image {
         Some(image) => Hall::parse_occupancy("again.yaml", &text, "again.pgm", image, None),
@@ -95,7 +95,7 @@ fn what_other_formats_cannot_say_is_said() {
 fn when_letters_run_out_the_dangerous_and_the_long_keep_theirs_and_the_file_says_so() {
     let mut hall = Hall::from_rows("many", &[&format!("S{}", "T".repeat(30)), &format!(".{}", ".".repeat(30))]).unwrap();
     for bag in &mut hall.bags {
-        (bag.kind, bag.colour, bag.height_m, bag.name) = (Kind::Box, Colour::new(1, 2, 3), 0.4, "black box".into());
+        (bag.kind, bag.colour, bag.height_m, bag.name) = (BagKind::Box, Colour::new(1, 2, 3), 0.4, "black box".into());
         bag.dangerous = bag.piece.0 > 27;
     }
     let written = Export::from(hall.clone()).written(Format::Toml, "many").unwrap();
@@ -303,7 +303,7 @@ fn halls() -> impl Strategy<Value = Hall> {
                 hall.bags.iter_mut().zip(words).filter(|(bag, _)| bag.cells.len() > 1)
             {
                 (bag.kind, bag.colour, bag.dangerous, bag.height_m) =
-                    (Kind::ALL[kind], Colour { red, green, blue }, dangerous, height_m);
+                    (BagKind::ALL[kind], Colour { red, green, blue }, dangerous, height_m);
                 bag.name = format!("{} {}", bag.colour.nearest_name(), bag.kind.name()).into();
             }
             let curve = is_hot

@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 pub use error::{HallError, HallFault};
-pub use export::{Export, Format, Written};
+pub use export::{Export, Format, WrittenHall};
 pub use scene::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneSonar, StaticObstacle};
 
 use crate::bag::Bag;

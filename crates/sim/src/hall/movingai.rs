@@ -3,7 +3,7 @@
 //! thermometer.
 
 use super::error::{HallError, HallFault};
-use super::rows::{Reading, drawn, sides};
+use super::rows::{DrawingRows, drawn, sides};
 use super::{Hall, Truth};
 
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
@@ -36,7 +36,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
             check_corners(index, row).map_err(|fault| fault.at(file, line))?;
         }
     }
-    let mut reading = Reading::default();
+    let mut reading = DrawingRows::default();
     for (index, row) in rows[above..].iter().take(height).enumerate() {
         read_row(&mut reading, index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + above + index + 1))?;
     }
@@ -105,7 +105,7 @@ fn check_corners(index: usize, row: &str) -> Result<(), HallFault> {
     }
 }
 
-fn read_row(reading: &mut Reading, index: usize, row: &str, width: usize) -> Result<(), HallFault> {
+fn read_row(reading: &mut DrawingRows, index: usize, row: &str, width: usize) -> Result<(), HallFault> {
     for (place, mark) in row.chars().take(width).enumerate() {
         let cell = drawn(place, index);
         let square = match mark.to_ascii_uppercase() {

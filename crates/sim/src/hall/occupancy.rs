@@ -11,7 +11,7 @@ use serde_saphyr::Spanned;
 use super::error::{HallError, HallFault};
 use super::pixel::{MAX_IMAGE_SIDE, Pixel};
 use super::pixels::Image;
-use super::rows::{self, Reading, drawn};
+use super::rows::{self, DrawingRows, drawn};
 use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
@@ -205,7 +205,7 @@ impl Description {
         let ratio = whole_if_near(cell_m / self.resolution);
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
         let size = rows::sides(columns.count as u64, rows.count as u64).map_err(of_image)?;
-        let mut truths = vec![Ground::Free; columns.count * rows.count];
+        let mut truths = vec![PixelGround::Free; columns.count * rows.count];
         let mut pixels = Vec::new();
         for above in &rows.of_pixel {
             image.next_row(&mut pixels).map_err(of_image)?;
@@ -218,13 +218,13 @@ impl Description {
                 }
             }
         }
-        let mut reading = Reading::default();
+        let mut reading = DrawingRows::default();
         for (index, ground) in truths.into_iter().enumerate() {
             let cell = drawn(index % columns.count, index / columns.count);
             let truth = match ground {
-                Ground::Free => Truth::Free,
-                Ground::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
-                Ground::Blocked => Truth::Wall,
+                PixelGround::Free => Truth::Free,
+                PixelGround::Luggage => Truth::Luggage(reading.new_piece(cell).map_err(of_image)?),
+                PixelGround::Blocked => Truth::Wall,
             };
             reading.squares.push(truth);
         }
@@ -255,14 +255,14 @@ impl Description {
 
     /// The cell with world (0, 0) in it, if that is free: the robot that made the map stood there. The origin is the
     /// image's south-west corner.
-    fn world_home(&self, reading: &Reading, columns: &Cells, rows: &Cells) -> Option<Cell> {
+    fn world_home(&self, reading: &DrawingRows, columns: &Cells, rows: &Cells) -> Option<Cell> {
         let [east, north] = self.origin.map(|metres| -metres / self.resolution);
         let (column, row) =
             (columns.of_pixel.get(pixel_at(east)?)?.start, rows.of_pixel.iter().rev().nth(pixel_at(north)?)?.start);
         (reading.squares.get(row * columns.count + column) == Some(&Truth::Free)).then(|| drawn(column, row))
     }
 
-    fn home(&self, reading: &Reading, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
+    fn home(&self, reading: &DrawingRows, usual: Cell, columns: usize) -> Result<Cell, (HallFault, usize)> {
         let Some((Own { home: (x, y), .. }, line)) = self.own else { return Ok(usual) };
         let place = (x as usize, y as usize);
         let square = reading.squares.get(place.1.saturating_mul(columns).saturating_add(place.0));
@@ -273,11 +273,11 @@ impl Description {
         }
     }
 
-    fn ground(&self, pixel: Pixel) -> Ground {
+    fn ground(&self, pixel: Pixel) -> PixelGround {
         match self.own {
-            Some((own, _)) if pixel.shade == f64::from(own.luggage) / 255.0 => Ground::Luggage,
-            _ if self.is_free(pixel) => Ground::Free,
-            _ => Ground::Blocked,
+            Some((own, _)) if pixel.shade == f64::from(own.luggage) / 255.0 => PixelGround::Luggage,
+            _ if self.is_free(pixel) => PixelGround::Free,
+            _ => PixelGround::Blocked,
         }
     }
 
@@ -302,7 +302,7 @@ impl Description {
 
 /// The pixels of a cell, of which the greatest value wins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Ground {
+enum PixelGround {
     Free,
     Luggage,
     Blocked,

@@ -51,7 +51,7 @@ pub(super) fn sides(width: u64, height: u64) -> Result<(i32, i32), HallFault> {
 pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
     let width = rows.first().map_or(0, |row| row.chars().count());
     let size = sides(width as u64, rows.len() as u64).map_err(|fault| (0, fault))?;
-    let mut reading = Reading::default();
+    let mut reading = DrawingRows::default();
     for (index, row) in rows.iter().enumerate() {
         let columns = row.chars().count();
         if columns != width {
@@ -64,14 +64,14 @@ pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
 
 /// The part of a drawing read so far, in the drawing's own columns and rows.
 #[derive(Default)]
-pub(super) struct Reading {
+pub(super) struct DrawingRows {
     pub(super) squares: Vec<Truth>,
     pub(super) start: Option<Cell>,
     letters: BTreeMap<char, Piece>,
     cells: Vec<Vec<Cell>>,
 }
 
-impl Reading {
+impl DrawingRows {
     fn row(&mut self, index: usize, row: &str) -> Result<(), HallFault> {
         for (place, mark) in row.chars().enumerate() {
             let cell = drawn(place, index);

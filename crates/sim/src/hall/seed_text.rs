@@ -2,7 +2,7 @@
 //! `X` obstacle; a line per row with commas, `|r, 1, X, `, or all rows in one line, each ended by `@`.
 
 use super::error::{HallError, HallFault};
-use super::rows::{Reading, drawn, sides};
+use super::rows::{DrawingRows, drawn, sides};
 use super::{Hall, Truth};
 use hallsweep_core::world::hall_map::Mark;
 
@@ -24,7 +24,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     let cells = |row: &str| row.chars().filter(|letter| !BETWEEN.contains(letter)).count();
     let width = rows.first().map_or(0, |(_, row)| cells(row));
     let size = sides(width as u64, rows.len() as u64).map_err(|fault| fault.of(file))?;
-    let mut reading = Reading::default();
+    let mut reading = DrawingRows::default();
     for (index, (line, row)) in rows.iter().enumerate() {
         let columns = cells(row);
         if columns != width {
@@ -36,7 +36,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     Ok(Hall::of(name, reading.plan(start, size)))
 }
 
-fn read_row(reading: &mut Reading, index: usize, row: &str) -> Result<(), HallFault> {
+fn read_row(reading: &mut DrawingRows, index: usize, row: &str) -> Result<(), HallFault> {
     for (place, mark) in row.chars().filter(|letter| !BETWEEN.contains(letter)).enumerate() {
         let truth = match mark {
             'r' if reading.start.is_some() => return Err(HallFault::SecondRobot { row: index + 1, column: place + 1 }),

@@ -11,7 +11,7 @@ use toml::Spanned;
 use super::error::{HallError, HallFault};
 use super::rows::{self, Drawing};
 use super::{Hall, MAX_SIDE, Plan, Truth, USUAL_CELL_M};
-use crate::bag::{Bag, Colour, Kind};
+use crate::bag::{Bag, BagKind, Colour};
 use crate::curve::Curve;
 use hallsweep_core::units::{Celsius, Piece};
 
@@ -199,7 +199,7 @@ impl Source<'_> {
     fn describe(&self, bag: &mut Bag, entry: &Luggage) -> Result<(), HallError> {
         let kind_name = entry.kind.get_ref();
         bag.kind =
-            Kind::named(kind_name).ok_or_else(|| self.at(&entry.kind.span(), HallFault::UnknownKind(kind_name.clone())))?;
+            BagKind::named(kind_name).ok_or_else(|| self.at(&entry.kind.span(), HallFault::UnknownKind(kind_name.clone())))?;
         bag.colour = Colour::parse(entry.colour.get_ref()).ok_or_else(|| {
             let names = Colour::NAMED.map(|(name, _)| name).join(", ");
             self.at(&entry.colour.span(), HallFault::UnknownColour(entry.colour.get_ref().clone(), names))
@@ -341,8 +341,8 @@ celsius = 21.5
         assert_eq!(hall.name(), "two bags");
         assert_eq!(hall.curve().map(|curve| curve.at(Duration::from_secs(9))), Celsius::new(21.5));
         let [a, b] = hall.pieces() else { panic!("two pieces are drawn") };
-        assert_eq!((a.kind, &*a.name, a.cells.len(), a.dangerous), (Kind::Trolley, "red trolley", 2, true));
-        assert_eq!((b.kind, b.height_m, b.dangerous), (Kind::Box, 0.3, false));
+        assert_eq!((a.kind, &*a.name, a.cells.len(), a.dangerous), (BagKind::Trolley, "red trolley", 2, true));
+        assert_eq!((b.kind, b.height_m, b.dangerous), (BagKind::Box, 0.3, false));
     }
 
     #[test]

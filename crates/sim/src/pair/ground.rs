@@ -13,7 +13,7 @@ use hallsweep_core::units::{Cell, Piece};
 const SIGHT: u32 = 12;
 
 #[derive(Clone, Debug)]
-pub(super) struct Ground {
+pub(super) struct PairGround {
     hall: Arc<Hall>,
     /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the
     /// container.
@@ -24,15 +24,15 @@ pub(super) struct Ground {
     blocked: BTreeSet<Cell>,
 }
 
-impl Ground {
+impl PairGround {
     #[cfg(test)]
-    pub(super) const fn new(hall: Arc<Hall>) -> Ground {
-        Ground { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new(), blocked: BTreeSet::new() }
+    pub(super) const fn new(hall: Arc<Hall>) -> PairGround {
+        PairGround { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new(), blocked: BTreeSet::new() }
     }
 
-    pub(super) fn remembered(hall: Arc<Hall>, lying: &[(Piece, Place)], taken_in: &[Piece], closed: &[Cell]) -> Ground {
+    pub(super) fn remembered(hall: Arc<Hall>, lying: &[(Piece, Place)], taken_in: &[Piece], closed: &[Cell]) -> PairGround {
         let inside = taken_in.iter().map(|piece| (*piece, None));
-        Ground {
+        PairGround {
             hall,
             moved: lying.iter().map(|(piece, place)| (*piece, Some(*place))).chain(inside).collect(),
             taken_in: taken_in.to_vec(),
@@ -128,14 +128,14 @@ impl Ground {
 mod tests {
     use super::*;
 
-    fn ground(rows: &[&str]) -> Ground {
-        Ground::new(Arc::new(Hall::from_rows("test", rows).unwrap()))
+    fn ground(rows: &[&str]) -> PairGround {
+        PairGround::new(Arc::new(Hall::from_rows("test", rows).unwrap()))
     }
 
     #[test]
     fn a_piece_that_was_lifted_leaves_its_cells_free_and_lies_on_one_where_it_falls() {
         let mut ground = ground(&["S.aa."]);
-        let at = |ground: &Ground, x| ground.truth(Cell::new(x, 0));
+        let at = |ground: &PairGround, x| ground.truth(Cell::new(x, 0));
         assert_eq!((at(&ground, 2), at(&ground, 3)), (Truth::Luggage(Piece(1)), Truth::Luggage(Piece(1))));
         ground.lift(Piece(1));
         assert_eq!((at(&ground, 2), at(&ground, 3)), (Truth::Free, Truth::Free));
@@ -148,7 +148,8 @@ mod tests {
     #[test]
     fn the_nearest_piece_in_sight_is_found_and_one_far_away_is_not() {
         let mut ground = ground(&["Sa..b..............c"]);
-        let found = |ground: &Ground, x| ground.nearest(Place::Cell(Cell::new(x, 0))).map(|parcel| (parcel.piece, parcel.place));
+        let found =
+            |ground: &PairGround, x| ground.nearest(Place::Cell(Cell::new(x, 0))).map(|parcel| (parcel.piece, parcel.place));
         assert_eq!(found(&ground, 3), Some((Piece(2), Place::Cell(Cell::new(4, 0)))));
         ground.lift(Piece(2));
         assert_eq!(found(&ground, 3), Some((Piece(1), Place::Cell(Cell::new(1, 0)))));

@@ -9,9 +9,9 @@ use std::time::Duration;
 use super::super::hall::{Hall, Truth};
 use super::super::memory::{micro, reseeded, whole};
 use super::grip::{Grip, Held};
-use super::robot::{Astray, Robot, Run, Task, Work};
+use super::robot::{Astray, PairTask, Robot, Work, WorkTime};
 use super::settings::{PairSettings, Slip};
-use super::{Ground, Pair};
+use super::{Pair, PairGround};
 use hallsweep_core::arm::{Controllers, Gripper, Parcel};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
@@ -198,7 +198,7 @@ impl Pair {
             robots: Which::ALL.map(|which| self.robot_memory(which)),
             grip: self.grip.as_ref().map(kept),
             lying: self.ground.lying().collect(),
-            taken_in: Ground::taken_in(&self.ground).to_vec(),
+            taken_in: PairGround::taken_in(&self.ground).to_vec(),
             closed: self.ground.closed().collect(),
             slips: Some(self.slips.clone()),
             unrecognised: Some(self.unrecognised.clone()),
@@ -209,9 +209,9 @@ impl Pair {
     fn robot_memory(&self, which: Which) -> RobotMemory {
         let robot = &self.robots[which.index()];
         let motion = match &robot.task {
-            Some(Task { work: Work::Step { .. } | Work::Back | Work::Turn { .. }, run: Some(Run { ends, .. }), .. }) => {
-                Some((robot.astray_at(*ends).into(), ends.saturating_sub(self.now)))
-            }
+            Some(PairTask {
+                work: Work::Step { .. } | Work::Back | Work::Turn { .. }, run: Some(WorkTime { ends, .. }), ..
+            }) => Some((robot.astray_at(*ends).into(), ends.saturating_sub(self.now))),
             Some(_) | None => None,
         };
         RobotMemory {

@@ -27,7 +27,7 @@ use std::time::Duration;
 
 pub use self::grip::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M, Holding, Spread};
 use self::grip::{Grip, STEP};
-use self::ground::Ground;
+use self::ground::PairGround;
 pub use self::memory::{AstrayMemory, PairMemory, RobotMemory};
 use self::robot::{Astray, Robot, body_of};
 pub use self::settings::{Mishaps, PairSettings, Slip};
@@ -44,7 +44,7 @@ use hallsweep_core::units::{Cell, Now, Piece, Pose};
 
 #[derive(Debug)]
 pub struct Pair {
-    ground: Ground,
+    ground: PairGround,
     settings: PairSettings,
     now: Duration,
     robots: [Robot; 2],
@@ -289,7 +289,7 @@ impl Pair {
         let settings = settings.sound();
         let seed = reseeded(settings.seed, memory.restarts);
         let mut pair = Pair {
-            ground: Ground::remembered(hall, &memory.lying, &memory.taken_in, &memory.closed),
+            ground: PairGround::remembered(hall, &memory.lying, &memory.taken_in, &memory.closed),
             now,
             robots: memory.robots(),
             grip: memory.grip(),

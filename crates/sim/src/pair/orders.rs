@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::super::hall::Truth;
 use super::super::sonar::way_to_contact;
-use super::robot::{Astray, Run, Task, Work};
+use super::robot::{Astray, PairTask, Work, WorkTime};
 use super::{Pair, RobotEvent};
 use hallsweep_core::arm::{ArmAction, Gripper};
 use hallsweep_core::command::Move;
@@ -98,7 +98,7 @@ impl Pair {
         let deadline = self.now.saturating_add(order.deadline);
         let needs_both = self.needs_both(which, work);
         self.unkept = true;
-        self.robots[which.index()].task = Some(Task { order: order.id, deadline, work, run: None });
+        self.robots[which.index()].task = Some(PairTask { order: order.id, deadline, work, run: None });
         if needs_both {
             self.begin_together();
         } else {
@@ -134,7 +134,7 @@ impl Pair {
     fn run(&mut self, which: Which, work: Work, lasts: Duration, together: bool) {
         let (began, ends) = (self.now, self.now.saturating_add(lasts));
         if let Some(task) = &mut self.robots[which.index()].task {
-            (task.work, task.run) = (work, Some(Run { began, ends, together }));
+            (task.work, task.run) = (work, Some(WorkTime { began, ends, together }));
         }
     }
 

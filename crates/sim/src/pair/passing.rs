@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::grip::{Grip, STEP};
 use super::orders::moved;
-use super::robot::{Astray, Task, Work};
+use super::robot::{Astray, PairTask, Work};
 use super::{Pair, RobotEvent};
 use hallsweep_core::arm::{ArmAction, Controllers, Gripper, Parcel};
 use hallsweep_core::retrieval::Which;
@@ -54,7 +54,7 @@ impl Pair {
         let deadlines = Which::ALL.map(|which| Some((self.task(which)?.deadline, Due::Deadline(which))));
         let lifting = Which::ALL
             .into_iter()
-            .any(|which| matches!(self.task(which), Some(Task { work: Work::Arm(ArmAction::Lift), run: Some(_), .. })));
+            .any(|which| matches!(self.task(which), Some(PairTask { work: Work::Arm(ArmAction::Lift), run: Some(_), .. })));
         let is_loaded = lifting || self.grip.as_ref().is_some_and(Grip::is_loaded);
         let held = [
             (with_steps && is_loaded).then_some((self.next_step, Due::Hold)),
@@ -63,7 +63,7 @@ impl Pair {
         ends.into_iter().chain(deadlines).chain(held).flatten().min_by_key(|(at, _)| *at)
     }
 
-    fn task(&self, which: Which) -> Option<&Task> {
+    fn task(&self, which: Which) -> Option<&PairTask> {
         self.robots[which.index()].task.as_ref()
     }
 
@@ -73,7 +73,7 @@ impl Pair {
         if together {
             return self.finish_together();
         }
-        let Some(Task { order, work, .. }) = self.robots[which.index()].task.take() else { return };
+        let Some(PairTask { order, work, .. }) = self.robots[which.index()].task.take() else { return };
         let robot = &mut self.robots[which.index()];
         match work {
             Work::Step { to, until, against: Some(obstacle) } => {
@@ -177,7 +177,7 @@ impl Pair {
         }
     }
 
-    fn finish_train_step(&mut self, tasks: [Task; 2]) {
+    fn finish_train_step(&mut self, tasks: [PairTask; 2]) {
         let [Work::Step { to: one, until, against }, Work::Step { to: two, against: other, .. }] = [tasks[0].work, tasks[1].work]
         else {
             return;

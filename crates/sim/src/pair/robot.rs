@@ -17,7 +17,7 @@ pub(super) struct Robot {
     pub(super) stands: BasePose,
     /// How far from there it really is while nothing moves it.
     pub(super) astray: Astray,
-    pub(super) task: Option<Task>,
+    pub(super) task: Option<PairTask>,
     pub(super) gripper: Gripper,
     pub(super) aligned: Option<Place>,
     pub(super) controllers: Controllers,
@@ -34,16 +34,16 @@ pub(super) enum Astray {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Task {
+pub(super) struct PairTask {
     pub(super) order: OrderId,
     pub(super) deadline: Duration,
     pub(super) work: Work,
     /// `None` while it waits for the other robot's part of the same work.
-    pub(super) run: Option<Run>,
+    pub(super) run: Option<WorkTime>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Run {
+pub(super) struct WorkTime {
     pub(super) began: Duration,
     pub(super) ends: Duration,
     /// Whether the other robot does its part at the same time.
@@ -66,7 +66,7 @@ pub(super) enum Work {
     Arm(ArmAction),
 }
 
-impl Run {
+impl WorkTime {
     /// The share of it that is done at `now`, 0–1.
     pub(super) fn done(self, now: Duration) -> f64 {
         let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));
@@ -96,7 +96,7 @@ impl Robot {
 
     /// Where it is at `now`, if nothing interferes.
     pub(super) fn astray_at(&self, now: Duration) -> Astray {
-        let Some(Task { work, run: Some(run), .. }) = &self.task else { return self.astray };
+        let Some(PairTask { work, run: Some(run), .. }) = &self.task else { return self.astray };
         let done = run.done(now);
         match *work {
             Work::Step { to, until, .. } => Astray::Along(to, until * done).settled(),
@@ -108,7 +108,7 @@ impl Robot {
 
     /// Whether it stands in a place, or will when its step ends.
     pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
-        let enters = matches!(&self.task, Some(Task { work: Work::Step { to, .. }, .. }) if *to == place);
+        let enters = matches!(&self.task, Some(PairTask { work: Work::Step { to, .. }, .. }) if *to == place);
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
     }
 

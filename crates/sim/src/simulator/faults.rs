@@ -1,7 +1,7 @@
 //! Faults of the simulated robot that somebody switches on and off. A blocked way is no fault of the robot: its hall
 //! changes then.
 
-use super::{End, Sim, Task, Work};
+use super::{End, Sim, SimTask, Work};
 use hallsweep_core::units::{Cell, Now};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Sim {
 
     #[must_use]
     pub fn is_in_or_enters(&self, cell: Cell) -> bool {
-        let enters = |task: &Task| matches!(task.work, Work::Drive { end: End::At(pose), .. } if pose.cell == cell);
+        let enters = |task: &SimTask| matches!(task.work, Work::Drive { end: End::At(pose), .. } if pose.cell == cell);
         self.pose.cell == cell || self.task.as_ref().is_some_and(enters)
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::super::camera::Exposure;
-use super::{Sim, Task, Work};
+use super::{Sim, SimTask, Work};
 use hallsweep_core::effect::{Order, Stamp};
 use hallsweep_core::event::{Photo, RobotEvent};
 use hallsweep_core::units::{Now, OrderId};
@@ -21,7 +21,7 @@ impl Sim {
     /// Takes the current photo for developing it elsewhere (drawing takes milliseconds). It must come back by
     /// `handle_photo`; until then the order stays open.
     pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
-        let Some(Task { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
+        let Some(SimTask { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
         let Film::Here(exposure) = film else { return None };
         let taken = (*order, exposure.clone());
         *film = Film::Away;
@@ -31,7 +31,7 @@ impl Sim {
     /// Brings back a photo that was developed elsewhere. It is dropped if its order is no longer open.
     pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
         match &mut self.task {
-            Some(Task { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
+            Some(SimTask { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
                 *film = Film::Developed(photo)
             }
             Some(_) | None => {}
@@ -41,7 +41,7 @@ impl Sim {
 
     #[must_use]
     pub const fn is_developing(&self) -> bool {
-        matches!(self.task, Some(Task { work: Work::Photograph { film: Film::Away, .. }, .. }))
+        matches!(self.task, Some(SimTask { work: Work::Photograph { film: Film::Away, .. }, .. }))
     }
 
     pub(super) fn begin_photo(&mut self, order: Order, stamp: Stamp) {

@@ -60,19 +60,19 @@ pub(super) fn command(
     manual_driving: bool,
 ) -> Result<(Command, Option<Epoch>), Problem> {
     match act {
-        Action::Command(kind) => commands::asked(kind, number, &Carried(request)),
+        Action::Command(kind) => commands::asked(kind, number, &CarriedRequest(request)),
         Action::OldWord => Ok((old::command(request, manual_driving)?, None)),
     }
 }
 
 /// A request as the payload of a command.
-struct Carried<'a>(&'a Request);
+struct CarriedRequest<'a>(&'a Request);
 
-impl Payload for Carried<'_> {
+impl Payload for CarriedRequest<'_> {
     type Problem = Problem;
 
     fn needed<T: Body>(&self) -> Result<T, Problem> {
-        let Carried(request) = self;
+        let CarriedRequest(request) = self;
         if request.payload.is_empty() {
             return Err(Problem::malformed("the body is empty: this command needs JSON or CBOR, see docs/coap.md".to_owned()));
         }

@@ -2,7 +2,7 @@
 //! formatting of links are in `super::super::links`.
 
 use super::etag::tag;
-use super::table::{Row, Show, Table};
+use super::table::{PathRow, Show, Table};
 use crate::api::resources::ResourceKind;
 use coap_endpoint::{Format, Link, Response, link_format};
 use hallsweep_core::snapshot::Snapshot;
@@ -27,7 +27,7 @@ pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
 }
 
 /// The links of a row: one, or one for each piece of this mission or each alarm.
-fn links(row: &Row, snapshot: &Snapshot) -> Vec<Link> {
+fn links(row: &PathRow, snapshot: &Snapshot) -> Vec<Link> {
     let each = |id: u64| link(row, &row.path.replace("{id}", &id.to_string()), size(row, LuggageId(id), snapshot));
     if row.path.starts_with("/luggage/{id}") {
         snapshot.luggage.iter().map(|piece| each(piece.id.0)).collect()
@@ -38,7 +38,7 @@ fn links(row: &Row, snapshot: &Snapshot) -> Vec<Link> {
     }
 }
 
-fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
+fn link(row: &PathRow, href: &str, size: Option<usize>) -> Link {
     let interface = match (&row.shows, row.actions.is_empty()) {
         (Some(_), true) => SEE.to_owned(),
         (Some(_), false) => format!("{SEE} {ACT}"),
@@ -58,7 +58,7 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
 }
 
 /// The size of a photo; other resources change all the time.
-fn size(row: &Row, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
+fn size(row: &PathRow, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
     row.shows.as_ref().filter(|shown| shown.show == Show::Resource(ResourceKind::Photo))?;
     match snapshot.luggage(id)?.photo {
         PhotoState::Taken { bytes, .. } => Some(bytes),

@@ -24,12 +24,12 @@ use self::caller::Caller;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
-use self::table::{Action, Found, Table};
+use self::table::{Action, FoundPath, Table};
 use super::application::{Application, Reply};
 use crate::api::door;
 use crate::api::fields::in_short;
-use crate::doors::seldom::Seldom;
-use crate::runtime::archive_reader::Reader;
+use crate::doors::log_throttle::LogThrottle;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
@@ -37,21 +37,21 @@ use hallsweep_core::command::{self, RefusalKind, Refused};
 
 pub struct Resources {
     handle: Handle,
-    archive: Reader,
+    archive: ArchiveReader,
     table: Table,
     cache: RepresentationCache,
     old: OldModel,
     photos: Arc<Photos>,
-    strangers: Seldom,
+    strangers: LogThrottle,
     manual_driving: bool,
 }
 
 impl Resources {
     /// Resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
-    pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
+    pub fn new(handle: Handle, archive: ArchiveReader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(handle.snapshot());
-        let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
+        let (table, photos, strangers) = (Table::default(), Arc::default(), LogThrottle::default());
         Resources { handle, archive, table, cache, old, photos, strangers, manual_driving }
     }
 }
@@ -111,7 +111,7 @@ impl Resources {
         }
     }
 
-    fn act(&self, act: Action, found: &Found<'_>, request: &Request) -> Result<Reply, Problem> {
+    fn act(&self, act: Action, found: &FoundPath<'_>, request: &Request) -> Result<Reply, Problem> {
         let caller = Caller::of(request.peer);
         caller.check(act.need()).map_err(|refused| Problem::refused(&refused))?;
         let (command, epoch) = actions::command(act, found.number, request, self.manual_driving)?;
@@ -128,7 +128,7 @@ impl Resources {
     }
 
     /// Checks `If-Match` and `If-None-Match` against the present representations in all formats.
-    fn may_change(&self, found: &Found<'_>, request: &Request) -> Result<(), Problem> {
+    fn may_change(&self, found: &FoundPath<'_>, request: &Request) -> Result<(), Problem> {
         if request.conditions == Conditions::default() {
             return Ok(());
         }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::etag;
 use super::problem::{Problem, words};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
@@ -71,7 +71,7 @@ pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer
 }
 
 /// Reads a photo; without the tag it also reads the piece's record.
-pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<ETag>) -> Result<Response, Problem> {
+pub(super) async fn read(archive: &ArchiveReader, id: LuggageId, present: Option<ETag>) -> Result<Response, Problem> {
     let tag = match present {
         Some(tag) => tag,
         None => {

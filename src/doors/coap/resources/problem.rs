@@ -2,7 +2,7 @@
 
 use super::super::application::HALTED;
 use super::shows;
-use super::table::Row;
+use super::table::PathRow;
 use crate::api::concise_problem;
 use crate::api::fields::in_short;
 use crate::api::problem::{CONDITION_FAILED, ProblemJson, ProblemKind};
@@ -19,7 +19,7 @@ impl Problem {
         Problem::not_found(format!("there is nothing at {}: GET /.well-known/core lists what there is", in_short(&path)))
     }
 
-    pub(super) fn not_answered(request: &Request, row: &Row) -> Problem {
+    pub(super) fn not_answered(request: &Request, row: &PathRow) -> Problem {
         let methods: Vec<&str> = row.methods().map(Method::name).collect();
         Problem::no_method(format!("{} does not answer {}: it answers {}", row.path, request.method.name(), methods.join(", ")))
     }

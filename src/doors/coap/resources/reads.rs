@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::super::application::Reply;
 use super::problem::{Problem, words};
-use super::table::{Representations, Row, Show};
+use super::table::{PathRow, Representations, Show};
 use super::{Resources, discovery, photos, shows};
 use crate::api::resources::ResourceKind;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
@@ -55,7 +55,7 @@ impl Resources {
     }
 
     /// The tags of the present representations in all formats.
-    pub(super) fn tags(&self, row: &Row, number: u64) -> Vec<ETag> {
+    pub(super) fn tags(&self, row: &PathRow, number: u64) -> Vec<ETag> {
         let Some(Representations { show, formats, .. }) = &row.shows else { return Vec::new() };
         let snapshot = self.handle.snapshot();
         match show {

@@ -7,10 +7,10 @@ use crate::api::resources::{self, Form, RESOURCES, ResourceKind};
 use coap_endpoint::{Format, Method};
 
 pub(super) struct Table {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<PathRow>,
 }
 
-pub(super) struct Row {
+pub(super) struct PathRow {
     /// Such as `/luggage/{id}/photo`; `{id}` stands for a number.
     pub(super) path: &'static str,
     /// Resource type, for discovery.
@@ -50,8 +50,8 @@ pub(super) enum Action {
 }
 
 /// The row of a path.
-pub(super) struct Found<'a> {
-    pub(super) row: &'a Row,
+pub(super) struct FoundPath<'a> {
+    pub(super) row: &'a PathRow,
     /// The number in the path; 0 where there is none.
     pub(super) number: u64,
 }
@@ -63,12 +63,12 @@ impl Default for Table {
 }
 
 impl Table {
-    pub(super) fn find(&self, path: &[String]) -> Option<Found<'_>> {
-        self.rows.iter().find_map(|row| row.number(path).map(|number| Found { row, number }))
+    pub(super) fn find(&self, path: &[String]) -> Option<FoundPath<'_>> {
+        self.rows.iter().find_map(|row| row.number(path).map(|number| FoundPath { row, number }))
     }
 }
 
-impl Row {
+impl PathRow {
     pub(super) fn action(&self, method: Method) -> Option<Action> {
         self.actions.iter().find(|(answers, _)| *answers == method).map(|(_, action)| *action)
     }
@@ -102,14 +102,17 @@ fn plain_number(segment: &str) -> Option<u64> {
 }
 
 /// Paths that no other door has.
-fn only_here() -> [Row; 2] {
+fn only_here() -> [PathRow; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
     let old_items = shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, items, true);
-    [shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false), Row { actions: old_words, ..old_items }]
+    [
+        shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false),
+        PathRow { actions: old_words, ..old_items },
+    ]
 }
 
-fn resource(row: &'static resources::Row) -> Row {
+fn resource(row: &'static resources::ResourceRow) -> PathRow {
     let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
     shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
 }
@@ -127,8 +130,8 @@ const fn formats_of(form: Form) -> &'static [Format] {
 
 /// Adds the commands of the common table: to the row with the same path, or in a row of their own. Rows with a number come before
 /// the others.
-fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
-    let (of_a_thing, plain): (Vec<&'static commands::Row>, Vec<_>) =
+fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
+    let (of_a_thing, plain): (Vec<&'static commands::CommandRow>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);
     for command in of_a_thing.into_iter().chain(plain) {
         let action = Action::Command(command.kind);
@@ -144,15 +147,15 @@ fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> Row {
+fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> PathRow {
     let shows = Some(Representations { show, formats, is_observable });
-    Row { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
+    PathRow { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
 /// The row of a command whose path has no representation.
-fn done(command: &'static commands::Row, actions: Vec<(Method, Action)>) -> Row {
+fn done(command: &'static commands::CommandRow, actions: Vec<(Method, Action)>) -> PathRow {
     let title = command.title[..1].to_uppercase() + &command.title[1..];
-    Row { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
+    PathRow { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use hallsweep_core::world::resource::Resource;
 const METHODS: [Method; 7] =
     [Method::Get, Method::Post, Method::Put, Method::Delete, Method::Fetch, Method::Patch, Method::IPatch];
 
-fn path(row: &Row) -> String {
+fn path(row: &PathRow) -> String {
     row.path.replace("{id}", "3")
 }
 
@@ -148,7 +148,7 @@ fn the_documentation_shows_the_commands_as_they_are() {
     documented::shows("coap.md", "the table of commands", &shown);
 }
 
-fn line(row: &Row) -> String {
+fn line(row: &PathRow) -> String {
     let offers = row.shows.iter().flat_map(|shown| &shown.formats).map(|format| format.0.to_string());
     let observe = if row.shows.as_ref().is_some_and(|shown| shown.is_observable) { "yes" } else { "" };
     let actions: Vec<&str> = row.actions.iter().map(|(method, _)| method.name()).collect();

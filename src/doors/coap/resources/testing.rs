@@ -11,7 +11,7 @@ use super::Resources;
 use crate::api::fixture::piece;
 use crate::api::partial_archive::PartialArchive;
 use crate::runtime::archive::Unreadable;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
 use coap_endpoint::{Answer, Conditions, Method, Request};
@@ -66,7 +66,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
 pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let photos_read = Arc::new(AtomicUsize::new(0));
-    let archive = Reader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
+    let archive = ArchiveReader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
     let Script { publish, refuse, given, noted } = script;
     TestApp { resources: Resources::new(handle, archive, manual_driving), publish, refuse, given, noted, photos_read }
 }

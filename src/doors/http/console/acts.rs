@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::super::problem::Problem;
 use crate::api::command::{self, StrategyBody};
-use crate::api::commands::{CommandKind, Row};
+use crate::api::commands::{CommandKind, CommandRow};
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
@@ -38,7 +38,7 @@ impl TypedNote {
 }
 
 /// Values of the buttons for a command: its name, except for the two verdicts.
-pub(in crate::doors::http) fn buttons(command: &Row) -> Vec<&'static str> {
+pub(in crate::doors::http) fn buttons(command: &CommandRow) -> Vec<&'static str> {
     if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
 }
 

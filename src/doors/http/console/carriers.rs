@@ -1,8 +1,8 @@
 //! The fetching robots in the picture of the hall: position, name, the arm that reaches to the piece, and the piece where it is
-//! now. The searching robot is drawn by `hall`, the area before the entrance by `porch`.
+//! now. The searching robot is drawn by `hall`, the area before the entrance by `entrance`.
 
 use super::drawing::{CELL, draw_luggage, larger, middle, turn, write};
-use super::porch::{Column, Porch};
+use super::entrance::{Column, Entrance};
 use crate::phrases::Language;
 use hallsweep_core::place::Place;
 use hallsweep_core::snapshot::Snapshot;
@@ -11,17 +11,17 @@ use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
 /// Whether anything is before the entrance: a fetching robot, or a piece in the container.
-pub(super) fn has_porch(snapshot: &Snapshot) -> bool {
+pub(super) fn has_entrance(snapshot: &Snapshot) -> bool {
     snapshot.robots.len() > 1 || snapshot.luggage.secured().next().is_some()
 }
 
 /// The area before the entrance, the fetching robots, and the piece in their grip.
 pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-carriers\">");
-    if has_porch(snapshot) {
+    if has_entrance(snapshot) {
         let scene = Scene::of(snapshot);
         let secured: Vec<LuggageId> = snapshot.luggage.secured().map(|piece| piece.id).collect();
-        scene.porch.draw(language, &mut group, &secured);
+        scene.entrance.draw(language, &mut group, &secured);
         let others = || (1..).zip(snapshot.robots.iter().skip(1));
         others().for_each(|(waits, robot)| scene.robot(&mut group, waits, robot));
         scene.parcel(language, &mut group, snapshot);
@@ -34,7 +34,7 @@ pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
 pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
     match snapshot.robot.outside {
         0 => middle(snapshot.robot.pose.cell),
-        steps => Porch::of(&snapshot.map).middle(steps, Column::Waiting(0)),
+        steps => Entrance::of(&snapshot.map).middle(steps, Column::Waiting(0)),
     }
 }
 
@@ -70,20 +70,20 @@ pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
 }
 
 struct Scene {
-    porch: Porch,
+    entrance: Entrance,
     /// Magnification of everything drawn here.
     size: i32,
 }
 
 impl Scene {
     fn of(snapshot: &Snapshot) -> Scene {
-        Scene { porch: Porch::of(&snapshot.map), size: larger(&snapshot.map) }
+        Scene { entrance: Entrance::of(&snapshot.map), size: larger(&snapshot.map) }
     }
 
     fn place(&self, place: Place) -> (i32, i32) {
         match place {
             Place::Cell(cell) => middle(cell),
-            Place::Outside(steps) => self.porch.middle(steps, Column::WayOut),
+            Place::Outside(steps) => self.entrance.middle(steps, Column::WayOut),
         }
     }
 
@@ -93,7 +93,7 @@ impl Scene {
         let at_work = reaches(robot);
         if robot.view.outside > 0 {
             let column = if at_work.is_some() { Column::WayOut } else { Column::Waiting(waits) };
-            return self.porch.middle(robot.view.outside, column);
+            return self.entrance.middle(robot.view.outside, column);
         }
         let (x, y) = middle(robot.view.pose.cell);
         match at_work.and_then(Place::cell).map(middle) {

@@ -2,10 +2,10 @@
 //! everything that moves; `pieces` draws the luggage. One cell is `CELL` units; a run of equal cells is one stroke of a path,
 //! which keeps a large hall small. Frames, legend and colours are in template and style sheet.
 
-use super::carriers::{fetched, fetched_lies_at, has_porch, searcher_at};
+use super::carriers::{fetched, fetched_lies_at, has_entrance, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
+use super::entrance::Entrance;
 use super::pieces;
-use super::porch::Porch;
 use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Heading};
@@ -29,16 +29,16 @@ const FRONTIER: usize = 2000;
 
 /// The `viewBox` of the hall now, including whatever waits before its entrance.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
-    view_box(&snapshot.map, has_porch(snapshot).then(|| Porch::of(&snapshot.map)))
+    view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)))
 }
 
 /// The `viewBox`, with a margin for the labels and the area before the entrance, if that is drawn.
-pub(super) fn view_box(map: &HallMap, porch: Option<Porch>) -> String {
+pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>) -> String {
     let (shown, margin) = (shown(map), CELL * larger(map));
-    let higher = porch.map_or(0, Porch::height);
+    let higher = entrance.map_or(0, Entrance::height);
     let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin - higher);
     let width = shown.width() * CELL + margin;
-    let wide = porch.map_or(width, |porch| width.max(porch.east() + margin - left));
+    let wide = entrance.map_or(width, |entrance| width.max(entrance.east() + margin - left));
     format!("{left} {top} {wide} {}", shown.height() * CELL + margin + higher)
 }
 
@@ -126,15 +126,15 @@ pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
 pub(super) fn found<'a>(
     language: Language,
     map: &HallMap,
-    porch: Option<Porch>,
+    entrance: Option<Entrance>,
     pieces: impl Iterator<Item = &'a Luggage>,
 ) -> String {
     let size = larger(map);
     let (secured, left): (Vec<&Luggage>, Vec<&Luggage>) = pieces.partition(|piece| piece.secured.is_some());
     let mut group = String::from("<g>");
     home(language, &mut group, size);
-    if let Some(porch) = porch {
-        porch.draw(language, &mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
+    if let Some(entrance) = entrance {
+        entrance.draw(language, &mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
     }
     group.push_str("</g>");
     let left = left.into_iter();

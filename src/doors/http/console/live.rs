@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::super::HttpDoor;
 use super::super::assets::fingerprint;
 use super::super::events::{HEARTBEAT, UNBUFFERED};
-use super::super::language::Reader;
+use super::super::language::PageReader;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
@@ -69,8 +69,8 @@ struct ShownLine {
 }
 
 /// `GET console/live`
-pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: Reader) -> Result<Response, Problem> {
-    let Reader { caller, language } = to;
+pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: PageReader) -> Result<Response, Problem> {
+    let PageReader { caller, language } = to;
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {

@@ -11,7 +11,7 @@ use super::super::missions::{MISSIONS, RecordedMission, after, before, happened,
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
-use super::porch::Porch;
+use super::entrance::Entrance;
 use super::{hall, html};
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
@@ -198,13 +198,13 @@ impl One {
     }
 
     fn view_box(&self, state: &PersistentState) -> String {
-        hall::view_box(&state.map, porch(state))
+        hall::view_box(&state.map, entrance(state))
     }
 
     fn hall(&self, state: &PersistentState) -> String {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        let found = hall::found(self.language, map, porch(state), state.luggage.iter().map(|luggage| &**luggage));
+        let found = hall::found(self.language, map, entrance(state), state.luggage.iter().map(|luggage| &**luggage));
         format!("{tiles}{}{found}", hall::labels(map))
     }
 
@@ -268,8 +268,8 @@ impl Event {
 }
 
 /// The area before the entrance, if something is in the container.
-fn porch(state: &PersistentState) -> Option<Porch> {
-    state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Porch::of(&state.map))
+fn entrance(state: &PersistentState) -> Option<Entrance> {
+    state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Entrance::of(&state.map))
 }
 
 /// The result of a mission, in words for an operator.

@@ -6,6 +6,7 @@ mod began;
 mod carriers;
 mod doing;
 mod drawing;
+mod entrance;
 mod evacuation;
 mod hall;
 mod incident;
@@ -16,7 +17,6 @@ mod page;
 mod parts;
 pub(super) mod photo;
 mod pieces;
-mod porch;
 pub(super) mod replay;
 mod retrieval;
 mod timeline;
@@ -31,7 +31,7 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use super::HttpDoor;
 use super::accept::preferred;
 use super::command_sender::CommandSender;
-use super::language::{Reader, Spoken, spoken};
+use super::language::{PageReader, Spoken, spoken};
 use super::problem::Problem;
 use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
@@ -41,16 +41,16 @@ use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
 use acts::{Fields, TypedNote};
 use hallsweep_core::units::LuggageId;
-use page::Page;
+use page::ConsolePage;
 use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
-pub(super) use retrieval::{Row, rows, sign};
+pub(super) use retrieval::{TreeRow, rows, sign};
 pub(super) use timeline::Timelines;
 
 /// Shows the page again, with the reason beside the pressed button.
-pub(super) async fn refused_page(door: &HttpDoor, to: &Reader, button: &str, problem: &Problem) -> Response {
+pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, &problem.in_words(to.language));
     let mut response = (problem.status(), whole(door, to, Some(why)).await).into_response();
     problem.tell_gate(&mut response);
@@ -58,7 +58,7 @@ pub(super) async fn refused_page(door: &HttpDoor, to: &Reader, button: &str, pro
 }
 
 /// `GET /`
-pub(super) async fn page(State(door): State<HttpDoor>, to: Reader) -> Html<String> {
+pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<String> {
     whole(&door, &to, None).await
 }
 
@@ -99,7 +99,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
         Err(problem) => {
-            let to = Reader::new(sender.caller.clone(), headers);
+            let to = PageReader::new(sender.caller.clone(), headers);
             refused_page(&sender.door, &to, &fields.button(act), &problem).await
         }
     };
@@ -110,7 +110,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
 /// `GET console/confirm/danger/{id}?note=…`: passes on the note that was typed beside the button.
 pub(super) async fn confirm_danger(
     State(door): State<HttpDoor>,
-    to: Reader,
+    to: PageReader,
     Number(id): Number,
     typed: Result<Query<TypedNote>, QueryRejection>,
 ) -> Response {
@@ -128,13 +128,13 @@ pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
     html(&parts::Confirm::reset(language))
 }
 
-async fn whole(door: &HttpDoor, to: &Reader, why: Option<Why>) -> Html<String> {
+async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
     let line = Timelines::of(door, snapshot.mission.id, to.language).await;
     let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began, who, language: to.language, why, now, line: Some(&line), then: None };
-    html(&Page::new(&view))
+    html(&ConsolePage::new(&view))
 }
 
 /// Who is signed in; `None` where no key is required.

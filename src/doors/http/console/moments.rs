@@ -8,18 +8,18 @@ use axum::extract::State;
 use axum::response::{Html, IntoResponse, Response};
 
 use super::super::HttpDoor;
-use super::super::language::Reader;
+use super::super::language::PageReader;
 use super::super::missions::{at, stood};
 use super::super::problem::Problem;
 use super::super::query::{MOST, Query};
 use super::super::reading::Number;
 use super::live::{Message, Shown};
-use super::page::Page;
+use super::page::ConsolePage;
 use super::timeline::{LAST, Timeline, Timelines};
 use super::view::{HallInfo, Then, View, Who};
 use super::{html, who};
 use crate::phrases::Language;
-use crate::runtime::archive::{At, Moment, Sound};
+use crate::runtime::archive::{At, PastMoment, Sound};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -27,7 +27,7 @@ use hallsweep_core::units::{MissionId, Seq, WallTime};
 /// `GET missions/{id}/moment`: the page at the last entry up to `at`; without it at the first.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
-    to: Reader,
+    to: PageReader,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
@@ -35,7 +35,7 @@ pub(in crate::doors::http) async fn page(
     let at = at(&query)?.map_or(At::Time(i64::MIN), At::Entry);
     let [moment] = stood(&door, id, [at]).await?;
     let about = About::of(&door, to, id).await?;
-    let page = move || html(&Page::new(&about.view(&about.looked_at(moment, at))));
+    let page = move || html(&ConsolePage::new(&about.view(&about.looked_at(moment, at))));
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
@@ -43,7 +43,7 @@ pub(in crate::doors::http) async fn page(
 /// page shows: after the entry `from`, at the time `shown`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
-    to: Reader,
+    to: PageReader,
     Number(id): Number,
     query: Query,
 ) -> Response {
@@ -54,7 +54,7 @@ pub(in crate::doors::http) async fn message(
     }
 }
 
-async fn differs(door: &HttpDoor, to: Reader, id: u64, query: &Query) -> Result<Message, Problem> {
+async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Result<Message, Problem> {
     query.only(&["at", "time", "from", "shown"])?;
     let line = Timelines::of(door, MissionId(id), to.language).await;
     let time = |name| query.count(name, 0..=MOST).map(|time| time.map(|time| line.at(i64::try_from(time).unwrap_or(i64::MAX))));
@@ -95,15 +95,15 @@ struct About {
 }
 
 impl About {
-    async fn of(door: &HttpDoor, Reader { caller, language }: Reader, id: u64) -> Result<About, Problem> {
+    async fn of(door: &HttpDoor, PageReader { caller, language }: PageReader, id: u64) -> Result<About, Problem> {
         let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
         let (line, who) = (Timelines::of(door, MissionId(id), language).await, who(door, &caller));
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
     /// Time goes on between two entries: a moment that was asked for by its time is later than its entry.
-    fn looked_at(&self, moment: Moment, at: At) -> Looked {
-        let Moment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
+    fn looked_at(&self, moment: PastMoment, at: At) -> Looked {
+        let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
             At::TimeAmong(time, [_, until]) if until < LAST => time.max(wall.unix_ms),
             At::Time(time) | At::TimeAmong(time, _) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),

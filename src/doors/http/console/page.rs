@@ -11,13 +11,13 @@ use crate::phrases::Phrase;
 
 #[derive(Template)]
 #[template(path = "console/page.html")]
-pub(super) struct Page<'a> {
+pub(super) struct ConsolePage<'a> {
     v: &'a View<'a>,
 }
 
-impl<'a> Page<'a> {
-    pub(super) const fn new(v: &'a View<'a>) -> Page<'a> {
-        Page { v }
+impl<'a> ConsolePage<'a> {
+    pub(super) const fn new(v: &'a View<'a>) -> ConsolePage<'a> {
+        ConsolePage { v }
     }
 
     fn part(&self, id: &str) -> String {

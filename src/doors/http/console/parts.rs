@@ -10,7 +10,7 @@ use super::evacuation::{self, from_home};
 use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
-use super::retrieval::{Row, armed, rows, sign, stage, stages};
+use super::retrieval::{TreeRow, armed, rows, sign, stage, stages};
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
@@ -38,69 +38,73 @@ const LINES: usize = 40;
 const PIECES: usize = 24;
 
 /// A part that the stream can replace; `id` is that of its element.
-pub(super) struct Part {
+pub(super) struct PagePart {
     pub(super) id: &'static str,
     pub(super) shows: &'static [Resource],
     pub(super) render: fn(&View<'_>) -> String,
 }
 
 /// All parts, in the page's order.
-pub(super) const PARTS: [Part; 23] = [
-    Part {
+pub(super) const PARTS: [PagePart; 23] = [
+    PagePart {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
         render: |v| html(&Announce { v }),
     },
-    Part {
+    PagePart {
         id: "bar",
         shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
         render: |v| html(&Bar { v }),
     },
-    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
-    Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
-    Part {
+    PagePart { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
+    PagePart { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
+    PagePart {
         id: "hall-evacuation",
         shows: &[Resource::Luggage, Resource::Robot, Resource::Map, Resource::Retrieval],
         render: evacuation::circles,
     },
-    Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
-    Part {
+    PagePart { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
+    PagePart {
         id: "hall-layer",
         shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
         render: |v| hall::layer(v.language, v.snapshot),
     },
-    Part {
+    PagePart {
         id: "hall-carriers",
         shows: &[Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
         render: |v| carriers(v.language, v.snapshot),
     },
-    Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
-    Part {
+    PagePart { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
+    PagePart {
         id: "about-hall",
         shows: &[Resource::Mission, Resource::Robot, Resource::Luggage],
         render: |v| html(&HallWords { v }),
     },
-    Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
-    Part {
+    PagePart { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
+    PagePart {
         id: "incident",
         shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map, Resource::Temperature],
         render: |v| html(&Incident { v }),
     },
-    Part { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },
-    Part {
+    PagePart { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },
+    PagePart {
         id: "retrieval",
         shows: &[Resource::Retrieval, Resource::Robot, Resource::Mission],
         render: |v| html(&Retrieval { v }),
     },
-    Part { id: "trees", shows: &[Resource::Retrieval], render: |v| html(&Trees { v }) },
-    Part { id: "blackboard", shows: &[Resource::Retrieval], render: |v| html(&Blackboard { v }) },
-    Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
-    Part { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
-    Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
-    Part { id: "robot", shows: &[Resource::Robot, Resource::Mission], render: |v| html(&Robot { v }) },
-    Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
-    Part { id: "gallery", shows: &[Resource::Luggage], render: |v| html(&Gallery { v }) },
-    Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
+    PagePart { id: "trees", shows: &[Resource::Retrieval], render: |v| html(&Trees { v }) },
+    PagePart { id: "blackboard", shows: &[Resource::Retrieval], render: |v| html(&Blackboard { v }) },
+    PagePart {
+        id: "inspect",
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms],
+        render: |v| html(&Inspect { v }),
+    },
+    PagePart { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
+    PagePart { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
+    PagePart { id: "robot", shows: &[Resource::Robot, Resource::Mission], render: |v| html(&Robot { v }) },
+    PagePart { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
+    PagePart { id: "gallery", shows: &[Resource::Luggage], render: |v| html(&Gallery { v }) },
+    PagePart { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
 ];
 
 /// The confirmation page for browsers without script.
@@ -352,7 +356,7 @@ impl Trees<'_> {
         self.v.snapshot.retrieval.as_deref().map_or(&[], |retrieval| &retrieval.trees.trees)
     }
 
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
         rows(&tree.nodes)
     }
 

@@ -12,7 +12,7 @@ use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
 use super::html;
-use super::retrieval::{Row, rows, sign};
+use super::retrieval::{TreeRow, rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
@@ -32,12 +32,12 @@ pub(in crate::doors::http) async fn page(
     let moment = query.count("moment", 1..=u64::try_from(last).unwrap_or(1))?;
     let moment = moment.and_then(|moment| usize::try_from(moment).ok()).unwrap_or(last);
     let t = moments.get(moment - 1).copied().unwrap_or(record.seconds);
-    Ok(html(&Page { language, mission: id, shown: record.replay.shown(t), record, moment, last, t }))
+    Ok(html(&ReplayPage { language, mission: id, shown: record.replay.shown(t), record, moment, last, t }))
 }
 
 #[derive(Template)]
 #[template(path = "missions/retrieval.html")]
-struct Page {
+struct ReplayPage {
     language: Language,
     mission: u64,
     record: RetrievalRecordJson,
@@ -49,7 +49,7 @@ struct Page {
     t: f64,
 }
 
-impl Page {
+impl ReplayPage {
     const fn language(&self) -> Language {
         self.language
     }
@@ -62,7 +62,7 @@ impl Page {
         Some(&self.shown)
     }
 
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
         rows(&tree.nodes)
     }
 

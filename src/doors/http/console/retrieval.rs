@@ -27,7 +27,7 @@ pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase
 }
 
 /// A node among the rows of its tree.
-pub(in crate::doors::http) struct Row<'a> {
+pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
     /// Whether its children follow.
     pub(in crate::doors::http) opens: bool,
@@ -36,14 +36,14 @@ pub(in crate::doors::http) struct Row<'a> {
 }
 
 /// The nodes of a tree, given in preorder, each with the nesting that begins and ends there.
-pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<Row<'_>> {
+pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<TreeRow<'_>> {
     let next = nodes.iter().skip(1).map(|node| node.depth).chain([0]);
     let row = |(node, next): (_, usize)| row(node, next);
     nodes.iter().zip(next).map(row).collect()
 }
 
-fn row(node: &NodeShown, next: usize) -> Row<'_> {
-    Row { node, opens: next > node.depth, closes: node.depth.saturating_sub(next) }
+fn row(node: &NodeShown, next: usize) -> TreeRow<'_> {
+    TreeRow { node, opens: next > node.depth, closes: node.depth.saturating_sub(next) }
 }
 
 /// The sign of a status, so that it can be read without its colour.

@@ -25,7 +25,7 @@ use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::state::{Conditions, Participant, Venue};
 use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::temperature::Reading;
+use hallsweep_core::world::temperature::SourceReading;
 
 /// A snapshot, and the message for somebody who pressed a button.
 pub(super) struct View<'a> {
@@ -252,7 +252,7 @@ impl View<'_> {
             // In this phase the robot waits for RETRIEVE or RESET, not for START.
             (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
             (Hold::Temperature, _) if !heat.is_empty() => {
-                let read = |(source, last): &(Arc<str>, Reading)| {
+                let read = |(source, last): &(Arc<str>, SourceReading)| {
                     self.say("reading-of")
                         .with("source", self.source(source))
                         .with("reading", self.degrees(&last.celsius))

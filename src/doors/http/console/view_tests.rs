@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::super::page::Page;
+use super::super::page::ConsolePage;
 use super::super::parts::PARTS;
 use super::*;
 use crate::api::fixture::{TEN, degrees, idle, searching, touch};
@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::{Progress, TimeLeft};
 use hallsweep_core::state::Reach;
 use hallsweep_core::units::Piece;
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::temperature::{Reading, TemperatureStatus};
+use hallsweep_core::world::temperature::{SourceReading, TemperatureStatus};
 
 fn view(snapshot: &Snapshot) -> View<'_> {
     let hall = HallInfo {
@@ -65,8 +65,8 @@ fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
 }
 
 /// A reading taken at ten o'clock.
-fn reading(celsius: f64) -> Reading {
-    Reading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
+fn reading(celsius: f64) -> SourceReading {
+    SourceReading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
 }
 
 #[test]
@@ -403,7 +403,7 @@ fn a_bomb_that_is_carried_is_said_to_be_where_it_is() {
 fn check_fields(is_past: bool, cases: impl IntoIterator<Item = Case<'static>>) {
     for (state, snapshot, expect, says, never) in cases {
         let then = is_past.then_some(Then { mission: 1, seq: 9, time: TEN.unix_ms, earlier: None, later: None });
-        let page = Page::new(&View { then, ..view(&snapshot) }).render().expect("it is written");
+        let page = ConsolePage::new(&View { then, ..view(&snapshot) }).render().expect("it is written");
         assert_eq!(fields(&page), expect.map(str::to_owned), "{state}");
         for said in says {
             assert!(page.contains(said), "{state}: {said} in {page}");

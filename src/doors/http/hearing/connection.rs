@@ -1,5 +1,5 @@
-//! What comes on one connection, from its first byte to its end: it waits in the vestibule until its first head has come, gets a
-//! place or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
+//! What comes on one connection, from its first byte to its end: it is pending until its first head has come, gets a
+//! slot or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
 //! hears.
 
 use std::pin::Pin;
@@ -15,14 +15,13 @@ use super::connection_task::{ConnectionTask, HEADER_BYTES, HEADER_TIME, put};
 use super::context::ServerContext;
 use super::frames::Frames;
 use super::judge::Judge;
-use super::shared::{Given, Shared};
+use super::shared::{ConnectionState, StopOutcome};
 use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::api::door;
+use crate::doors::connection_limits::{ConnectionSlot, PendingConnection, SlotClaim};
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
-use crate::doors::vestibule::Waiting;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::figures::Connected;
 
@@ -50,16 +49,16 @@ pub(super) struct Connection<R, W> {
     /// Until a task answers the client.
     to: Option<W>,
     cut: Arc<Notify>,
-    waiting: Option<Waiting>,
-    place: Option<Arc<Place>>,
-    /// It counts from when it gets its place.
+    waiting: Option<PendingConnection>,
+    slot: Option<Arc<ConnectionSlot>>,
+    /// It counts from when it gets its slot.
     connected: Option<Connected>,
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
     search: StopSearch,
-    shared: Arc<Shared>,
+    shared: Arc<ConnectionState>,
     /// Of whom the first head was.
-    claim: Option<Claim>,
+    claim: Option<SlotClaim>,
     /// What was read, and how much of it the scanner has seen.
     read: BytesMut,
     scanned: usize,
@@ -93,7 +92,7 @@ where
         from: R,
         to: W,
         peer: Peer,
-        (waiting, cut): (Waiting, Arc<Notify>),
+        (waiting, cut): (PendingConnection, Arc<Notify>),
         context: Arc<ServerContext>,
     ) -> Connection<R, W> {
         Connection {
@@ -101,12 +100,12 @@ where
             to: Some(to),
             cut,
             waiting: Some(waiting),
-            place: None,
+            slot: None,
             connected: None,
             task: None,
             search: StopSearch::new(Judge { door: context.door.clone(), hosts: context.hosts.clone(), peer }),
             context,
-            shared: Shared::new(),
+            shared: ConnectionState::new(),
             claim: None,
             read: BytesMut::new(),
             scanned: 0,
@@ -128,9 +127,9 @@ where
                 return self.carry().await;
             }
             self.scan().await;
-            if self.place.is_none()
+            if self.slot.is_none()
                 && self.has_come()
-                && let Err(problem) = self.take_place()
+                && let Err(problem) = self.take_slot()
             {
                 return self.refuse(&problem).await;
             }
@@ -148,7 +147,7 @@ where
         }
         let given = self.search.look();
         self.keep(given);
-        if self.place.is_some() && self.task.is_none() {
+        if self.slot.is_some() && self.task.is_none() {
             self.begin();
             self.hand_on();
         }
@@ -164,7 +163,7 @@ where
             self.scanned += taken;
             match heard {
                 None => {}
-                Some(Heard::Body) => self.tell(|place| place.received()),
+                Some(Heard::Body) => self.tell(|slot| slot.received()),
                 Some(Heard::Head(asked)) => {
                     self.note(asked);
                     heads += 1;
@@ -186,7 +185,7 @@ where
             return;
         }
         self.shared.came(self.search.number(), asked.came);
-        self.tell(|place| place.asked(asked.claim.clone(), asked.has_body));
+        self.tell(|slot| slot.asked(asked.claim.clone(), asked.has_body));
         self.claim.get_or_insert(asked.claim);
         if asked.may_hand_over {
             self.upgrade = Some(self.handed_on + self.scanned as u64);
@@ -194,7 +193,7 @@ where
     }
 
     /// Keeps a STOP for the request that will be answered by it.
-    fn keep(&self, given: Option<Given>) {
+    fn keep(&self, given: Option<StopOutcome>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
             self.shared.keep(self.search.number(), given);
         }
@@ -214,9 +213,9 @@ where
         self.scanned = 0;
     }
 
-    fn tell(&self, what: impl FnOnce(&Place)) {
-        if let Some(place) = &self.place {
-            what(place);
+    fn tell(&self, what: impl FnOnce(&ConnectionSlot)) {
+        if let Some(slot) = &self.slot {
+            what(slot);
         }
     }
 
@@ -225,7 +224,7 @@ where
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner.is_no_request()
     }
 
-    fn take_place(&mut self) -> Result<(), Problem> {
+    fn take_slot(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
         if !self.context.door.can_date() {
@@ -233,36 +232,36 @@ where
         }
         // Somebody else would give way to whoever goes in a moment.
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
-            return Err(Problem::no_place(has_heard));
+            return Err(Problem::no_slot(has_heard));
         }
-        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge.peer.address, None));
+        let claim = self.claim.clone().unwrap_or_else(|| SlotClaim::new(self.search.judge.peer.address, None));
         let cut = Arc::clone(&self.cut);
-        let place = self.context.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
+        let slot = self.context.slots.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_slot(has_heard))?;
         for _ in 0..self.search.scanner.heads() {
-            place.asked(claim.clone(), !self.search.scanner.is_between());
+            slot.asked(claim.clone(), !self.search.scanner.is_between());
         }
-        self.place = Some(Arc::new(place));
+        self.slot = Some(Arc::new(slot));
         self.connected = Some(self.context.door.handle.figures().connected(door::HTTP));
         self.late.set(sleep(WHOLE_TIME));
         Ok(())
     }
 
-    /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
+    /// Whether it has a slot and is worth a conversation: only the first of its requests may be one whose body has not come.
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
-        self.place.is_some() && self.task.is_none() && (is_whole || is_due || self.shared.has_heard())
+        self.slot.is_some() && self.task.is_none() && (is_whole || is_due || self.shared.has_heard())
     }
 
     fn begin(&mut self) {
-        if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
-            self.task = Some(ConnectionTask::begin(to, (self.search.judge.peer, place), &self.context, &self.shared));
+        if let (Some(slot), Some(to)) = (&self.slot, self.to.take()) {
+            self.task = Some(ConnectionTask::begin(to, (self.search.judge.peer, slot), &self.context, &self.shared));
         }
     }
 
     /// Carries the frames of a WebSocket, whose places are its own matter.
     async fn carry(mut self) {
-        (self.place, self.connected) = (None, None);
+        (self.slot, self.connected) = (None, None);
         // Nobody knows what another protocol would say behind what was not kept.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
         // What was handed on before may have begun a frame, of a client that did not wait for its answer.
@@ -310,7 +309,7 @@ where
             None => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut room) => read,
-                () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
+                () = &mut self.late => return if self.slot.is_some() { Next::More } else { Next::End },
                 () = closed(&mut closing) => return Next::End,
             },
         };
@@ -333,13 +332,13 @@ where
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
     }
 
-    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The place is free
+    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The slot is free
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         // What comes now may be no part of that body, nor end soon.
         drop((self.task.take(), self.search.look()));
-        (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.context.lingering.enter(self.search.judge.peer.address, Arc::clone(&self.cut));
+        (self.waiting, self.slot, self.is_only_heard) = (None, None, true);
+        let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.context.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

@@ -22,9 +22,9 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
 use super::context::ServerContext;
-use super::shared::{Pressed, Shared};
+use super::shared::{ConnectionState, Pressed};
+use crate::doors::connection_limits::ConnectionSlot;
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::Place;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 
@@ -53,9 +53,9 @@ impl ConnectionTask {
     /// Begins, on the runtime where the routes are carried out.
     pub(super) fn begin<W>(
         to: W,
-        (peer, place): (Peer, &Arc<Place>),
+        (peer, slot): (Peer, &Arc<ConnectionSlot>),
         context: &Arc<ServerContext>,
-        shared: &Arc<Shared>,
+        shared: &Arc<ConnectionState>,
     ) -> ConnectionTask
     where
         W: AsyncWrite + Unpin + Send + 'static,
@@ -66,12 +66,12 @@ impl ConnectionTask {
         let transport =
             Transport { from: theirs, to: WriteTimeoutStream::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
-        task.spawn_on(run(transport, (peer, Arc::clone(place)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
+        task.spawn_on(run(transport, (peer, Arc::clone(slot)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
         ConnectionTask { to: Some(ours), over, task }
     }
 
     /// Says that nothing more comes than these, and waits until all is answered. Whoever looks on and hangs up is gone.
-    pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
+    pub(super) async fn ended(self, shared: &ConnectionState, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
@@ -101,9 +101,9 @@ pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
 
 async fn run<W>(
     transport: Transport<W>,
-    (peer, place): (Peer, Arc<Place>),
+    (peer, slot): (Peer, Arc<ConnectionSlot>),
     context: Arc<ServerContext>,
-    shared: Arc<Shared>,
+    shared: Arc<ConnectionState>,
     gone: Arc<Notify>,
 ) where
     W: AsyncWrite + Unpin + Send + 'static,
@@ -119,7 +119,7 @@ async fn run<W>(
         }
         shared.forget_before(number);
         request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
-        let asked = OpenRequest(Arc::clone(&place));
+        let asked = OpenRequest(Arc::clone(&slot));
         let (answer, shared) = (routes.call(request), Arc::clone(&shared));
         async move {
             let answer = answer.await;
@@ -133,7 +133,7 @@ async fn run<W>(
                     asked.0.hands_over();
                     shared.is_handed_over.send_replace(true);
                 }
-                response.map(|body| Answer { body, asked })
+                response.map(|body| AnswerBody { body, asked })
             })
         }
     });
@@ -166,7 +166,7 @@ fn is_stream(response: &Response<Body>) -> bool {
     media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
 }
 
-struct OpenRequest(Arc<Place>);
+struct OpenRequest(Arc<ConnectionSlot>);
 
 impl Drop for OpenRequest {
     fn drop(&mut self) {
@@ -175,12 +175,12 @@ impl Drop for OpenRequest {
 }
 
 /// The body of an answer; its request is over when all of it is on its way.
-struct Answer {
+struct AnswerBody {
     body: Body,
     asked: OpenRequest,
 }
 
-impl hyper::body::Body for Answer {
+impl hyper::body::Body for AnswerBody {
     type Data = Bytes;
     type Error = axum::Error;
 
@@ -267,14 +267,14 @@ impl<W: AsyncWrite + Unpin> AsyncWrite for Transport<W> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shared::PRESSES;
+    use super::super::shared::STOP_OUTCOMES;
     use super::*;
 
     /// Safety A5.
     #[test]
     fn no_more_stops_are_kept_for_their_requests_than_there_is_room_for() {
-        let shared = Shared::new();
+        let shared = ConnectionState::new();
         (0..10_000).for_each(|number| shared.keep(number, Box::pin(std::future::pending())));
-        assert_eq!(shared.presses().len(), PRESSES);
+        assert_eq!(shared.stop_outcomes().len(), STOP_OUTCOMES);
     }
 }

@@ -15,13 +15,11 @@ use tokio::time::sleep;
 
 use super::*;
 use crate::api::fixture::searching;
+use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections};
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::hearing::converse;
-use crate::doors::http::places::Places;
 use crate::doors::http::router;
 use crate::doors::http::testing::{TestApp, app};
-use crate::doors::room::Room;
-use crate::doors::vestibule::Vestibule;
 use crate::runtime::within::within;
 use hallsweep_core::units::Epoch;
 
@@ -29,15 +27,15 @@ const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const STOP: &str = "POST /h HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const HERE: Ipv4Addr = Ipv4Addr::LOCALHOST;
 
-fn context(app: &TestApp, places: usize) -> ServerContext {
+fn context(app: &TestApp, slots: usize) -> ServerContext {
     let hosts = Hosts::new(true, &[]);
     ServerContext {
         router: router(&app.door, hosts.clone()),
         hosts,
         tls: None,
-        places: Places::new(places, Room::default(), &app.door.access),
-        vestibule: Vestibule::new(8),
-        lingering: Vestibule::new(8),
+        slots: ConnectionSlots::new(slots, ConnectionBudget::default(), &app.door.access),
+        pending: PendingConnections::new(8),
+        lingering: PendingConnections::new(8),
         work: Handle::current(),
         closing: app.door.closing.subscribe(),
         door: app.door.clone(),
@@ -48,7 +46,7 @@ fn context(app: &TestApp, places: usize) -> ServerContext {
 fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
     let ((says, from), (to, hears)) = (tokio::io::duplex(100_000), tokio::io::duplex(100_000));
     let cut = Arc::new(Notify::new());
-    let waiting = context.vestibule.enter(HERE.into(), Arc::clone(&cut));
+    let waiting = context.pending.admit(HERE.into(), Arc::clone(&cut));
     let peer = Peer { address: HERE.into(), is_encrypted: false };
     (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(context)), says, hears, cut)
 }
@@ -103,7 +101,7 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
 
 /// Safety S8, S9.
 #[tokio::test(start_paused = true)]
-async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds() {
+async fn who_gets_no_further_answer_has_no_slot_and_is_heard_for_five_seconds() {
     let app = app(searching());
     let context = Arc::new(context(&app, 8));
     let (connection, mut says, mut hears, _) = connected(&context);
@@ -117,7 +115,7 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
     while app.door.handle.epoch() == before {
         sleep(Duration::from_millis(1)).await;
     }
-    assert_eq!((context.places.held(), hearing.is_finished()), (0, false));
+    assert_eq!((context.slots.held(), hearing.is_finished()), (0, false));
     assert!(lasts(&mut hearing, 5).await);
 }
 
@@ -142,15 +140,15 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
 
 /// Safety S9: whoever may be about to say STOP goes last.
 #[tokio::test]
-async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_places_then_of_newcomers() {
+async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_slots_then_of_newcomers() {
     let app = app(searching());
     let context = context(&app, 8);
     let cuts: [Arc<Notify>; 3] = Default::default();
-    let _newcomer = context.vestibule.enter(HERE.into(), Arc::clone(&cuts[2]));
-    let _place = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
-    let _lingering = context.lingering.enter(HERE.into(), Arc::clone(&cuts[0]));
+    let _newcomer = context.pending.admit(HERE.into(), Arc::clone(&cuts[2]));
+    let _slot = context.slots.take(SlotClaim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
+    let _lingering = context.lingering.admit(HERE.into(), Arc::clone(&cuts[0]));
     for number in 0..4 {
-        assert_eq!(context.relieve(), usize::from(number < 3));
+        assert_eq!(context.evict_some(), usize::from(number < 3));
         for (other, cut) in cuts.iter().enumerate() {
             assert_eq!(cut.notified().now_or_never().is_some(), other == number, "{number} {other}");
         }
@@ -174,17 +172,17 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     let context = Arc::new(context(&app, 8));
     for number in 1..20 {
         let (mut client, hearing) = accepted(&context).await;
-        // Half of them wait, half of them rest in a place.
+        // Half of them wait, half of them rest in a slot.
         if number % 2 == 0 {
             client.write_all(LOOK.as_bytes()).unwrap();
-            while context.places.held() == 0 {
+            while context.slots.held() == 0 {
                 sleep(Duration::from_millis(1)).await;
             }
         } else {
             sleep(Duration::from_millis(1)).await;
         }
         client.write_all(STOP.as_bytes()).unwrap();
-        assert_eq!(context.relieve(), 1);
+        assert_eq!(context.evict_some(), 1);
         within("it gives way", hearing).await.unwrap();
         assert_eq!(app.door.handle.epoch(), Epoch(1 + number));
     }
@@ -192,21 +190,21 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
 
 /// Safety S9: nobody else gives way to one that has to go itself, and its STOP has halted.
 #[tokio::test]
-async fn who_had_to_make_room_takes_no_place() {
+async fn who_had_to_make_room_takes_no_slot() {
     let app = app(searching());
     let context = Arc::new(context(&app, 1));
     let cut = Arc::new(Notify::new());
-    let other = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
+    let other = context.slots.take(SlotClaim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
     let (connection, mut says, mut hears, _) = connected(&context);
     says.write_all(STOP.as_bytes()).await.unwrap();
-    assert_eq!(context.vestibule.relieve(), 1);
+    assert_eq!(context.pending.evict_some(), 1);
     let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     drop(says);
     let mut refused = String::new();
     within("the refusal", hears.read_to_string(&mut refused)).await.unwrap();
     assert!(refused.contains("noPlace") && refused.contains("has halted"), "{refused}");
     within("its end", hearing).await.unwrap();
-    assert_eq!((context.places.held(), app.door.handle.epoch()), (1, Epoch(2)));
+    assert_eq!((context.slots.held(), app.door.handle.epoch()), (1, Epoch(2)));
     assert!(cut.notified().now_or_never().is_none());
     drop(other);
 }

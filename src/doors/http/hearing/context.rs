@@ -4,21 +4,20 @@ use axum::Router;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
+use crate::doors::connection_limits::{ConnectionSlots, PendingConnections};
 use crate::doors::http::HttpDoor;
 use crate::doors::http::guard::Hosts;
-use crate::doors::http::places::Places;
 use crate::doors::http::tls::Tls;
-use crate::doors::vestibule::Vestibule;
 
 pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) door: HttpDoor,
     pub(in crate::doors::http) hosts: Hosts,
     pub(in crate::doors::http) router: Router,
     pub(in crate::doors::http) tls: Option<Tls>,
-    pub(in crate::doors::http) places: Places,
-    pub(in crate::doors::http) vestibule: Vestibule,
+    pub(in crate::doors::http) slots: ConnectionSlots,
+    pub(in crate::doors::http) pending: PendingConnections,
     /// Where those are heard on who get no further answer.
-    pub(in crate::doors::http) lingering: Vestibule,
+    pub(in crate::doors::http) lingering: PendingConnections,
     /// Where requests are carried out.
     pub(in crate::doors::http) work: Handle,
     pub(in crate::doors::http) closing: watch::Receiver<bool>,
@@ -27,13 +26,13 @@ pub(in crate::doors::http) struct ServerContext {
 impl ServerContext {
     /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
     /// last of those that may be about to say STOP.
-    pub(in crate::doors::http) fn relieve(&self) -> usize {
-        let mut relieved = self.lingering.relieve();
+    pub(in crate::doors::http) fn evict_some(&self) -> usize {
+        let mut relieved = self.lingering.evict_some();
         if relieved == 0 {
-            relieved = self.places.relieve();
+            relieved = self.slots.evict_some();
         }
         if relieved == 0 {
-            relieved = self.vestibule.relieve();
+            relieved = self.pending.evict_some();
         }
         relieved
     }

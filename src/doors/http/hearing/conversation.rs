@@ -14,9 +14,9 @@ use tokio::time::timeout;
 
 use super::connection::Connection;
 use super::context::ServerContext;
+use crate::doors::connection_limits::PendingConnection;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::tls::Tls;
-use crate::doors::vestibule::Waiting;
 
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
@@ -28,7 +28,7 @@ const FIRST_WORDS: usize = 1024;
 pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, SocketAddr), context: Arc<ServerContext>) {
     let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
-    let waiting = context.vestibule.enter(peer.address, Arc::clone(&cut));
+    let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
         // What has come already is heard before room is made: it is asked for while others have their turn.
@@ -42,7 +42,7 @@ pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, Sock
 }
 
 /// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), context: Arc<ServerContext>) {
+async fn encrypted(stream: TcpStream, peer: Peer, waiting: (PendingConnection, Arc<Notify>), context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }

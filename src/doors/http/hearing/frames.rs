@@ -12,13 +12,13 @@ const BINARY: u8 = 2;
 /// The frames of one client, from the first byte behind the head of its request on.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
-    at: At,
+    at: FrameState,
     /// The last frame of a binary message has not come.
     is_in_binary: bool,
 }
 
 #[derive(Debug, Default)]
-enum At {
+enum FrameState {
     #[default]
     First,
     /// The byte that says whether there is a mask, and the length or how it is written.
@@ -35,29 +35,29 @@ impl Frames {
         while let Some((byte, behind)) = std::mem::take(&mut bytes).split_first_mut() {
             let mut passed = 0;
             self.at = match self.at {
-                At::First => {
+                FrameState::First => {
                     self.begin(byte);
-                    At::Second
+                    FrameState::Second
                 }
-                At::Second => {
+                FrameState::Second => {
                     let mask = if *byte & 0x80 == 0 { 0 } else { 4 };
                     match *byte & 0x7F {
-                        126 => At::Length(2, 0, mask),
-                        127 => At::Length(8, 0, mask),
-                        length => At::Rest(u64::from(length) + mask),
+                        126 => FrameState::Length(2, 0, mask),
+                        127 => FrameState::Length(8, 0, mask),
+                        length => FrameState::Rest(u64::from(length) + mask),
                     }
                 }
-                At::Length(left, value, mask) => match (left - 1, value << 8 | u64::from(*byte)) {
-                    (0, length) => At::Rest(length.saturating_add(mask)),
-                    (left, value) => At::Length(left, value, mask),
+                FrameState::Length(left, value, mask) => match (left - 1, value << 8 | u64::from(*byte)) {
+                    (0, length) => FrameState::Rest(length.saturating_add(mask)),
+                    (left, value) => FrameState::Length(left, value, mask),
                 },
-                At::Rest(left) => {
+                FrameState::Rest(left) => {
                     passed = usize::try_from(left - 1).unwrap_or(usize::MAX).min(behind.len());
-                    At::Rest(left - 1 - passed as u64)
+                    FrameState::Rest(left - 1 - passed as u64)
                 }
             };
-            if let At::Rest(0) = self.at {
-                self.at = At::First;
+            if let FrameState::Rest(0) = self.at {
+                self.at = FrameState::First;
             }
             bytes = &mut behind[passed..];
         }

@@ -3,19 +3,19 @@
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
-use super::shared::Given;
+use super::shared::StopOutcome;
 use crate::access::Need;
+use crate::doors::connection_limits::SlotClaim;
 use crate::doors::http::HttpDoor;
 use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
 use crate::doors::http::peer::Peer;
-use crate::doors::http::places::Claim;
 use crate::doors::http::scanning::{Field, Head, names};
 use hallsweep_core::command::{Command, Request};
 
 /// A STOP of somebody who may stop.
-pub(super) enum Press {
+pub(super) enum StopRequest {
     /// The head has named it.
     Named(Request),
     /// It is one if the body says so.
@@ -31,10 +31,10 @@ pub(super) struct Judge {
 
 impl Judge {
     /// Whose request this is, and the STOP that it is or may be, when its sender may stop.
-    pub(super) fn hear(&self, head: &Head) -> (Claim, Option<Press>) {
+    pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<StopRequest>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
-        let claim = Claim::new(self.peer.address, caller.as_ref());
+        let claim = SlotClaim::new(self.peer.address, caller.as_ref());
         let stop = names::stop(&head.method, &head.path);
         let route = stop.or_else(|| names::says_by_body(&head.method, &head.path));
         let route = route.filter(|_| !is_in_doubt && self.is_ours(head, &headers));
@@ -43,11 +43,11 @@ impl Judge {
         };
         let issuer = issuer(&caller, by_path(route), self.peer);
         let request = Request { id: command_id(&headers).unwrap_or_default(), ..Request::new(Command::Stop, issuer) };
-        (claim, Some(if stop.is_some() { Press::Named(request) } else { Press::Unsaid(request) }))
+        (claim, Some(if stop.is_some() { StopRequest::Named(request) } else { StopRequest::Unsaid(request) }))
     }
 
     /// Halts.
-    pub(super) fn give(&self, stop: Request) -> Given {
+    pub(super) fn give(&self, stop: Request) -> StopOutcome {
         Box::pin(self.door.handle.carry_out(stop))
     }
 

@@ -357,7 +357,7 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
         let given = app.last();
         assert_eq!((given.command, &*given.issuer.who, &*given.issuer.from), (Command::Stop, "lobby", "127.0.0.1"));
         assert_eq!((given.issuer.door, given.id.map(|id| id.text().to_owned())), (door, Some("press-7".to_owned())));
-        assert_ne!(claim, Claim::new(judge.peer.address, None), "the place is the viewer's");
+        assert_ne!(claim, SlotClaim::new(judge.peer.address, None), "the place is the viewer's");
     }
 }
 

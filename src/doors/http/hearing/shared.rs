@@ -11,15 +11,15 @@ use hallsweep_core::units::Epoch;
 
 /// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
 /// more the requests give a STOP once again.
-pub(super) const PRESSES: usize = 128;
+pub(super) const STOP_OUTCOMES: usize = 128;
 
 /// A STOP that was given, and what becomes of it.
-pub(in crate::doors::http) type Given = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
+pub(in crate::doors::http) type StopOutcome = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
 
 /// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
 #[derive(Clone)]
 pub(in crate::doors::http) struct Pressed {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<ConnectionState>,
     pub(super) number: u64,
 }
 
@@ -28,8 +28,8 @@ pub(in crate::doors::http) struct Pressed {
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
 /// What the thread that hears and the task that answers tell each other.
-pub(super) struct Shared {
-    presses: Mutex<BTreeMap<u64, Given>>,
+pub(super) struct ConnectionState {
+    stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
     /// From which request on they came in which epoch.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
     /// Whether an answer hands the connection over; it is the last.
@@ -39,19 +39,19 @@ pub(super) struct Shared {
 }
 
 impl Pressed {
-    pub(in crate::doors::http) fn take(&self) -> Option<Given> {
-        self.shared.presses().remove(&self.number)
+    pub(in crate::doors::http) fn take(&self) -> Option<StopOutcome> {
+        self.shared.stop_outcomes().remove(&self.number)
     }
 
     pub(in crate::doors::http) fn is_there(&self) -> bool {
-        self.shared.presses().contains_key(&self.number)
+        self.shared.stop_outcomes().contains_key(&self.number)
     }
 }
 
-impl Shared {
-    pub(super) fn new() -> Arc<Shared> {
-        Arc::new(Shared {
-            presses: Mutex::default(),
+impl ConnectionState {
+    pub(super) fn new() -> Arc<ConnectionState> {
+        Arc::new(ConnectionState {
+            stop_outcomes: Mutex::default(),
             epochs: Mutex::default(),
             is_handed_over: watch::Sender::default(),
             is_endless: watch::Sender::default(),
@@ -62,7 +62,7 @@ impl Shared {
     pub(super) fn came(&self, number: u64, epoch: Epoch) {
         let mut epochs = self.epochs();
         // Of too many changes the oldest stands: nothing is taken for newer than it is.
-        if epochs.len() < PRESSES && epochs.values().next_back() != Some(&epoch) {
+        if epochs.len() < STOP_OUTCOMES && epochs.values().next_back() != Some(&epoch) {
             epochs.insert(number, epoch);
         }
     }
@@ -78,16 +78,16 @@ impl Shared {
         self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn keep(&self, number: u64, given: Given) {
-        let mut presses = self.presses();
-        if presses.len() < PRESSES {
-            presses.insert(number, given);
+    pub(super) fn keep(&self, number: u64, given: StopOutcome) {
+        let mut stop_outcomes = self.stop_outcomes();
+        if stop_outcomes.len() < STOP_OUTCOMES {
+            stop_outcomes.insert(number, given);
         }
     }
 
     /// Whether a STOP waits for its request.
     pub(super) fn has_heard(&self) -> bool {
-        !self.presses().is_empty()
+        !self.stop_outcomes().is_empty()
     }
 
     pub(super) fn is_handed_over(&self) -> bool {
@@ -102,12 +102,12 @@ impl Shared {
 
     /// Forgets the STOPs of requests before this, which nobody took.
     pub(super) fn forget_before(&self, number: u64) {
-        let mut presses = self.presses();
-        let later = presses.split_off(&number);
-        *presses = later;
+        let mut stop_outcomes = self.stop_outcomes();
+        let later = stop_outcomes.split_off(&number);
+        *stop_outcomes = later;
     }
 
-    pub(super) fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
-        self.presses.lock().unwrap_or_else(PoisonError::into_inner)
+    pub(super) fn stop_outcomes(&self) -> MutexGuard<'_, BTreeMap<u64, StopOutcome>> {
+        self.stop_outcomes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

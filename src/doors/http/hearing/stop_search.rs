@@ -1,10 +1,10 @@
 //! What is heard of one connection: its requests one by one, and a STOP given as soon as it has come, be it named by a head or said by
 //! a body. How the bytes come, and where they go, is the connection's business.
 
-use super::judge::{Judge, Press};
-use super::shared::Given;
+use super::judge::{Judge, StopRequest};
+use super::shared::StopOutcome;
 use crate::api::halt::{says_halt, says_halt_from};
-use crate::doors::http::places::Claim;
+use crate::doors::connection_limits::SlotClaim;
 use crate::doors::http::scanning::{self, BodyLength, Scanner, names};
 use hallsweep_core::command::Request;
 use hallsweep_core::units::Epoch;
@@ -31,7 +31,7 @@ pub(super) enum Heard {
 }
 
 pub(super) struct HeardRequest {
-    pub(super) claim: Claim,
+    pub(super) claim: SlotClaim,
     pub(super) has_body: bool,
     pub(super) may_hand_over: bool,
     pub(super) came: Epoch,
@@ -44,7 +44,7 @@ impl StopSearch {
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took; a STOP in them was given.
-    pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>, Option<Given>) {
+    pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>, Option<StopOutcome>) {
         let (taken, heard) = self.scanner.take(bytes);
         match heard {
             None => (taken, None, None),
@@ -58,8 +58,8 @@ impl StopSearch {
                 let (claim, press) = self.judge.hear(&head);
                 let (unsaid, given) = match press {
                     None => (None, None),
-                    Some(Press::Named(stop)) => (None, Some(self.judge.give(stop))),
-                    Some(Press::Unsaid(stop)) => (Some(stop), None),
+                    Some(StopRequest::Named(stop)) => (None, Some(self.judge.give(stop))),
+                    Some(StopRequest::Unsaid(stop)) => (Some(stop), None),
                 };
                 self.unsaid = unsaid;
                 (self.looked, self.looked_whole) = (0, 0);
@@ -76,7 +76,7 @@ impl StopSearch {
 
     /// The STOP that a body says although it has no end yet: it need not come, and where it is cannot always be told. A long body is
     /// looked at whole whenever it has doubled, so that one in many pieces costs little.
-    pub(super) fn look_early(&mut self) -> Option<Given> {
+    pub(super) fn look_early(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         if said.len() == self.looked {
             return None;
@@ -91,7 +91,7 @@ impl StopSearch {
     }
 
     /// The same, when nothing more comes.
-    pub(super) fn look(&mut self) -> Option<Given> {
+    pub(super) fn look(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
     }

@@ -18,7 +18,7 @@ use self::kept::Kept;
 use self::operation::{Operation, Subject, problem};
 use super::HttpDoor;
 use super::etag::{conditional, tag_of};
-use super::routes::{Row, table};
+use super::routes::{RouteRow, table};
 use crate::access::Access;
 use crate::api::problem::{ProblemJson, ProblemKind};
 use crate::api::schemas::Schemas;
@@ -61,7 +61,7 @@ impl Description {
 }
 
 /// The rows that programs use, in the order of the table, each with its operation.
-fn described(schemas: &mut Schemas) -> Vec<(Row, Operation)> {
+fn described(schemas: &mut Schemas) -> Vec<(RouteRow, Operation)> {
     let key = |method: &axum::http::Method, path: &str| (method.to_string(), path.to_owned());
     let mut operations: BTreeMap<_, Operation> =
         operations::all(schemas).into_iter().map(|operation| (key(&operation.method, &operation.path), operation)).collect();

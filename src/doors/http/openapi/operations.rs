@@ -63,7 +63,7 @@ fn usual(mut schema: Value, usual: impl Into<Value>) -> Value {
     schema
 }
 
-fn command(row: &'static commands::Row, schemas: &mut Schemas) -> Operation {
+fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operation {
     let method = if row.methods == Methods::Put { Method::PUT } else { Method::POST };
     let answer = schemas.sent::<AnswerJson>();
     let operation = Operation::new(method, format!("/api/v1{}", row.path), row.name, (Commands, row.title))
@@ -78,7 +78,7 @@ fn command(row: &'static commands::Row, schemas: &mut Schemas) -> Operation {
     if row.kind == CommandKind::Temperature { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
-fn resource(row: &'static resources::Row, schemas: &mut Schemas) -> Operation {
+fn resource(row: &'static resources::ResourceRow, schemas: &mut Schemas) -> Operation {
     let id = format!("get{}{}", row.name[..1].to_ascii_uppercase(), &row.name[1..]);
     let operation = Operation::new(Method::GET, format!("/api/v1{}", row.path), id, (State, row.title)).tagged();
     let Some(json) = schemas.resource(row.kind) else {

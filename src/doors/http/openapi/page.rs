@@ -22,7 +22,7 @@ use crate::phrases::Language;
 /// The page in each language.
 static PAGES: LazyLock<Vec<(Language, Kept)>> = LazyLock::new(|| {
     let contents = &Contents::new();
-    let page = |language| html(&Page { language, contents }).0;
+    let page = |language| html(&OpenApiPage { language, contents }).0;
     Language::ALL.map(|language| (language, Kept::new("text/html; charset=utf-8", page(language)))).into()
 });
 
@@ -34,7 +34,7 @@ pub(in super::super) async fn page(Spoken(language): Spoken, headers: HeaderMap)
 
 #[derive(Template)]
 #[template(path = "api.html")]
-struct Page<'a> {
+struct OpenApiPage<'a> {
     language: Language,
     contents: &'a Contents,
 }
@@ -59,8 +59,8 @@ struct Shown {
     summary: String,
     need: &'static str,
     parameters: Vec<Field>,
-    body: Vec<Carried>,
-    answers: Vec<Carried>,
+    body: Vec<MediaContent>,
+    answers: Vec<MediaContent>,
     problems: Vec<(u16, &'static str)>,
 }
 
@@ -74,7 +74,7 @@ struct Field {
 }
 
 /// A media type, and its contents.
-struct Carried {
+struct MediaContent {
     media_type: &'static str,
     kind: Vec<Word>,
 }
@@ -116,7 +116,7 @@ impl Shown {
             kind: words(&schema),
             what: what.to_owned(),
         };
-        let carried = |media_type: &&'static str, schema: &Value| Carried { media_type, kind: words(schema) };
+        let carried = |media_type: &&'static str, schema: &Value| MediaContent { media_type, kind: words(schema) };
         let body = operation.body.iter();
         Shown {
             method: operation.method.to_string(),

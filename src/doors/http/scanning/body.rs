@@ -4,12 +4,12 @@
 /// A chunked body that is passing by.
 #[derive(Debug, Default)]
 pub(super) struct Chunks {
-    at: At,
+    at: BodyState,
     size: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-enum At {
+enum BodyState {
     #[default]
     Start,
     Size,
@@ -32,19 +32,19 @@ impl Chunks {
     pub(super) fn take(&mut self, bytes: &[u8], mut shown: impl FnMut(&[u8])) -> (usize, Option<Result<(), ()>>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
-            if matches!(self.at, At::Data) {
+            if matches!(self.at, BodyState::Data) {
                 let here = usize::try_from(self.size).unwrap_or(usize::MAX).min(bytes.len() - taken);
                 shown(&bytes[taken..taken + here]);
                 taken += here;
                 self.size -= here as u64;
                 if self.size == 0 {
-                    self.at = At::DataCr;
+                    self.at = BodyState::DataCr;
                 }
                 continue;
             }
             taken += 1;
             match self.next(byte) {
-                Some(At::Start) if matches!(self.at, At::EndLf) => return (taken, Some(Ok(()))),
+                Some(BodyState::Start) if matches!(self.at, BodyState::EndLf) => return (taken, Some(Ok(()))),
                 Some(next) => self.at = next,
                 None => return (taken, Some(Err(()))),
             }
@@ -52,34 +52,44 @@ impl Chunks {
         (taken, None)
     }
 
-    fn next(&mut self, byte: u8) -> Option<At> {
+    fn next(&mut self, byte: u8) -> Option<BodyState> {
         Some(match (self.at, byte) {
-            (At::Start, _) => {
+            (BodyState::Start, _) => {
                 self.size = 0;
                 self.digit(byte)?
             }
-            (At::Size | At::Space, b'\t' | b' ') => At::Space,
-            (At::Size | At::Space, b';') => At::Extension,
-            (At::Size | At::Space | At::Extension, b'\r') => At::SizeLf,
-            (At::Size, _) => self.digit(byte)?,
-            (At::SizeLf, b'\n') if self.size == 0 => At::EndCr,
-            (At::SizeLf, b'\n') => At::Data,
-            (At::DataCr, b'\r') => At::DataLf,
-            (At::DataLf | At::EndLf, b'\n') => At::Start,
-            (At::Trailer, b'\r') => At::TrailerLf,
-            (At::TrailerLf, b'\n') => At::EndCr,
-            (At::EndCr, b'\r') => At::EndLf,
-            (At::EndCr | At::Trailer, _) => At::Trailer,
-            (At::Extension, _) if byte != b'\n' => At::Extension,
-            (At::Space | At::Extension | At::SizeLf | At::DataCr | At::DataLf | At::EndLf | At::TrailerLf | At::Data, _) => {
+            (BodyState::Size | BodyState::Space, b'\t' | b' ') => BodyState::Space,
+            (BodyState::Size | BodyState::Space, b';') => BodyState::Extension,
+            (BodyState::Size | BodyState::Space | BodyState::Extension, b'\r') => BodyState::SizeLf,
+            (BodyState::Size, _) => self.digit(byte)?,
+            (BodyState::SizeLf, b'\n') if self.size == 0 => BodyState::EndCr,
+            (BodyState::SizeLf, b'\n') => BodyState::Data,
+            (BodyState::DataCr, b'\r') => BodyState::DataLf,
+            (BodyState::DataLf | BodyState::EndLf, b'\n') => BodyState::Start,
+            (BodyState::Trailer, b'\r') => BodyState::TrailerLf,
+            (BodyState::TrailerLf, b'\n') => BodyState::EndCr,
+            (BodyState::EndCr, b'\r') => BodyState::EndLf,
+            (BodyState::EndCr | BodyState::Trailer, _) => BodyState::Trailer,
+            (BodyState::Extension, _) if byte != b'\n' => BodyState::Extension,
+            (
+                BodyState::Space
+                | BodyState::Extension
+                | BodyState::SizeLf
+                | BodyState::DataCr
+                | BodyState::DataLf
+                | BodyState::EndLf
+                | BodyState::TrailerLf
+                | BodyState::Data,
+                _,
+            ) => {
                 return None;
             }
         })
     }
 
-    fn digit(&mut self, byte: u8) -> Option<At> {
+    fn digit(&mut self, byte: u8) -> Option<BodyState> {
         let digit = char::from(byte).to_digit(16)?;
         self.size = self.size.checked_mul(16)?.checked_add(u64::from(digit))?;
-        Some(At::Size)
+        Some(BodyState::Size)
     }
 }

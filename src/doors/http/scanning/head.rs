@@ -62,7 +62,7 @@ pub struct Head {
 pub(super) struct HeadReader {
     cookie: String,
     head: Head,
-    part: Part,
+    part: HeadPart,
     /// A carriage return has come: a line feed, or whatever else comes, ends the line.
     after_cr: bool,
     /// Nothing of this line has come.
@@ -92,7 +92,7 @@ enum Named {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum HeadPart {
     Method,
     Path,
     /// The host of a whole address, in which a `;` ends nothing.
@@ -107,7 +107,7 @@ impl HeadReader {
         HeadReader {
             cookie: cookie.to_owned(),
             head: Head::default(),
-            part: Part::Method,
+            part: HeadPart::Method,
             after_cr: false,
             is_new_line: true,
             line: HeaderLine::default(),
@@ -138,10 +138,10 @@ impl HeadReader {
     pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
         let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
         let end = match (self.part, what) {
-            (Part::Rest, _) => b'\n',
-            (Part::Fields, None) if *is_in_value => b'\n',
-            (Part::Fields, Some(_)) if *is_long => b';',
-            (Part::Fields, None) if name.len() > NAME => b':',
+            (HeadPart::Rest, _) => b'\n',
+            (HeadPart::Fields, None) if *is_in_value => b'\n',
+            (HeadPart::Fields, Some(_)) if *is_long => b';',
+            (HeadPart::Fields, None) if name.len() > NAME => b':',
             _ => return 0,
         };
         if self.after_cr || self.is_new_line {
@@ -153,7 +153,7 @@ impl HeadReader {
     /// One byte; the head, when this was its last.
     pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
         match byte {
-            b'\n' if self.is_new_line && self.part == Part::Fields => {
+            b'\n' if self.is_new_line && self.part == HeadPart::Fields => {
                 self.end_field();
                 return Some(self.end());
             }
@@ -175,8 +175,8 @@ impl HeadReader {
 
     fn end_line(&mut self) {
         self.is_new_line = true;
-        if self.part != Part::Fields && !self.head.method.is_empty() {
-            self.part = Part::Fields;
+        if self.part != HeadPart::Fields && !self.head.method.is_empty() {
+            self.part = HeadPart::Fields;
         }
     }
 
@@ -184,35 +184,35 @@ impl HeadReader {
         let begins_line = std::mem::take(&mut self.is_new_line);
         let is_space = matches!(byte, b' ' | b'\t');
         match self.part {
-            Part::Method if is_space => {
+            HeadPart::Method if is_space => {
                 if !self.head.method.is_empty() {
-                    self.part = Part::Path;
+                    self.part = HeadPart::Path;
                 }
             }
-            Part::Method => drop(keep(&mut self.head.method, byte)),
-            Part::Path if is_space => {
+            HeadPart::Method => drop(keep(&mut self.head.method, byte)),
+            HeadPart::Path if is_space => {
                 if !self.head.path.is_empty() {
-                    self.part = Part::Rest;
+                    self.part = HeadPart::Rest;
                 }
             }
-            Part::Path if matches!(byte, b'?' | b'#' | b';') => self.part = Part::Rest,
-            Part::Path if byte == b'/' && self.is_behind_scheme() => {
-                self.part = Part::Host;
+            HeadPart::Path if matches!(byte, b'?' | b'#' | b';') => self.part = HeadPart::Rest,
+            HeadPart::Path if byte == b'/' && self.is_behind_scheme() => {
+                self.part = HeadPart::Host;
                 self.head.path.clear();
                 self.head.host = Some(Vec::new());
             }
-            Part::Path => drop(keep(&mut self.head.path, byte)),
-            Part::Host if is_space || matches!(byte, b'?' | b'#') => self.part = Part::Rest,
-            Part::Host if byte == b'/' => {
-                self.part = Part::Path;
+            HeadPart::Path => drop(keep(&mut self.head.path, byte)),
+            HeadPart::Host if is_space || matches!(byte, b'?' | b'#') => self.part = HeadPart::Rest,
+            HeadPart::Host if byte == b'/' => {
+                self.part = HeadPart::Path;
                 self.head.path.push(byte);
             }
-            Part::Host => {
+            HeadPart::Host => {
                 let is_kept = self.head.host.as_mut().and_then(|host| keep(host, byte)).is_some();
                 self.head.is_in_doubt |= !is_kept;
             }
-            Part::Rest => {}
-            Part::Fields => {
+            HeadPart::Rest => {}
+            HeadPart::Fields => {
                 if begins_line && !is_space {
                     self.end_field();
                 }

@@ -21,7 +21,7 @@ pub enum Heard {
 #[derive(Debug)]
 pub struct Scanner {
     head: HeadReader,
-    at: At,
+    at: ScannerState,
     heads: u64,
     said: BodyStart,
 }
@@ -34,7 +34,7 @@ struct BodyStart {
 }
 
 #[derive(Debug)]
-enum At {
+enum ScannerState {
     Head,
     /// So many bytes of a body are to come.
     Body(u64),
@@ -46,7 +46,7 @@ enum At {
 impl Scanner {
     /// Before the first byte; `cookie` is the name of the cookies that say who asks.
     pub fn new(cookie: &str) -> Scanner {
-        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0, said: BodyStart::default() }
+        Scanner { head: HeadReader::new(cookie), at: ScannerState::Head, heads: 0, said: BodyStart::default() }
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took.
@@ -54,7 +54,7 @@ impl Scanner {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
             let heard = match &mut self.at {
-                At::Head => {
+                ScannerState::Head => {
                     let passed = self.head.passes_by(&bytes[taken..]);
                     if passed > 0 {
                         taken += passed;
@@ -63,14 +63,14 @@ impl Scanner {
                     taken += 1;
                     self.head.push(byte).map(|head| self.begin_body(head))
                 }
-                At::Body(left) => {
+                ScannerState::Body(left) => {
                     let here = usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len() - taken);
                     self.said.keep(&bytes[taken..taken + here]);
                     taken += here;
                     *left -= here as u64;
                     (*left == 0).then_some(Heard::Body)
                 }
-                At::Chunks(chunks) => {
+                ScannerState::Chunks(chunks) => {
                     let (here, ended) = chunks.take(&bytes[taken..], |data| self.said.keep(data));
                     taken += here;
                     match ended {
@@ -78,20 +78,20 @@ impl Scanner {
                         Some(Err(())) => {
                             // It may have been no chunk.
                             self.said.keep(&bytes[taken - 1..taken]);
-                            self.at = At::Lost;
+                            self.at = ScannerState::Lost;
                             None
                         }
                         None => None,
                     }
                 }
-                At::Lost => {
+                ScannerState::Lost => {
                     self.said.keep(&bytes[taken..]);
                     return (bytes.len(), None);
                 }
             };
             if let Some(heard) = heard {
                 if heard == Heard::Body {
-                    self.at = At::Head;
+                    self.at = ScannerState::Head;
                 }
                 return (taken, Some(heard));
             }
@@ -106,12 +106,12 @@ impl Scanner {
 
     /// Whether no body is on its way.
     pub fn is_between(&self) -> bool {
-        matches!(self.at, At::Head)
+        matches!(self.at, ScannerState::Head)
     }
 
     /// Whether the first byte of a head is none of any method: no server waits for the end of that.
     pub fn is_no_request(&self) -> bool {
-        matches!(self.at, At::Head) && self.head.is_no_method()
+        matches!(self.at, ScannerState::Head) && self.head.is_no_method()
     }
 
     /// What has come of the body of the request whose head was heard last, if that may say STOP, as far as it is kept.
@@ -123,10 +123,10 @@ impl Scanner {
         self.heads += 1;
         self.said = BodyStart { is_kept: names::says_by_body(&head.method, &head.path).is_some(), bytes: Vec::new() };
         self.at = match head.body {
-            BodyLength::Known(0) => At::Head,
-            BodyLength::Known(length) => At::Body(length),
-            BodyLength::Chunked => At::Chunks(Chunks::default()),
-            BodyLength::Unknown => At::Lost,
+            BodyLength::Known(0) => ScannerState::Head,
+            BodyLength::Known(length) => ScannerState::Body(length),
+            BodyLength::Chunked => ScannerState::Chunks(Chunks::default()),
+            BodyLength::Unknown => ScannerState::Lost,
         };
         Heard::Head(head)
     }

@@ -21,7 +21,7 @@ use crate::runtime::simulator::{HallSource, NotSimulated, OtherHall};
 
 #[derive(Template)]
 #[template(path = "simulator/editor.html")]
-struct Page {
+struct EditorPage {
     language: Language,
     toml: String,
     /// The halls that are always offered, and the stored ones.
@@ -45,10 +45,10 @@ struct Page {
     findings: Option<Vec<Finding>>,
 }
 
-impl Page {
-    fn of(asker: &Asker, toml: String) -> Page {
+impl EditorPage {
+    fn of(asker: &Asker, toml: String) -> EditorPage {
         let kept = asker.simulator.kept_halls();
-        Page {
+        EditorPage {
             language: asker.language,
             toml,
             halls: asker.simulator.halls().into_iter().filter(|name| !kept.contains(name)).collect(),
@@ -66,12 +66,12 @@ impl Page {
     }
 
     /// Opens the stored hall of this name, if there is one.
-    fn opened(self, name: &str) -> Page {
+    fn opened(self, name: &str) -> EditorPage {
         if !self.kept.iter().any(|kept| kept == name) {
             return self;
         }
         let done = Some(self.language.say("halls-opened").with("name", name).markup());
-        Page { name: name.to_owned(), opened: Some(name.to_owned()), done, ..self }
+        EditorPage { name: name.to_owned(), opened: Some(name.to_owned()), done, ..self }
     }
 
     fn said(&self, finding: &Finding) -> String {
@@ -95,12 +95,12 @@ pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
 pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
     query.only(&["hall"])?;
     let page = match query.every("hall").first() {
-        Some(name) => Page::of(&asker, offered_hall(&asker, name).await??).opened(name),
+        Some(name) => EditorPage::of(&asker, offered_hall(&asker, name).await??).opened(name),
         None => {
             let hall = asker.state().hall.clone();
             match NotSimulated::too_large(hall.size.0, hall.size.1).map(Problem::from) {
-                Some(problem) => Page { why: Some(asker.in_words(&problem)), ..Page::of(&asker, String::new()) },
-                None => Page::of(&asker, hall.toml.to_string()),
+                Some(problem) => EditorPage { why: Some(asker.in_words(&problem)), ..EditorPage::of(&asker, String::new()) },
+                None => EditorPage::of(&asker, hall.toml.to_string()),
             }
         }
     };
@@ -139,26 +139,26 @@ pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): Hall
     fields.toml = fields.toml.replace("\r\n", "\n");
     let done = acted(&asker, &fields).await;
     let Fields { toml, name, opened, .. } = fields;
-    let page = Page { name, opened, ..Page::of(&asker, toml) };
+    let page = EditorPage { name, opened, ..EditorPage::of(&asker, toml) };
     let said = |id, name: &str| Some(asker.language.say(id).with("name", name).markup());
     match done {
-        Ok(Done::Checked(findings)) => html(&Page { findings: Some(findings), ..page }).into_response(),
+        Ok(Done::Checked(findings)) => html(&EditorPage { findings: Some(findings), ..page }).into_response(),
         Ok(Done::Used) => Redirect::to("/simulator").into_response(),
         Ok(Done::Kept(name)) => Redirect::to(&format!("/simulator/editor?hall={name}")).into_response(),
         Ok(Done::AsksToReplace(name)) => {
             let done = said("halls-another-kept", &name);
-            (StatusCode::CONFLICT, html(&Page { done, replaces: Some(name), ..page })).into_response()
+            (StatusCode::CONFLICT, html(&EditorPage { done, replaces: Some(name), ..page })).into_response()
         }
         Ok(Done::AsksToDiscard(name)) => {
             let done = said("halls-discard-asked", &name);
-            html(&Page { done, discards: Some(name), ..page }).into_response()
+            html(&EditorPage { done, discards: Some(name), ..page }).into_response()
         }
         Ok(Done::Discarded(name)) => {
             let opened = page.opened.filter(|opened| *opened != name);
-            html(&Page { done: said("halls-discarded", &name), opened, ..page }).into_response()
+            html(&EditorPage { done: said("halls-discarded", &name), opened, ..page }).into_response()
         }
         Err(problem) => {
-            let page = Page { why: Some(asker.in_words(&problem)), ..page };
+            let page = EditorPage { why: Some(asker.in_words(&problem)), ..page };
             let mut response = (problem.status(), html(&page)).into_response();
             problem.tell_gate(&mut response);
             response

@@ -32,7 +32,7 @@ use hallsweep_core::command::{Door, Issuer, Refused};
 pub(super) use editor::{act, editor};
 pub(super) use page::{change_by_form, choose_by_form, page};
 
-type Answer = Result<Response, Problem>;
+type PageAnswer = Result<Response, Problem>;
 
 /// Code of the core's refusal to move robots to another hall during a mission.
 const NOT_IN_PHASE: &str = "notInPhase";
@@ -147,14 +147,14 @@ pub(super) async fn simulator(asker: Asker) -> Response {
 }
 
 /// `PUT simulator`
-pub(super) async fn change(asker: Asker, body: JsonPayload) -> Answer {
+pub(super) async fn change(asker: Asker, body: JsonPayload) -> PageAnswer {
     let ChangeBody(change) = body.needed()?;
     let state = Asker::done(Arc::clone(&asker.simulator).change(change, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
 /// `POST simulator/step`
-pub(super) async fn step(asker: Asker) -> Answer {
+pub(super) async fn step(asker: Asker) -> PageAnswer {
     let state = Asker::done(Arc::clone(&asker.simulator).step(asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
@@ -166,7 +166,7 @@ pub(super) async fn hall(asker: Asker) -> Response {
 }
 
 /// `GET simulator/halls/{name}`
-pub(super) async fn offered(asker: Asker, Named(name): Named) -> Answer {
+pub(super) async fn offered(asker: Asker, Named(name): Named) -> PageAnswer {
     if !asker.simulator.halls().contains(&name) {
         let words = format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name));
         return Err(Problem::not_found(words));
@@ -193,7 +193,7 @@ fn toml(text: impl IntoResponse) -> Response {
 }
 
 /// `PUT simulator/halls/{name}`: a hall file, in the form that `GET` returns, replaces the stored one.
-pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> Answer {
+pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> PageAnswer {
     let unpacked = in_turn(&asker.door, move || file.unpacked().map(|toml| String::from_utf8_lossy(&toml).into_owned()));
     let toml = unpacked.await??;
     let state = Asker::done(Arc::clone(&asker.simulator).keep(name, toml, true, asker.issuer(door::HTTP))).await?;
@@ -201,20 +201,20 @@ pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> An
 }
 
 /// `DELETE simulator/halls/{name}`
-pub(super) async fn discard(asker: Asker, Named(name): Named) -> Answer {
+pub(super) async fn discard(asker: Asker, Named(name): Named) -> PageAnswer {
     let state = Asker::done(Arc::clone(&asker.simulator).discard(name, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
 /// `PUT simulator/hall`
-pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Answer {
+pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> PageAnswer {
     let HallBody(hall) = body.needed()?;
     let state = Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
 /// `POST simulator/hall/check`
-pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> Answer {
+pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> PageAnswer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
     // An editor checks after every keystroke: its errors are for the person who draws, not for the record.

@@ -31,7 +31,7 @@ struct Fault {
 
 #[derive(Template)]
 #[template(path = "simulator/page.html")]
-struct Page {
+struct SimulatorPage {
     language: Language,
     state: Arc<SimulatorState>,
     halls: Vec<String>,
@@ -41,9 +41,9 @@ struct Page {
     why: Option<(&'static str, String)>,
 }
 
-impl Page {
-    fn of(asker: &Asker, why: Option<(&'static str, String)>) -> Page {
-        Page {
+impl SimulatorPage {
+    fn of(asker: &Asker, why: Option<(&'static str, String)>) -> SimulatorPage {
+        SimulatorPage {
             language: asker.language,
             state: asker.state(),
             halls: asker.simulator.halls(),
@@ -92,7 +92,7 @@ impl Page {
 
 /// `GET simulator`, the page.
 pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
-    html(&Page::of(&asker, None))
+    html(&SimulatorPage::of(&asker, None))
 }
 
 /// The fields of all forms on the page except for that of the hall.
@@ -142,7 +142,7 @@ pub(in crate::doors::http) async fn choose_by_form(asker: Asker, Form(fields): F
 
 fn answer(asker: &Asker, place: &'static str, problem: Option<Problem>) -> Response {
     let Some(problem) = problem else { return Redirect::to("/simulator").into_response() };
-    let page = Page::of(asker, Some((place, asker.in_words(&problem))));
+    let page = SimulatorPage::of(asker, Some((place, asker.in_words(&problem))));
     let mut response = (problem.status(), html(&page)).into_response();
     problem.tell_gate(&mut response);
     response

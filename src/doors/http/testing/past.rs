@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::api::fixture::{TEN, searching};
-use crate::runtime::archive::{At, Happened, MissionRecord, Moment, Sound, Unreadable};
+use crate::runtime::archive::{At, Happened, MissionRecord, PastMoment, Sound, Unreadable};
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::command::{Issuer, Refusal, Refused, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
@@ -64,7 +64,7 @@ pub(super) fn state() -> PersistentState {
 
 /// The first mission at a moment: the robot was held at home, and it had become warm. All its entries were written at the same
 /// time.
-pub(super) fn moment(at: At) -> Option<Moment> {
+pub(super) fn moment(at: At) -> Option<PastMoment> {
     let most = match at {
         At::Entry(seq) => seq,
         At::Time(unix_ms) | At::TimeAmong(unix_ms, _) if unix_ms < TEN.unix_ms => Seq(1),
@@ -76,7 +76,7 @@ pub(super) fn moment(at: At) -> Option<Moment> {
     let warm = Celsius::new(23.5).map(|celsius| Entry { wall: TEN, fact: Fact::Temperature("hall".into(), celsius) });
     let past = Past { seq, state, trail: Vec::new(), temperatures: warm.into_iter().collect(), latest: Vec::new() };
     let (earlier, later) = ((seq > Seq(1)).then(|| Seq(seq.0 - 1)), (seq < Seq(6)).then(|| seq.next()));
-    Some(Moment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
+    Some(PastMoment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
 }
 
 /// A retrieval by the pair as in a journal: the trees after each of some ticks, from the first to the look for the parcel, and

@@ -3,7 +3,7 @@
 //! not here, nor is the last will `offline`, which a broker publishes when we cannot.
 
 mod events;
-mod household;
+mod home_assistant_feed;
 mod old;
 mod photos;
 mod pieces;
@@ -17,7 +17,7 @@ use std::time::Duration;
 pub use self::photos::{PHOTO_MOST, Picture};
 
 use self::events::Events;
-use self::household::Household;
+use self::home_assistant_feed::HomeAssistantFeed;
 use self::old::Old;
 use self::states::States;
 use super::publication::Publication;
@@ -42,7 +42,7 @@ pub struct ChangeFeed {
     states: States,
     events: Events,
     old: Old,
-    household: Option<Household>,
+    home_assistant_feed: Option<HomeAssistantFeed>,
 }
 
 /// A source of messages.
@@ -52,14 +52,14 @@ enum Source {
     Old,
     Event,
     State(Resource),
-    Household,
+    HomeAssistant,
 }
 
 impl ChangeFeed {
     /// A feed that publishes nothing before the first state. With `home_assistant` it also publishes for Home Assistant.
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
-            household: home_assistant.then(|| Household::new(&topics)),
+            home_assistant_feed: home_assistant.then(|| HomeAssistantFeed::new(&topics)),
             topics,
             snapshot: None,
             is_announced: false,
@@ -73,8 +73,8 @@ impl ChangeFeed {
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
         self.old.handle_state(older, &snapshot);
-        if let Some(household) = &mut self.household {
-            household.handle_state(older, &snapshot);
+        if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
+            home_assistant_feed.handle_state(older, &snapshot);
         }
         self.snapshot = Some(snapshot);
     }
@@ -103,7 +103,7 @@ impl ChangeFeed {
                 let revision = ResourceKind::Of(resource).revision(&snapshot);
                 Some(Publication::kept(topics.state(resource), state).json_of(revision.0))
             }
-            Source::Household => self.household.as_mut()?.take(topics, now),
+            Source::HomeAssistant => self.home_assistant_feed.as_mut()?.take(topics, now),
         }
     }
 
@@ -120,8 +120,8 @@ impl ChangeFeed {
         self.is_announced = false;
         self.states.renew();
         self.old.renew(unacknowledged, self.snapshot.as_deref());
-        if let Some(household) = &mut self.household {
-            household.renew();
+        if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
+            home_assistant_feed.renew();
         }
     }
 
@@ -132,8 +132,8 @@ impl ChangeFeed {
 
     /// Home Assistant has started, and gets the description again.
     pub fn handle_birth(&mut self) {
-        if let Some(household) = &mut self.household {
-            household.handle_birth();
+        if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
+            home_assistant_feed.handle_birth();
         }
     }
 
@@ -141,13 +141,13 @@ impl ChangeFeed {
     /// allowed, one at a time, and passes it to `handle_photo`; an unreadable photo is not passed. It is requested once, and
     /// again after `renew` if it was never passed.
     pub fn poll_photo(&mut self) -> Option<Picture> {
-        self.household.as_mut()?.photos.poll()
+        self.home_assistant_feed.as_mut()?.photos.poll()
     }
 
     /// Takes the requested photo. It is published unless there is a newer one by now, or it is larger than `PHOTO_MOST`; false
     /// when it is not.
     pub fn handle_photo(&mut self, picture: Picture, photo: Photo) -> bool {
-        self.household.as_mut().is_some_and(|household| household.photos.handle(picture, photo))
+        self.home_assistant_feed.as_mut().is_some_and(|home_assistant_feed| home_assistant_feed.photos.handle(picture, photo))
     }
 
     /// The source that is due first, and when; among equal times the first in this order.
@@ -156,8 +156,9 @@ impl ChangeFeed {
         let old = self.old.due(snapshot).map(|due| (due, Source::Old));
         let event = self.events.due(snapshot).map(|due| (due, Source::Event));
         let state = |resource| Some((self.states.due(resource, snapshot)?, Source::State(resource)));
-        let household = self.household.as_ref().and_then(Household::due).map(|due| (due, Source::Household));
-        let one_of_each = [availability, old, event, household];
+        let home_assistant_feed =
+            self.home_assistant_feed.as_ref().and_then(HomeAssistantFeed::due).map(|due| (due, Source::HomeAssistant));
+        let one_of_each = [availability, old, event, home_assistant_feed];
         one_of_each.into_iter().chain(Resource::ALL.map(state)).flatten().min_by_key(|(due, _)| *due)
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::super::qak::outgoing;
 use super::pieces;
 use crate::api::old_items::luggage_state;
-use crate::doors::pace;
+use crate::doors::update_interval;
 use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Pose, Revision};
@@ -86,7 +86,7 @@ impl Old {
             Item::Map => {
                 self.map = Some(map_of(snapshot));
                 let message = outgoing::message(outgoing::room_map(snapshot), self.number);
-                self.next_map = now + pace::of_size(message.len());
+                self.next_map = now + update_interval::for_size(message.len());
                 return Some(message);
             }
             Item::Luggage(piece) => {

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::api::excerpt::excerpt;
 use crate::api::resources::{Form, ResourceKind};
-use crate::doors::pace;
+use crate::doors::update_interval;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
@@ -37,7 +37,7 @@ impl States {
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
         let shown = ResourceKind::Of(resource);
         let state = excerpt(resource, snapshot).unwrap_or_else(|| shown.written(0, Form::Json, snapshot, identity));
-        let next = now + pace::of_size(state.len()).max(PACE);
+        let next = now + update_interval::for_size(state.len()).max(PACE);
         self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next };
         state
     }

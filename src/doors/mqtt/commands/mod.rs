@@ -2,9 +2,7 @@
 //! here; retained messages and repeated packets were sorted out before.
 
 mod nobody;
-mod pace;
 mod parser;
-mod places;
 mod problem;
 mod publisher;
 mod read;
@@ -17,14 +15,14 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::nobody::Nobody;
-use self::pace::Pace;
 use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
 pub use self::publisher::Publisher;
 use self::results::Results;
-pub use self::results::{ANSWERS, Answer};
+pub use self::results::{ANSWERS, ResultMessage};
 use super::topics::Topics;
 use crate::access::Need;
+use crate::doors::connection_limits::CommandRate;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
@@ -69,17 +67,17 @@ pub struct Commands {
     handle: Handle,
     parser: Arc<CommandParser>,
     results: Results,
-    pace: Arc<Pace>,
+    rate: Arc<CommandRate>,
     nobody: Arc<Nobody>,
     clock: Clock,
 }
 
 impl Commands {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
-    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Answer>) -> Commands {
+    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
-        let (pace, nobody) = (Arc::default(), Arc::default());
-        Commands { handle, parser, results: Results::new(answers), pace, nobody, clock: Clock::default() }
+        let (rate, nobody) = (Arc::default(), Arc::default());
+        Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }
     }
 
     /// The topic requested for an answer, if its sender may publish there and it is none of the program's own topics: otherwise
@@ -107,7 +105,7 @@ impl Commands {
             return self.ignore(heard, publisher);
         }
         // Before parsing: a sender with too many messages must not cost the time to parse them.
-        if !self.pace.admits(publisher, self.clock.now().since_start) {
+        if !self.rate.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
             return Taken::Forbidden;
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
@@ -171,8 +169,8 @@ impl Commands {
         heard: Option<&IncomingMessage<'_>>,
         publisher: &Publisher,
     ) {
-        let place = self.results.place(publisher);
-        if let Err(under_way) = place
+        let permit = self.results.permit(publisher);
+        if let Err(under_way) = permit
             && *command != Command::Stop
         {
             return self.refuse(parsed, &Problem::too_many(under_way), publisher);
@@ -181,8 +179,8 @@ impl Commands {
         let (arrived, is_again) = heard.map_or((None, false), |heard| (heard.arrived, heard.is_again));
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
-        if let Ok(place) = place {
-            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), place);
+        if let Ok(permit) = permit {
+            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), permit);
         }
     }
 

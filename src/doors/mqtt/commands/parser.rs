@@ -5,7 +5,7 @@ use super::super::qak::incoming;
 use super::super::topics::{TopicKind, Topics};
 use super::IncomingMessage;
 use super::problem::Problem;
-use super::read::{Asked, Read, bare, id_in, read, sized};
+use super::read::{AskedCommand, Read, bare, id_in, read, sized};
 use super::results::Reply;
 use super::unknown::{UNKNOWN, Unknown};
 use crate::access::Need;
@@ -32,7 +32,7 @@ pub(super) struct CommandParser {
 /// The command of a message, and where it is answered.
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
-    pub(super) asked: Asked,
+    pub(super) asked: AskedCommand,
     /// The right that its sender needs, when no command can be made of it.
     pub(super) need: Need,
     /// Description for the record, when no command can be made of it.
@@ -99,8 +99,8 @@ impl CommandParser {
     /// The MSGID of a message that is not for us.
     pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
         match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
-            Ok(incoming::Asked::Unknown(id)) => Some(id),
-            Ok(incoming::Asked::Command(_) | incoming::Asked::GoOn | incoming::Asked::Nothing) | Err(_) => None,
+            Ok(incoming::QakRequest::Unknown(id)) => Some(id),
+            Ok(incoming::QakRequest::Command(_) | incoming::QakRequest::GoOn | incoming::QakRequest::Nothing) | Err(_) => None,
         }
     }
 
@@ -130,9 +130,9 @@ impl CommandParser {
     /// for an answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
-            Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
-            Ok(incoming::Asked::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
-            Ok(incoming::Asked::Command(command)) => {
+            Ok(incoming::QakRequest::Nothing | incoming::QakRequest::Unknown(_)) => return None,
+            Ok(incoming::QakRequest::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
+            Ok(incoming::QakRequest::Command(command)) => {
                 let words = in_words(&command);
                 (Ok((command, None)), words, false)
             }

@@ -3,8 +3,8 @@
 
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
-use crate::api::commands::{self, CommandKind, Payload, Row, Subject};
-use crate::api::fields::{Body, Fields, fields};
+use crate::api::commands::{self, CommandKind, CommandRow, Payload, Subject};
+use crate::api::fields::{Body, BodyFields, fields};
 use crate::api::halt::says_halt;
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
@@ -13,16 +13,16 @@ use hallsweep_core::units::Epoch;
 pub(super) const LARGEST: usize = 4 * 1024;
 
 /// The command, and the epoch that its sender saw.
-pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
+pub(super) type AskedCommand = Result<(Command, Option<Epoch>), Problem>;
 
 pub(super) struct Read {
     /// The command id, even when the rest cannot be read.
     pub(super) id: Option<CommandId>,
-    pub(super) asked: Asked,
+    pub(super) asked: AskedCommand,
 }
 
 /// Reads the payload of a command. A STOP is one whatever its payload is.
-pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
+pub(super) fn read(row: &CommandRow, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
         return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
     }
@@ -51,19 +51,19 @@ pub(super) fn bare(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
-fn command(row: &Row, fields: &mut Fields) -> Asked {
+fn command(row: &CommandRow, fields: &mut BodyFields) -> AskedCommand {
     let number = match row.subject {
         Subject::None => 0,
         Subject::Luggage => number_aside(fields, "luggage", row.body[0])?,
         Subject::Alarm => number_aside(fields, "alarm", row.body[0])?,
     };
-    commands::asked(row.kind, number, &Carried(fields))
+    commands::asked(row.kind, number, &CarriedFields(fields))
 }
 
 /// The fields of a payload without those that were removed.
-struct Carried<'a>(&'a Fields);
+struct CarriedFields<'a>(&'a BodyFields);
 
-impl Payload for Carried<'_> {
+impl Payload for CarriedFields<'_> {
     type Problem = Problem;
 
     fn needed<T: Body>(&self) -> Result<T, Problem> {
@@ -76,9 +76,9 @@ impl Payload for Carried<'_> {
 }
 
 /// The fields of a payload; none for an empty payload, if the command needs none.
-fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
+fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word) {
-        (true, true) => Ok(Fields::default()),
+        (true, true) => Ok(BodyFields::default()),
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
         (false, _) => Ok(fields(payload)?),
     }

@@ -11,13 +11,12 @@ use tokio::sync::mpsc::error::TrySendError;
 
 use super::super::publication::{Beside, Publication};
 use super::super::qak::outgoing;
-use super::places::ResultPlaces;
 use super::problem::Problem;
 use super::publisher::Publisher;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
-use crate::doors::seldom::Seldom;
-use crate::doors::shares::Permit;
+use crate::doors::connection_limits::{Permit, ResultQuota};
+use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::phase::PhaseName;
@@ -41,17 +40,17 @@ const NO_PHOTO: &str = "noPhoto";
 /// The channel of results, and the places of those awaited. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Results {
-    answers: mpsc::Sender<Answer>,
-    under_way: ResultPlaces,
-    waiting: ResultPlaces,
-    lost: Arc<Seldom>,
+    answers: mpsc::Sender<ResultMessage>,
+    under_way: ResultQuota,
+    waiting: ResultQuota,
+    lost: Arc<LogThrottle>,
 }
 
 /// A result that waits to be published. Its place is free once it is taken.
 #[derive(Debug)]
-pub struct Answer {
+pub struct ResultMessage {
     publication: Publication,
-    _place: Permit,
+    _permit: Permit,
 }
 
 /// Where one result is published.
@@ -78,8 +77,8 @@ impl Reply {
 }
 
 impl Results {
-    pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
-        let places = || ResultPlaces::new(UNDER_WAY, VIEWERS_UNDER_WAY);
+    pub(super) fn new(answers: mpsc::Sender<ResultMessage>) -> Results {
+        let places = || ResultQuota::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
@@ -87,12 +86,12 @@ impl Results {
     ///
     /// # Errors
     /// The number of commands under way, when there is no place.
-    pub(super) fn place(&self, publisher: &Publisher) -> Result<Permit, usize> {
-        self.under_way.take(publisher)
+    pub(super) fn permit(&self, publisher: &Publisher) -> Result<Permit, usize> {
+        self.under_way.take(publisher.is_viewer(), publisher.key())
     }
 
     /// Waits for the result of a command, and publishes it. Must be called inside a runtime.
-    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), place: Permit)
+    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), permit: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
     {
@@ -103,7 +102,7 @@ impl Results {
                 Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
                 Err(_) => results.refused(&reply, &publisher, &Problem::no_answer(PATIENCE)),
             }
-            drop(place);
+            drop(permit);
         });
     }
 
@@ -143,7 +142,10 @@ impl Results {
 
     fn send(&self, publication: Publication, publisher: &Publisher) {
         let topic = publication.topic.clone();
-        let answer = self.waiting.take(publisher).map(|place| Answer { publication, _place: place });
+        let answer = self
+            .waiting
+            .take(publisher.is_viewer(), publisher.key())
+            .map(|permit| ResultMessage { publication, _permit: permit });
         // A closed channel means that the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
@@ -152,7 +154,7 @@ impl Results {
     }
 }
 
-impl Answer {
+impl ResultMessage {
     /// The message to publish; its place is free then.
     pub fn taken(self) -> Publication {
         self.publication

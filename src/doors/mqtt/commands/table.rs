@@ -11,7 +11,7 @@ pub(super) fn names(bare: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::commands::{CommandKind, Row};
+    use crate::api::commands::{CommandKind, CommandRow};
 
     /// The table of the documentation, in lines of markdown.
     fn markdown() -> String {
@@ -19,7 +19,7 @@ mod tests {
         format!("| name | what | payload | bare word | for |\n|---|---|---|---|---|\n{}", lines.concat())
     }
 
-    fn line(row: &Row) -> String {
+    fn line(row: &CommandRow) -> String {
         let bodies: Vec<String> = row.body.iter().map(|body| format!("`{body}`")).collect();
         let payload = match (row.kind, row.is_word) {
             (CommandKind::Stop, _) => "not read".to_owned(),

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tokio::sync::mpsc;
 
-use super::{Answer, Commands, IncomingMessage, Publisher, Taken};
+use super::{Commands, IncomingMessage, Publisher, ResultMessage, Taken};
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::doors::mqtt::publication::Publication;
 use crate::doors::mqtt::topics::Topics;
@@ -23,7 +23,7 @@ const BASE: &str = "hallsweep/discovery/";
 pub(super) struct TestApp {
     pub(super) commands: Commands,
     pub(super) script: Script,
-    results: mpsc::Receiver<Answer>,
+    results: mpsc::Receiver<ResultMessage>,
 }
 
 pub(super) fn topics() -> Topics {
@@ -44,7 +44,7 @@ pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
 }
 
 /// Commands in front of this loop, and their results.
-pub(super) fn commands_of(handle: Handle, manual_driving: bool) -> (Commands, mpsc::Receiver<Answer>) {
+pub(super) fn commands_of(handle: Handle, manual_driving: bool) -> (Commands, mpsc::Receiver<ResultMessage>) {
     let (answers, results) = mpsc::channel(ROOM);
     (Commands::new(handle, topics(), manual_driving, answers), results)
 }
@@ -82,7 +82,7 @@ pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, p
 }
 
 /// The next result: its topic without the prefix, and its contents.
-pub(super) async fn next(results: &mut mpsc::Receiver<Answer>) -> (String, Value) {
+pub(super) async fn next(results: &mut mpsc::Receiver<ResultMessage>) -> (String, Value) {
     let publication = within("a result", results.recv()).await.expect("somebody may still answer").taken();
     assert!(!publication.retain, "a result is for those who listen now");
     let topic = publication.topic.strip_prefix(BASE).expect("results are ours").to_owned();

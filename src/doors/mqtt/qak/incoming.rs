@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use super::message::{Kind, Message, NoMessage};
+use super::message::{Message, MessageKind, NoMessage};
 use super::outgoing::MODEL_CONTENT;
 use super::term::{Term, is_in_word};
 use crate::api::command::{goto, move_word};
@@ -15,7 +15,7 @@ use hallsweep_core::command::{Command, Refused};
 use hallsweep_core::mission::in_words;
 
 #[derive(Clone, Debug, PartialEq)]
-pub enum Asked {
+pub enum QakRequest {
     Command(Command),
     /// Going on: repeats a failed photo, otherwise means START.
     GoOn,
@@ -49,30 +49,30 @@ pub enum Wrong {
 /// # Errors
 /// When it is no message, when a known message makes no sense, or when it asks for driving and `manual_driving` does not allow
 /// that.
-pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
+pub fn asked(payload: &[u8], manual_driving: bool) -> Result<QakRequest, Wrong> {
     if is_stop(payload) {
-        return Ok(Asked::Command(Command::Stop));
+        return Ok(QakRequest::Command(Command::Stop));
     }
     if let Some(id) = beginning(payload).filter(|id| known(id).is_none()) {
         return Ok(of_others(id));
     }
     let message = Message::parse(payload)?;
     let Some(known) = known(&message.id) else { return Ok(of_others(message.id)) };
-    if message.kind == Kind::Reply {
-        return Ok(Asked::Nothing);
+    if message.kind == MessageKind::Reply {
+        return Ok(QakRequest::Nothing);
     }
     let command = known.command(&message.content).map_err(|words| Wrong::Content { id: known.id, words })?;
     if matches!(known.asks, Asks::GoOn) {
-        return Ok(Asked::GoOn);
+        return Ok(QakRequest::GoOn);
     }
     match may_drive(&command, manual_driving) {
-        Ok(()) => Ok(Asked::Command(command)),
+        Ok(()) => Ok(QakRequest::Command(command)),
         Err(refused) => Err(Wrong::Refused { command, refused }),
     }
 }
 
-fn of_others(id: String) -> Asked {
-    if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
+fn of_others(id: String) -> QakRequest {
+    if id == MODEL_CONTENT { QakRequest::Nothing } else { QakRequest::Unknown(id) }
 }
 
 /// Whether a payload begins as a message with another MSGID than ours. It reads only the beginning.

@@ -9,18 +9,18 @@ use super::*;
 use hallsweep_core::command::{Move, TemperatureReport};
 use hallsweep_core::units::Cell;
 
-fn ask(text: &str) -> Result<Asked, Wrong> {
+fn ask(text: &str) -> Result<QakRequest, Wrong> {
     asked(text.as_bytes(), true)
 }
 
 /// The command of a message both as an event and as a dispatch to the robot's mind, which must be equal.
 fn both(id: &str, content: &str) -> Command {
     let asked = both_ask(id, content);
-    let Asked::Command(command) = asked else { panic!("{id}: {asked:?}") };
+    let QakRequest::Command(command) = asked else { panic!("{id}: {asked:?}") };
     command
 }
 
-fn both_ask(id: &str, content: &str) -> Asked {
+fn both_ask(id: &str, content: &str) -> QakRequest {
     let event = ask(&format!("msg({id},event,js,none,{content},1)"));
     let dispatch = ask(&format!("msg({id},dispatch,js,robotmind,{content},1)"));
     assert_eq!(event, dispatch, "{id}");
@@ -67,7 +67,7 @@ fn every_message_of_the_original_system_is_a_command_as_event_and_as_dispatch() 
     let known: BTreeSet<&str> = every().map(|known| known.id).filter(|id| *id != GO_ON).collect();
     assert_eq!(known, tried.collect(), "every row of the table is among them");
     for content in [GO_ON, "continueExplore(X)", "'continueExplore'"] {
-        assert_eq!(both_ask(GO_ON, content), Asked::GoOn);
+        assert_eq!(both_ask(GO_ON, content), QakRequest::GoOn);
     }
 }
 
@@ -81,7 +81,7 @@ fn sender_and_number_mean_nothing_and_a_request_is_as_good() {
         "msg(startCmd,invitation,'the operator',none,startCmd,99)",
         " msg( startCmd , event , js , none , startCmd( ) , 1 ) \n",
     ] {
-        assert_eq!(ask(text), Ok(Asked::Command(Command::Start)), "{text}");
+        assert_eq!(ask(text), Ok(QakRequest::Command(Command::Start)), "{text}");
     }
 }
 
@@ -93,7 +93,7 @@ fn what_we_say_ourselves_is_nothing_and_what_others_say_is_unknown() {
         format!("msg(modelContent,event,resourcemodel,none,content(roomMap(state('{map}'))),8)"),
         "msg(startCmd,reply,a,b,startCmd,1)".to_owned(),
     ] {
-        assert_eq!(ask(&text), Ok(Asked::Nothing), "{}", in_short(&text));
+        assert_eq!(ask(&text), Ok(QakRequest::Nothing), "{}", in_short(&text));
     }
     for (text, id) in [
         ("msg(sonarRobot,event,sonar,none,sonar(12),1)", "sonarRobot"),
@@ -101,7 +101,7 @@ fn what_we_say_ourselves_is_nothing_and_what_others_say_is_unknown() {
         ("msg('modelUpdate', dispatch, a, b, oops", "modelUpdate"),
         ("msg('12',event,a,none,a,1)", "12"),
     ] {
-        assert_eq!(ask(text), Ok(Asked::Unknown(id.to_owned())), "{text}");
+        assert_eq!(ask(text), Ok(QakRequest::Unknown(id.to_owned())), "{text}");
     }
 }
 
@@ -178,10 +178,10 @@ fn nothing_that_is_wrong_with_a_stop_keeps_it_from_halting() {
         "msg(\"stopCmd\",event,js,none,stopCmd,1)",
     ] {
         assert!(is_stop(text.as_bytes()), "{}", in_short(text));
-        assert_eq!(asked(text.as_bytes(), false), Ok(Asked::Command(Command::Stop)), "{}", in_short(text));
+        assert_eq!(asked(text.as_bytes(), false), Ok(QakRequest::Command(Command::Stop)), "{}", in_short(text));
     }
     let torn = b"msg(stopCmd,event,\xff\xfe\x00";
-    assert_eq!(asked(torn, false), Ok(Asked::Command(Command::Stop)));
+    assert_eq!(asked(torn, false), Ok(QakRequest::Command(Command::Stop)));
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn driving_is_for_those_who_were_let_in() {
         assert_eq!((wrong.refused().code(), wrong.asked().as_str()), ("notAllowed", words));
     }
     let danger = "msg(luggageDanger,event,js,none,luggageDanger,1)";
-    assert_eq!(asked(danger.as_bytes(), false), Ok(Asked::Command(DANGER)));
+    assert_eq!(asked(danger.as_bytes(), false), Ok(QakRequest::Command(DANGER)));
 }
 
 proptest! {
@@ -237,7 +237,7 @@ proptest! {
         manual_driving in any::<bool>(),
     ) {
         let asked = asked(&payload, manual_driving);
-        prop_assert_eq!(is_stop(&payload), asked == Ok(Asked::Command(Command::Stop)));
+        prop_assert_eq!(is_stop(&payload), asked == Ok(QakRequest::Command(Command::Stop)));
     }
 }
 
@@ -246,7 +246,7 @@ proptest! {
 fn what_an_editor_or_a_socket_puts_before_a_stop_does_not_keep_it_from_halting() {
     for before in ["\u{feff}", "\0", "\r\n", "\u{feff}\0 "] {
         assert!(is_stop(format!("{before}msg(stopCmd").as_bytes()), "{before:?}");
-        assert_eq!(ask(&format!("{before}msg(stopCmd,event,js,none,stopCmd,1)")), Ok(Asked::Command(Command::Stop)));
+        assert_eq!(ask(&format!("{before}msg(stopCmd,event,js,none,stopCmd,1)")), Ok(QakRequest::Command(Command::Stop)));
     }
 }
 

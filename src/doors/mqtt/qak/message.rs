@@ -12,7 +12,7 @@ const MSG: &str = "msg";
 pub struct Message {
     /// Its MSGID, such as `startCmd`.
     pub id: String,
-    pub kind: Kind,
+    pub kind: MessageKind,
     /// Its sender, such as `js`.
     pub sender: String,
     /// Its receiver; `none` for an event.
@@ -23,7 +23,7 @@ pub struct Message {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum MessageKind {
     /// To everybody who listens.
     Event,
     /// To one receiver, without an answer.
@@ -77,7 +77,7 @@ impl Message {
         let [id, kind, sender, receiver, content, number] = parts;
         Ok(Message {
             id: atom("MSGID", id)?,
-            kind: Kind::of(kind)?,
+            kind: MessageKind::of(kind)?,
             sender: atom("SENDER", sender)?,
             receiver: atom("RECEIVER", receiver)?,
             content,
@@ -94,23 +94,25 @@ impl fmt::Display for Message {
     }
 }
 
-impl Kind {
-    pub const ALL: [Kind; 5] = [Kind::Event, Kind::Dispatch, Kind::Request, Kind::Invitation, Kind::Reply];
+impl MessageKind {
+    pub const ALL: [MessageKind; 5] =
+        [MessageKind::Event, MessageKind::Dispatch, MessageKind::Request, MessageKind::Invitation, MessageKind::Reply];
 
     /// The word in a message.
     pub const fn name(self) -> &'static str {
         match self {
-            Kind::Event => "event",
-            Kind::Dispatch => "dispatch",
-            Kind::Request => "request",
-            Kind::Invitation => "invitation",
-            Kind::Reply => "reply",
+            MessageKind::Event => "event",
+            MessageKind::Dispatch => "dispatch",
+            MessageKind::Request => "request",
+            MessageKind::Invitation => "invitation",
+            MessageKind::Reply => "reply",
         }
     }
 
-    fn of(term: Term) -> Result<Kind, NoMessage> {
+    fn of(term: Term) -> Result<MessageKind, NoMessage> {
         let expected = "event, dispatch, request, invitation or reply";
-        let known = matches!(term, Term::Atom(_)).then(|| Kind::ALL.into_iter().find(|kind| term.name() == Some(kind.name())));
+        let known =
+            matches!(term, Term::Atom(_)).then(|| MessageKind::ALL.into_iter().find(|kind| term.name() == Some(kind.name())));
         known.flatten().ok_or_else(|| wrong("MSGTYPE", &term, expected))
     }
 }
@@ -143,7 +145,7 @@ mod tests {
 
     fn any_message() -> impl Strategy<Value = Message> {
         let word = || prop_oneof![3 => "[a-zA-Z]{1,10}", 1 => "\\PC{0,8}"];
-        let parts = (word(), prop::sample::select(&Kind::ALL[..]), word(), word(), any_term(), any::<u64>());
+        let parts = (word(), prop::sample::select(&MessageKind::ALL[..]), word(), word(), any_term(), any::<u64>());
         parts.prop_map(|(id, kind, sender, receiver, content, number)| Message { id, kind, sender, receiver, content, number })
     }
 

@@ -1,7 +1,7 @@
 //! The messages of the original system's resource model (mission §8): the three contents of `modelContent`, and the message round
 //! them. When each is published is decided elsewhere.
 
-use super::message::{Kind, Message};
+use super::message::{Message, MessageKind};
 use super::term::Term;
 use crate::api::{map_text, old_items};
 use hallsweep_core::snapshot::Snapshot;
@@ -52,7 +52,7 @@ pub fn is_counted(message: &[u8]) -> bool {
 /// `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
 pub fn message(content: Term, number: u64) -> String {
     let (sender, receiver) = ("resourcemodel".to_owned(), "none".to_owned());
-    Message { id: MODEL_CONTENT.to_owned(), kind: Kind::Event, sender, receiver, content, number }.to_string()
+    Message { id: MODEL_CONTENT.to_owned(), kind: MessageKind::Event, sender, receiver, content, number }.to_string()
 }
 
 /// An old console searches for the word `content`, and shows the text from the first `state` to the first `))`. So no part may

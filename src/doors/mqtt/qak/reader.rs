@@ -39,23 +39,23 @@ impl Term {
     /// # Errors
     /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
     pub fn parse(text: &str) -> Result<Term, Unreadable> {
-        Reader::whole(text)
+        TermReader::whole(text)
     }
 }
 
 /// A text, and how far it was parsed.
-pub(super) struct Reader<'a> {
+pub(super) struct TermReader<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TermReader<'a> {
     /// The single term of `text`.
     pub(super) fn whole(text: &'a str) -> Result<Term, Unreadable> {
         if text.len() > LENGTH {
             return Err(Unreadable::TooLong(text.len()));
         }
-        let mut reader = Reader { text, at: 0 };
+        let mut reader = TermReader { text, at: 0 };
         let term = reader.term(1)?;
         match reader.next() {
             None => Ok(term),

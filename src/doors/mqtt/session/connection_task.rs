@@ -12,7 +12,7 @@ use super::conversation::Conversation;
 use super::event::{Event, Heard};
 use super::kept::Kept;
 use super::lost::Lost;
-use super::photos::{self, Reading};
+use super::photos::{self, PhotoReading};
 use super::transport::Transport;
 use mqtt_gate::AnswerTo;
 use mqtt_gate::packet::Version;
@@ -22,7 +22,7 @@ pub(super) struct ConnectionTask<'a> {
     transport: Transport,
     pub(super) conversation: Conversation,
     kept: Kept,
-    reading: Reading,
+    reading: PhotoReading,
 }
 
 impl ConnectionTask<'_> {
@@ -30,7 +30,7 @@ impl ConnectionTask<'_> {
         let transport = Transport::new(&session.link, session.offline(), &session.times);
         let conversation = Conversation::new(&session.times, session.clock.now().since_start);
         let kept = Kept::new(session.kept(), session.link.version == Version::Three);
-        ConnectionTask { session, transport, conversation, kept, reading: Reading::default() }
+        ConnectionTask { session, transport, conversation, kept, reading: PhotoReading::default() }
     }
 
     /// Runs until the connection is lost. Safe to cancel.

@@ -11,7 +11,7 @@ use super::times::Times;
 
 #[derive(Debug)]
 pub(super) struct Conversation {
-    stage: Stage,
+    stage: ConversationStage,
     times: Times,
     pub(super) inflight: Inflight,
     /// A mark of the last message under each packet id, of which there are few.
@@ -21,7 +21,7 @@ pub(super) struct Conversation {
 
 /// How far the connection has come, with the deadline of a stage that waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum ConversationStage {
     Greeting(Duration),
     Subscribing(Duration),
     Open,
@@ -31,7 +31,7 @@ impl Conversation {
     /// A connection that is about to be made.
     pub(super) fn new(times: &Times, now: Duration) -> Conversation {
         Conversation {
-            stage: Stage::Greeting(now + times.greeting),
+            stage: ConversationStage::Greeting(now + times.greeting),
             times: *times,
             inflight: Inflight::default(),
             heard: HashMap::new(),
@@ -41,7 +41,7 @@ impl Conversation {
 
     /// Whether the broker has greeted us and answered our subscription.
     pub(super) fn is_open(&self) -> bool {
-        self.stage == Stage::Open
+        self.stage == ConversationStage::Open
     }
 
     pub(super) fn has_room(&self) -> bool {
@@ -49,14 +49,14 @@ impl Conversation {
     }
 
     pub(super) fn handle_greeted(&mut self, now: Duration) {
-        self.stage = Stage::Subscribing(now + self.times.greeting);
+        self.stage = ConversationStage::Subscribing(now + self.times.greeting);
     }
 
     /// The broker has answered a subscription; returns whether that was expected.
     pub(super) fn handle_subscribed(&mut self) -> bool {
-        let is_due = matches!(self.stage, Stage::Subscribing(_));
+        let is_due = matches!(self.stage, ConversationStage::Subscribing(_));
         if is_due {
-            self.stage = Stage::Open;
+            self.stage = ConversationStage::Open;
         }
         is_due
     }
@@ -75,10 +75,10 @@ impl Conversation {
     /// When the broker has been silent for too long.
     pub(super) fn handle_timeout(&mut self, now: Duration) -> Result<(), Lost> {
         match self.stage {
-            Stage::Greeting(until) | Stage::Subscribing(until) if now >= until => {
+            ConversationStage::Greeting(until) | ConversationStage::Subscribing(until) if now >= until => {
                 return Err(Lost::NoGreeting(self.times.greeting));
             }
-            Stage::Greeting(_) | Stage::Subscribing(_) | Stage::Open => {}
+            ConversationStage::Greeting(_) | ConversationStage::Subscribing(_) | ConversationStage::Open => {}
         }
         if self.settling_until().is_some_and(|until| now >= until) {
             return Err(Lost::NoAcknowledgement(self.times.acknowledgement));
@@ -88,8 +88,8 @@ impl Conversation {
 
     pub(super) fn poll_timeout(&self) -> Option<Duration> {
         let stage = match self.stage {
-            Stage::Greeting(until) | Stage::Subscribing(until) => Some(until),
-            Stage::Open => None,
+            ConversationStage::Greeting(until) | ConversationStage::Subscribing(until) => Some(until),
+            ConversationStage::Open => None,
         };
         [stage, self.settling_until()].into_iter().flatten().min()
     }

@@ -11,7 +11,7 @@ use rumqttc::v5::{AsyncClient, Event as Happened, MqttOptions};
 
 use super::super::publication::{LARGEST, Publication};
 use super::event::{Event, Heard};
-use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
+use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, SessionLink, network};
 use super::lost::Lost;
 use super::times::Times;
 use mqtt_gate::packet::properties::Property;
@@ -19,7 +19,7 @@ use mqtt_gate::packet::properties::Property;
 pub(super) struct Five(AsyncClient);
 
 /// rumqttc's options, with the last will that the broker publishes when we are lost.
-fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
+fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_start(true).set_keep_alive(times.keep_alive);
     options.set_max_packet_size(u32::try_from(LARGEST).ok()).set_outgoing_inflight_upper_limit(IN_FLIGHT_BELOW);
@@ -37,7 +37,7 @@ fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
 impl Five {
     /// Creates a client, and the stream of its events.
     pub(super) fn begin(
-        link: &Link,
+        link: &SessionLink,
         will: Publication,
         times: &Times,
     ) -> (Five, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
-use crate::doors::pace;
+use crate::doors::update_interval;
 
 /// Minimum time between two repetitions on one topic: two programs that fight over it must not fill the broker.
 const AGAIN: Duration = Duration::from_secs(1);
@@ -79,7 +79,7 @@ impl Kept {
     pub(super) fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let topic = self.topics.values_mut().flatten().find(|topic| topic.due.is_some_and(|due| due <= now))?;
         topic.due = None;
-        topic.next = now + pace::of_size(topic.ours.payload.len()).max(AGAIN);
+        topic.next = now + update_interval::for_size(topic.ours.payload.len()).max(AGAIN);
         Some(topic.ours.clone())
     }
 

@@ -19,7 +19,7 @@ pub(super) const IN_FLIGHT_BELOW: u16 = 128;
 pub(super) const BESIDE: usize = 8;
 
 #[derive(Clone)]
-pub struct Link {
+pub struct SessionLink {
     pub version: Version,
     pub host: String,
     pub port: u16,
@@ -30,7 +30,7 @@ pub struct Link {
     pub client_id: String,
 }
 
-impl Link {
+impl SessionLink {
     /// rumqttc's transport; `None` without TLS.
     pub(super) fn transport(&self) -> Option<Transport> {
         let tls = self.tls.as_ref()?;
@@ -46,7 +46,7 @@ pub(super) fn network(times: &Times) -> NetworkOptions {
     network
 }
 
-impl fmt::Display for Link {
+impl fmt::Display for SessionLink {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = if self.tls.is_some() { "mqtts" } else { "mqtt" };
         let (open, close) = if self.host.contains(':') { ("[", "]") } else { ("", "") };
@@ -54,7 +54,7 @@ impl fmt::Display for Link {
     }
 }
 
-impl fmt::Debug for Link {
+impl fmt::Debug for SessionLink {
     /// Without the login, which must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Link({self})")
@@ -69,7 +69,7 @@ mod tests {
     fn a_link_is_shown_without_its_login() {
         let login = Some(("robot".to_owned(), "secret".to_owned()));
         let (host, client_id) = ("::1".to_owned(), "hallsweep-1".to_owned());
-        let link = Link { version: Version::Three, host, port: 1883, tls: None, login, client_id };
+        let link = SessionLink { version: Version::Three, host, port: 1883, tls: None, login, client_id };
         assert_eq!(link.to_string(), "mqtt://[::1]:1883");
         assert_eq!(format!("{link:?}"), "Link(mqtt://[::1]:1883)");
     }

@@ -22,7 +22,7 @@ mod times;
 mod tls;
 mod transport;
 
-pub use link::Link;
+pub use link::SessionLink;
 pub use own::OwnSession;
 pub use times::Times;
 pub use tls::{TlsError, believing};
@@ -33,11 +33,11 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::change_feed::{ChangeFeed, OFFLINE};
-use super::commands::{Answer, Commands, Publisher};
+use super::commands::{Commands, Publisher, ResultMessage};
 use super::publication::Publication;
 use super::topics::{HOME_ASSISTANT_STATUS, Topics};
-use crate::doors::seldom::Seldom;
-use crate::runtime::archive_reader::Reader;
+use crate::doors::log_throttle::LogThrottle;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
@@ -48,13 +48,13 @@ use lost::Lost;
 use mqtt_gate::packet::Version;
 
 pub struct Parts {
-    pub link: Link,
+    pub link: SessionLink,
     pub commands: Commands,
     pub topics: Topics,
     pub home_assistant: bool,
     pub states: watch::Receiver<Arc<Snapshot>>,
-    pub answers: mpsc::Receiver<Answer>,
-    pub archive: Reader,
+    pub answers: mpsc::Receiver<ResultMessage>,
+    pub archive: ArchiveReader,
     /// Seed of the random pauses.
     pub seed: u64,
     pub times: Times,
@@ -62,7 +62,7 @@ pub struct Parts {
 
 /// A client that keeps its connection to another broker.
 pub struct Session {
-    link: Link,
+    link: SessionLink,
     commands: Commands,
     /// The sender of the messages received there.
     publisher: Publisher,
@@ -70,8 +70,8 @@ pub struct Session {
     home_assistant: bool,
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
-    answers: mpsc::Receiver<Answer>,
-    archive: Reader,
+    answers: mpsc::Receiver<ResultMessage>,
+    archive: ArchiveReader,
     /// Events that were published on a lost connection, and may not have arrived.
     again: VecDeque<Publication>,
     /// Number of old messages that may not have arrived.
@@ -81,7 +81,7 @@ pub struct Session {
     times: Times,
     is_lost: bool,
     /// Counts messages that the broker refused.
-    refused: Seldom,
+    refused: LogThrottle,
 }
 
 impl Session {
@@ -103,7 +103,7 @@ impl Session {
             clock: Clock::default(),
             times: parts.times,
             is_lost: false,
-            refused: Seldom::default(),
+            refused: LogThrottle::default(),
         }
     }
 

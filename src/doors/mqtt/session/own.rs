@@ -5,13 +5,13 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::super::change_feed::{ChangeFeed, OFFLINE};
-use super::super::commands::Answer;
+use super::super::commands::ResultMessage;
 use super::super::home_assistant::BIRTH;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, Topics};
-use super::photos::{self, Reading};
-use crate::doors::seldom::Seldom;
-use crate::runtime::archive_reader::Reader;
+use super::photos::{self, PhotoReading};
+use crate::doors::log_throttle::LogThrottle;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::clock::Clock;
 use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
@@ -23,13 +23,13 @@ pub struct OwnSession {
     topics: Topics,
     changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
-    answers: mpsc::Receiver<Answer>,
-    archive: Reader,
-    reading: Reading,
+    answers: mpsc::Receiver<ResultMessage>,
+    archive: ArchiveReader,
+    reading: PhotoReading,
     /// The subscription to Home Assistant's status; without filters when Home Assistant is not served.
-    household: OwnSubscription,
+    home_assistant_status: OwnSubscription,
     /// Counts messages that were too large.
-    left_out: Seldom,
+    left_out: LogThrottle,
     clock: Clock,
 }
 
@@ -39,13 +39,24 @@ impl OwnSession {
         broker: Arc<Broker>,
         (topics, home_assistant): (Topics, bool),
         states: watch::Receiver<Arc<Snapshot>>,
-        answers: mpsc::Receiver<Answer>,
-        archive: Reader,
+        answers: mpsc::Receiver<ResultMessage>,
+        archive: ArchiveReader,
     ) -> OwnSession {
-        let household = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
+        let home_assistant_status = broker.subscribe(if home_assistant { &[HOME_ASSISTANT_STATUS] } else { &[] });
         let changes = ChangeFeed::new(topics.clone(), home_assistant);
-        let (reading, clock) = (Reading::default(), Clock::default());
-        OwnSession { broker, topics, changes, states, answers, archive, reading, household, left_out: Seldom::default(), clock }
+        let (reading, clock) = (PhotoReading::default(), Clock::default());
+        OwnSession {
+            broker,
+            topics,
+            changes,
+            states,
+            answers,
+            archive,
+            reading,
+            home_assistant_status,
+            left_out: LogThrottle::default(),
+            clock,
+        }
     }
 
     /// Publishes until `shutdown`, and finally that the program has ended.
@@ -59,7 +70,7 @@ impl OwnSession {
                 () = &mut shutdown => break,
                 Ok(()) = self.states.changed() => self.learn(),
                 Some(answer) = self.answers.recv() => self.say(&answer.taken()),
-                message = self.household.next() => {
+                message = self.home_assistant_status.next() => {
                     if message.payload() == BIRTH {
                         self.changes.handle_birth();
                     }

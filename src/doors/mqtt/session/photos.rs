@@ -4,7 +4,7 @@
 use std::pin::Pin;
 
 use super::super::change_feed::{ChangeFeed, PHOTO_MOST, Picture};
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use hallsweep_core::event::Photo;
 
 /// The photo that was read, if it is readable.
@@ -12,11 +12,11 @@ type Looked = (Picture, Option<Photo>);
 
 /// The photo being read, if one is.
 #[derive(Default)]
-pub(super) struct Reading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
+pub(super) struct PhotoReading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
-impl Reading {
+impl PhotoReading {
     /// Begins to read the requested photo, unless one is being read.
-    pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &Reader) {
+    pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &ArchiveReader) {
         if self.0.is_none()
             && let Some(picture) = news.poll_photo()
         {
@@ -41,7 +41,7 @@ pub(super) fn show(news: &mut ChangeFeed, (picture, photo): Looked) {
     }
 }
 
-async fn look_up(archive: Reader, picture: Picture) -> Looked {
+async fn look_up(archive: ArchiveReader, picture: Picture) -> Looked {
     match archive.look_up(move |archive| archive.photo(picture.luggage)).await {
         Ok(photo) => (picture, photo),
         Err(error) => {

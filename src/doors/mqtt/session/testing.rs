@@ -17,10 +17,10 @@ use tokio::task::JoinHandle;
 use super::super::commands::Commands;
 use super::super::publication::LARGEST;
 use super::super::topics::Topics;
-use super::{Link, Parts, Session, Times};
+use super::{Parts, Session, SessionLink, Times};
 use crate::api::partial_archive::PartialArchive;
 use crate::runtime::archive::Unreadable;
-use crate::runtime::archive_reader::Reader;
+use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::event::Photo;
@@ -61,7 +61,7 @@ impl TestApp {
         let (give, answers) = mpsc::channel(16);
         let commands = Commands::new(handle, topics(), true, give);
         let session = Session::new(Parts {
-            link: Link {
+            link: SessionLink {
                 version: Version::Three,
                 host: broker.ip().to_string(),
                 port: broker.port(),
@@ -74,7 +74,7 @@ impl TestApp {
             home_assistant: true,
             states: script.publish.subscribe(),
             answers,
-            archive: Reader::new(Arc::new(Album)),
+            archive: ArchiveReader::new(Arc::new(Album)),
             seed: 1,
             times,
         });

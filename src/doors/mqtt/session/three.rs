@@ -7,14 +7,14 @@ use rumqttc::{
 
 use super::super::publication::{LARGEST, Publication};
 use super::event::{Event, Heard};
-use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, Link, network};
+use super::link::{BESIDE, IN_FLIGHT, IN_FLIGHT_BELOW, SessionLink, network};
 use super::lost::Lost;
 use super::times::Times;
 
 pub(super) struct Three(AsyncClient);
 
 /// rumqttc's options, with the last will that the broker publishes when we are lost.
-fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
+fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_session(true).set_keep_alive(times.keep_alive);
     options.set_max_packet_size(LARGEST, LARGEST).set_inflight(IN_FLIGHT_BELOW);
@@ -31,7 +31,7 @@ fn options(link: &Link, will: Publication, times: &Times) -> MqttOptions {
 impl Three {
     /// Creates a client, and the stream of its events.
     pub(super) fn begin(
-        link: &Link,
+        link: &SessionLink,
         will: Publication,
         times: &Times,
     ) -> (Three, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
@@ -91,7 +91,7 @@ mod tests {
     fn a_broker_is_told_who_we_are_and_what_to_say_when_we_are_gone() {
         let login = Some(("robot".to_owned(), "secret".to_owned()));
         let (host, client_id) = ("::1".to_owned(), "hallsweep-1".to_owned());
-        let link = Link { version: Version::Three, host, port: 1883, tls: None, login, client_id };
+        let link = SessionLink { version: Version::Three, host, port: 1883, tls: None, login, client_id };
         let will = Publication::kept("hallsweep/discovery/availability".to_owned(), "offline");
         let options = options(&link, will, &Times::default());
         assert_eq!(options.client_id(), "hallsweep-1");

@@ -8,11 +8,11 @@ use futures_util::stream::{Stream, StreamExt};
 use super::super::publication::Publication;
 use super::event::Event;
 use super::five::Five;
-use super::link::Link;
+use super::link::SessionLink;
 use super::lost::Lost;
 use super::three::Three;
 use super::times::Times;
-use crate::doors::seldom::Seldom;
+use crate::doors::log_throttle::LogThrottle;
 use mqtt_gate::packet::Version;
 
 pub(super) struct Transport {
@@ -21,7 +21,7 @@ pub(super) struct Transport {
     /// Maximum packet size of the broker in bytes, as far as it has told.
     largest: Option<u32>,
     /// Counts messages that were not published.
-    left_out: Seldom,
+    left_out: LogThrottle,
 }
 
 enum Client {
@@ -31,7 +31,7 @@ enum Client {
 
 impl Transport {
     /// Does not connect before the first event is awaited.
-    pub(super) fn new(link: &Link, will: Publication, times: &Times) -> Transport {
+    pub(super) fn new(link: &SessionLink, will: Publication, times: &Times) -> Transport {
         let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
             Version::Three => {
                 let (client, events) = Three::begin(link, will, times);
@@ -42,7 +42,7 @@ impl Transport {
                 (Client::Five(client), Box::pin(events))
             }
         };
-        Transport { client, events, largest: None, left_out: Seldom::default() }
+        Transport { client, events, largest: None, left_out: LogThrottle::default() }
     }
 
     /// The next event. Safe to cancel.

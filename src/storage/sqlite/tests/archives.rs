@@ -8,10 +8,10 @@ use proptest::prelude::*;
 
 use super::super::cut::cuts;
 use super::super::folder::Folder;
-use super::super::{Archived, Reading, Together, archive_file, connect, schema, write_out};
+use super::super::{ArchiveCheck, Archived, ReadOnlyJournal, archive_file, connect, schema, write_out};
 use super::testing::*;
 use crate::api::journal;
-use crate::runtime::archive::{At, Moment, Span, Unreadable};
+use crate::runtime::archive::{At, PastMoment, Span, Unreadable};
 use hallsweep_core::command::{Strategy as Order, Verdict};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::state::PersistentState;
@@ -97,7 +97,7 @@ fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
 
 pub(super) fn lines(path: &Path) -> Vec<String> {
     let mut lines = Vec::new();
-    Reading::open(path)
+    ReadOnlyJournal::open(path)
         .unwrap()
         .lines(None, None, |_, line| {
             lines.push(journal::line(&line.unwrap()));
@@ -111,10 +111,11 @@ pub(super) fn lines(path: &Path) -> Vec<String> {
 pub(super) fn shown(
     archive: &dyn crate::runtime::archive::Archive,
     mission: u64,
-) -> (Option<PersistentState>, Vec<Vec<Moment>>, Vec<bool>) {
+) -> (Option<PersistentState>, Vec<Vec<PastMoment>>, Vec<bool>) {
     let id = MissionId(mission);
     let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
-    let mut moments: Vec<Vec<Moment>> = entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
+    let mut moments: Vec<Vec<PastMoment>> =
+        entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
     // The log of a moment goes back beyond the mission, as far as there are entries.
     moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
     let photos = vec![archive.photo(LuggageId(mission)).unwrap().is_some()];
@@ -122,11 +123,13 @@ pub(super) fn shown(
 }
 
 pub(super) fn archive_of(path: &Path) -> Arc<dyn crate::runtime::archive::Archive> {
-    Reading::open(path).unwrap().archive()
+    ReadOnlyJournal::open(path).unwrap().archive()
 }
 
 pub(super) fn faults(path: &Path) -> Vec<String> {
-    Reading::open(path).and_then(|reading| reading.check()).map_or_else(|unreadable| vec![unreadable.0], |found| found.faults)
+    ReadOnlyJournal::open(path)
+        .and_then(|reading| reading.check())
+        .map_or_else(|unreadable| vec![unreadable.0], |found| found.faults)
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
 }
 
 pub(super) fn held(scratch: &Scratch, archives: &[PathBuf]) -> Vec<String> {
-    Reading::open(&scratch.data()).unwrap().check_archives(archives).unwrap().faults
+    ReadOnlyJournal::open(&scratch.data()).unwrap().check_archives(archives).unwrap().faults
 }
 
 #[test]
@@ -233,8 +236,8 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     std::fs::copy(&second, &copy).unwrap();
     for archives in [vec![&first, &second], vec![&second, &first], vec![&first, &second, &first, &copy]] {
         let archives: Vec<PathBuf> = archives.into_iter().cloned().collect();
-        let found = Reading::open(&scratch.data()).unwrap().check_archives(&archives).unwrap();
-        assert_eq!(found, Together { archives: 2, faults: Vec::new() }, "{archives:?}");
+        let found = ReadOnlyJournal::open(&scratch.data()).unwrap().check_archives(&archives).unwrap();
+        assert_eq!(found, ArchiveCheck { archives: 2, faults: Vec::new() }, "{archives:?}");
     }
     check_finds(&scratch, &[]);
     for (named, words) in [
@@ -269,7 +272,7 @@ fn archives_are_not_held_against_a_journal_of_an_older_format() {
     let mut journal = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
     schema::of_format(&mut journal, 3);
     drop(journal);
-    let checked = Reading::open(&scratch.data()).unwrap().check_archives(&[file(&scratch, "old")]);
+    let checked = ReadOnlyJournal::open(&scratch.data()).unwrap().check_archives(&[file(&scratch, "old")]);
     let Err(Unreadable(words)) = checked else { panic!("there is nothing to hold it against") };
     let journal = scratch.data().join("journal.db");
     assert!(words.starts_with(&format!("the journal {} is of an older hallsweep (format 3)", journal.display())), "{words}");
@@ -292,7 +295,7 @@ proptest! {
         changed[place] ^= change;
         let path = file(scratch, &format!("changed-{place}-{change}"));
         std::fs::write(&path, changed).unwrap();
-        let found = Reading::open(&scratch.data()).unwrap().check_archives(std::slice::from_ref(&path));
+        let found = ReadOnlyJournal::open(&scratch.data()).unwrap().check_archives(std::slice::from_ref(&path));
         prop_assert!(found.as_ref().map_or(true, |found| !found.faults.is_empty()), "{place}: {found:?}");
     }
 }

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 
 use super::super::folder::Folder;
-use super::super::{Reading, chain, connect, project, rows, schema};
+use super::super::{ReadOnlyJournal, chain, connect, project, rows, schema};
 use super::testing::*;
 use crate::api::journal::{self, Line};
 use hallsweep_core::command::Verdict;
@@ -189,7 +189,7 @@ fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
 /// Contents of a journal: its entries and pages, and the records that explain gaps.
 fn content(scratch: &Scratch) -> Vec<String> {
     let mut lines = Vec::new();
-    let reading = Reading::open(&scratch.data()).unwrap();
+    let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();
     let visit = |seq, line: Result<Line, String>| {
         lines.push(line.map_or_else(|why| journal::unreadable(seq, &why), |line| journal::line(&line)));
         true
@@ -216,7 +216,7 @@ fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<
     std::fs::write(scratch.data().join("journal.head"), head).unwrap();
     // Only the photo is missing.
     let is_sound = |faults: &[String]| faults.iter().all(|fault| fault.starts_with("photo "));
-    let checked = Reading::open(&scratch.data()).and_then(|reading| reading.check());
+    let checked = ReadOnlyJournal::open(&scratch.data()).and_then(|reading| reading.check());
     checked.map_or(true, |findings| !is_sound(&findings.faults) || content(&scratch) == *said)
 }
 

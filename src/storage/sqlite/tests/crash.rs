@@ -4,7 +4,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 
-use super::super::{Reading, open};
+use super::super::{ReadOnlyJournal, open};
 use super::testing::*;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::Seq;
@@ -63,7 +63,7 @@ fn what_was_said_to_be_kept_outlives_a_kill() {
         assert!(recalled.written >= Seq(acknowledged), "{acknowledged} was said to be kept, {} is there", recalled.written);
         assert_eq!(recalled.written.0 % 3, 0, "a page is kept whole or not at all");
         drop((opened.store, opened.archive));
-        let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+        let findings = ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap();
         assert_eq!((findings.faults, findings.notes), (Vec::new(), Vec::new()), "after {kill} kills");
     }
     assert!(acknowledged > 0);

@@ -14,7 +14,7 @@ use super::super::marker::Marker;
 use super::super::pages::Pages;
 use super::super::writer::{Hand, Patience, Writer, watch};
 use super::super::writer_status::WriterStatus;
-use super::super::{Opened, QUEUE, Reading, SqliteStore, connect, look, marker, recall, rows};
+use super::super::{Opened, QUEUE, ReadOnlyJournal, SqliteStore, connect, look, marker, recall, rows};
 use super::testing::*;
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
@@ -27,7 +27,7 @@ fn recalled(path: &std::path::Path) -> Result<Option<hallsweep_core::engine::Rec
 }
 
 fn notes(scratch: &Scratch) -> Vec<String> {
-    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    let findings = ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap();
     assert_eq!(findings.faults, Vec::<String>::new());
     findings.notes
 }
@@ -269,7 +269,7 @@ fn a_mission_whose_beginning_was_lost_is_not_under_way() {
     writer.conclude(written, losses, Seq(4));
     writer.write(&[page(5, vec![command(None)])], status.begin()).unwrap();
     let mut missions = Vec::new();
-    let reading = Reading::open(&scratch.data()).unwrap();
+    let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();
     reading
         .lines(None, None, |seq, line| {
             missions.push((seq, line.unwrap().mission));

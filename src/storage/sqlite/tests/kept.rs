@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::super::{Reading, connect, folder::Folder, rebuild, rows, schema};
+use super::super::{ReadOnlyJournal, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
 use crate::api::journal::{Line, arbitrary};
 use crate::api::journal_words;
@@ -202,7 +202,7 @@ fn damage(scratch: &Scratch, seq: Seq) {
 
 /// The check names the entry, says what to do, and does not ask for rebuilt tables, which would know less.
 fn check_advises(scratch: &Scratch, damaged: Seq, words: &str) {
-    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    let findings = ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap();
     assert!(findings.faults[0].starts_with(&format!("entry {damaged} of the journal cannot be understood")), "{findings:?}");
     assert!(findings.faults.iter().all(|fault| !fault.contains("rebuild")), "{findings:?}");
     let advice = findings.notes.last().expect("there is advice");
@@ -246,7 +246,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let Sound { damage: said, .. } = kept.state(MissionId(2)).unwrap().expect("there was a mission 2");
     assert!(said.len() == 9 && said[8].contains("more entries cannot be understood"), "{said:?}");
     let mut lines = Vec::new();
-    let reading = Reading::open(&scratch.data()).unwrap();
+    let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();
     reading
         .lines(None, None, |seq, line| {
             lines.push((seq, line.is_ok()));
@@ -289,7 +289,7 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     let entries = scribe.opened.archive.entries(MissionId(1), Span::after(Seq(0)), 100).unwrap();
     assert_eq!(refusals(entries.into_iter().map(|(_, entry)| entry.unwrap().fact).collect()), expected);
     let mut lines = Vec::new();
-    let reading = Reading::open(&scratch.data()).unwrap();
+    let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();
     reading
         .lines(None, None, |_, line| {
             lines.push(line.unwrap().entry.fact);
@@ -321,7 +321,7 @@ fn lines_are_read_beside_a_running_program() {
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(vec![wall(0, 9)]);
     scribe.keep(begin(1));
-    let reading = Reading::open(&scratch.data()).unwrap();
+    let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();
     let places = |mission: Option<u64>, last| {
         let mut places = Vec::new();
         let visit = |seq: Seq, line: Result<crate::api::journal::Line, String>| {

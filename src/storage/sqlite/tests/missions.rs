@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::testing::*;
-use crate::runtime::archive::{Archive, At, Moment, Sound, Span};
+use crate::runtime::archive::{Archive, At, PastMoment, Sound, Span};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::Phase;
@@ -79,7 +79,7 @@ fn a_mission_is_read_as_it_stood_after_each_of_its_entries() {
     assert_eq!((last.past.of.seq, last.later), (reset, None), "what RESET empties begins what comes next");
 }
 
-fn moment(archive: &Arc<dyn Archive>, mission: u64, seq: Seq) -> Option<Moment> {
+fn moment(archive: &Arc<dyn Archive>, mission: u64, seq: Seq) -> Option<PastMoment> {
     archive.moments(MissionId(mission), &[At::Entry(seq)]).unwrap().pop()
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::super::{Reading, connect, folder::Folder, open_with};
+use super::super::{ReadOnlyJournal, connect, folder::Folder, open_with};
 use super::testing::*;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::{LuggageId, Seq};
@@ -46,7 +46,7 @@ fn mount(arguments: &[&str], path: &Path) -> bool {
 }
 
 fn faults(scratch: &Scratch) -> Vec<String> {
-    Reading::open(&scratch.data()).unwrap().check().unwrap().faults
+    ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap().faults
 }
 
 /// Safety R3.

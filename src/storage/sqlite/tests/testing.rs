@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::super::writer::Patience;
-use super::super::{OpenError, Opened, Reading, connect, folder::Folder, open_with};
+use super::super::{OpenError, Opened, ReadOnlyJournal, connect, folder::Folder, open_with};
 use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
 use crate::storage::scratch;
@@ -208,7 +208,7 @@ pub(super) fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Persiste
 }
 
 pub(super) fn check_finds(scratch: &Scratch, words: &[&str]) {
-    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    let findings = ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap();
     assert_eq!(findings.faults.len(), words.len(), "{:?}", findings.faults);
     for (fault, words) in findings.faults.iter().zip(words) {
         assert!(fault.contains(words), "{fault}");

@@ -7,7 +7,7 @@ use std::os::unix::fs::MetadataExt;
 use super::super::archive_file::write_out_within;
 use super::super::cut::Bound;
 use super::super::folder::Folder;
-use super::super::{Reading, chain, connect, project, unpack, write_out};
+use super::super::{ReadOnlyJournal, chain, connect, project, unpack, write_out};
 use super::archives::{LATER, archive_of, end, faults, file, held, lines, play, shown, some_missions};
 use super::testing::*;
 use crate::runtime::archive::Unreadable;
@@ -78,7 +78,7 @@ fn a_folder_of_a_later_archive_is_sound_and_says_where_it_begins() {
         assert_eq!(held(&elsewhere, std::slice::from_ref(archive)), Vec::<String>::new());
         let begins = chain::anchor(&connect::reader(&Folder::new(archive)).unwrap().unwrap().connection).unwrap();
         assert_eq!(begins.seq, Seq(behind));
-        let notes = Reading::open(&elsewhere.data()).unwrap().check().unwrap().notes;
+        let notes = ReadOnlyJournal::open(&elsewhere.data()).unwrap().check().unwrap().notes;
         let said = format!("begins as that does behind entry {behind}, whose page has the digest {}", begins.hex());
         assert_eq!(
             notes.iter().any(|note| note.contains("unpacked from the archive second") && note.contains(&said)),

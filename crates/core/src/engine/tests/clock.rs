@@ -1,7 +1,7 @@
 //! The machine's clock is set while the program runs, or while it is off.
 
 use super::*;
-use crate::engine::recall::{Recalled, Remembered};
+use crate::engine::recall::{Recalled, RememberedLine};
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 
@@ -60,7 +60,7 @@ fn a_reading_and_a_lost_link_are_as_old_after_the_clock_was_set_as_before() {
 
 #[test]
 fn a_clock_that_was_set_back_while_the_program_was_off_is_on_record_before_its_start() {
-    let line = Remembered { wall: WallTime { unix_ms: 100_000, offset_s: 0 }, tone: Tone::Info, said: Said::StartedAgain };
+    let line = RememberedLine { wall: WallTime { unix_ms: 100_000, offset_s: 0 }, tone: Tone::Info, said: Said::StartedAgain };
     let at = |unix_ms| Now { wall: WallTime { unix_ms, offset_s: 0 }, ..now(0) };
     for (began, back) in [(40_000, Some(-60_000)), (99_000, None), (5_000_000, None)] {
         let state = sweep_in(PhaseName::Inspecting, &[]).persistent_state();

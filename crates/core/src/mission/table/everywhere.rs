@@ -13,7 +13,7 @@ use crate::mission::rule::{Case, Guard, Rule};
 use crate::phase::PhaseName;
 
 #[derive(Clone, Copy, Debug)]
-pub(in crate::mission) enum Row {
+pub(in crate::mission) enum InputRow {
     Everywhere(&'static [Rule]),
     /// Inputs that halt the robot: the same in every phase, except that a drive by hand ends with them.
     Halting {
@@ -93,7 +93,7 @@ macro_rules! raised {
         raised!($hold, &[Go(Stay, &[Raise($hold)])])
     };
     ($hold:expr, $elsewhere:expr) => {
-        Row::Halting {
+        InputRow::Halting {
             elsewhere: $elsewhere,
             driving: &[
                 When(Case::FromIdle, Interrupted, &[Raise($hold)]),
@@ -103,8 +103,8 @@ macro_rules! raised {
     };
 }
 
-pub(in crate::mission) const fn row(input: Input) -> Row {
-    use Row::{ByPhase, Everywhere, Halting};
+pub(in crate::mission) const fn row(input: Input) -> InputRow {
+    use InputRow::{ByPhase, Everywhere, Halting};
     match input {
         Input::Stop => Halting { elsewhere: &[Go(Stay, &[Stop])], driving: &[Go(Interrupted, &[Stop])] },
         Input::TemperatureTooHigh => raised!(Hold::TooHigh, BUTTON_TOO_HIGH),
@@ -150,6 +150,6 @@ pub(in crate::mission) const fn row(input: Input) -> Row {
     }
 }
 
-const fn event(event: PhaseEvent) -> Row {
-    Row::ByPhase(PhaseInput::Event(event))
+const fn event(event: PhaseEvent) -> InputRow {
+    InputRow::ByPhase(PhaseInput::Event(event))
 }

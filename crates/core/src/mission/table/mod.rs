@@ -8,7 +8,7 @@ mod everywhere;
 mod search;
 mod shared;
 
-pub(super) use self::everywhere::{Row, row};
+pub(super) use self::everywhere::{InputRow, row};
 use super::Input;
 use super::rule::Rule;
 use crate::phase::PhaseName;
@@ -16,9 +16,9 @@ use crate::phase::PhaseName;
 /// The rules for `input` in `phase`; never empty, and the last always applies.
 pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
     let input = match row(input) {
-        Row::Everywhere(rules) => return rules,
-        Row::Halting { elsewhere, driving } => return if matches!(phase, PhaseName::Driving) { driving } else { elsewhere },
-        Row::ByPhase(input) => input,
+        InputRow::Everywhere(rules) => return rules,
+        InputRow::Halting { elsewhere, driving } => return if matches!(phase, PhaseName::Driving) { driving } else { elsewhere },
+        InputRow::ByPhase(input) => input,
     };
     match phase {
         PhaseName::Idle => search::idle(input),

@@ -41,7 +41,7 @@ named! {
     ALL by id;
     /// The leaves, by the seed's names.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    enum Kind {
+    enum SeedLeaf {
         FindObj = "FindObj",
         CalculateGoal = "CalculateGoal",
         NearObj = "NearObj",
@@ -59,37 +59,37 @@ named! {
     }
 }
 
-impl Kind {
+impl SeedLeaf {
     fn described(self) -> LeafKind {
         let text = |name| Port::input(name, ValueType::Text);
         let out = |name| Port::output(name, ValueType::Text);
         let ports = match self {
-            Kind::FindObj => {
+            SeedLeaf::FindObj => {
                 vec![text("object"), Port { direction: Direction::InOut, ..text("seen") }, out("found")]
             }
-            Kind::CalculateGoal => vec![text("object"), text("found"), out("goal")],
-            Kind::NearObj | Kind::ApproachObject => vec![text("base"), text("object")],
-            Kind::SaySomething => vec![text("to"), text("message"), out("heard")],
-            Kind::DataReceived => vec![text("data")],
-            Kind::CheckAlignment => vec![text("of"), text("object")],
-            Kind::MoveBase => vec![text("goal"), text("object")],
-            Kind::SetEe => vec![text("object")],
-            Kind::Controller => vec![text("starts")],
-            Kind::CloseGripper | Kind::LiftObj | Kind::Drop | Kind::Release => Vec::new(),
+            SeedLeaf::CalculateGoal => vec![text("object"), text("found"), out("goal")],
+            SeedLeaf::NearObj | SeedLeaf::ApproachObject => vec![text("base"), text("object")],
+            SeedLeaf::SaySomething => vec![text("to"), text("message"), out("heard")],
+            SeedLeaf::DataReceived => vec![text("data")],
+            SeedLeaf::CheckAlignment => vec![text("of"), text("object")],
+            SeedLeaf::MoveBase => vec![text("goal"), text("object")],
+            SeedLeaf::SetEe => vec![text("object")],
+            SeedLeaf::Controller => vec![text("starts")],
+            SeedLeaf::CloseGripper | SeedLeaf::LiftObj | SeedLeaf::Drop | SeedLeaf::Release => Vec::new(),
         };
         match self {
-            Kind::NearObj | Kind::DataReceived | Kind::CheckAlignment => LeafKind::condition(self.id(), ports),
-            Kind::FindObj
-            | Kind::CalculateGoal
-            | Kind::ApproachObject
-            | Kind::SaySomething
-            | Kind::MoveBase
-            | Kind::SetEe
-            | Kind::CloseGripper
-            | Kind::Controller
-            | Kind::LiftObj
-            | Kind::Drop
-            | Kind::Release => LeafKind::action(self.id(), ports),
+            SeedLeaf::NearObj | SeedLeaf::DataReceived | SeedLeaf::CheckAlignment => LeafKind::condition(self.id(), ports),
+            SeedLeaf::FindObj
+            | SeedLeaf::CalculateGoal
+            | SeedLeaf::ApproachObject
+            | SeedLeaf::SaySomething
+            | SeedLeaf::MoveBase
+            | SeedLeaf::SetEe
+            | SeedLeaf::CloseGripper
+            | SeedLeaf::Controller
+            | SeedLeaf::LiftObj
+            | SeedLeaf::Drop
+            | SeedLeaf::Release => LeafKind::action(self.id(), ports),
         }
     }
 }
@@ -97,7 +97,7 @@ impl Kind {
 /// The leaves that the trees of the pair may name.
 #[must_use]
 pub fn catalogue() -> Catalogue {
-    Catalogue::new(Kind::ALL.into_iter().map(Kind::described).collect())
+    Catalogue::new(SeedLeaf::ALL.into_iter().map(SeedLeaf::described).collect())
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -122,25 +122,25 @@ pub(super) struct Performer<'a> {
 
 impl Leaves for Performer<'_> {
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        let Some(kind) = Kind::ALL.get(leaf.kind()).copied() else { return self.fails(RetrievalFault::Tree) };
+        let Some(kind) = SeedLeaf::ALL.get(leaf.kind()).copied() else { return self.fails(RetrievalFault::Tree) };
         if leaf.elapsed() > LONGEST {
             return self.fails(RetrievalFault::TakesTooLong);
         }
         match kind {
-            Kind::FindObj => self.find(leaf),
-            Kind::CalculateGoal => self.calculate_goal(leaf),
-            Kind::NearObj => self.near(leaf),
-            Kind::ApproachObject => self.approach(leaf),
-            Kind::SaySomething => self.say(leaf),
-            Kind::DataReceived => answer(leaf.text(0).is_some_and(|data| !data.is_empty())),
-            Kind::CheckAlignment => self.check_alignment(leaf),
-            Kind::MoveBase => self.move_base(leaf),
-            Kind::SetEe => self.set_end_effectors(leaf),
-            Kind::CloseGripper => self.close_grippers(leaf),
-            Kind::Controller => self.start_controller(leaf),
-            Kind::LiftObj => self.lift(),
-            Kind::Drop => self.drop(),
-            Kind::Release => self.release(),
+            SeedLeaf::FindObj => self.find(leaf),
+            SeedLeaf::CalculateGoal => self.calculate_goal(leaf),
+            SeedLeaf::NearObj => self.near(leaf),
+            SeedLeaf::ApproachObject => self.approach(leaf),
+            SeedLeaf::SaySomething => self.say(leaf),
+            SeedLeaf::DataReceived => answer(leaf.text(0).is_some_and(|data| !data.is_empty())),
+            SeedLeaf::CheckAlignment => self.check_alignment(leaf),
+            SeedLeaf::MoveBase => self.move_base(leaf),
+            SeedLeaf::SetEe => self.set_end_effectors(leaf),
+            SeedLeaf::CloseGripper => self.close_grippers(leaf),
+            SeedLeaf::Controller => self.start_controller(leaf),
+            SeedLeaf::LiftObj => self.lift(),
+            SeedLeaf::Drop => self.drop(),
+            SeedLeaf::Release => self.release(),
         }
     }
 

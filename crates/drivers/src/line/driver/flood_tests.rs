@@ -140,7 +140,7 @@ fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behin
         flooded.step(Step::Answer("halted"));
         let before = flooded.written.len();
         flooded.step(Step::Order);
-        assert!(matches!(flooded.written[before..], [(_, ToRobot::Order(Task::Forward, ..))]));
+        assert!(matches!(flooded.written[before..], [(_, ToRobot::Order(RobotTask::Forward, ..))]));
     }
 }
 

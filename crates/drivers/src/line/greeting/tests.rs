@@ -172,7 +172,7 @@ fn a_robot_that_never_takes_a_number_is_not_asked_in_a_hurry_and_given_up_after_
             said += test.outputs().len();
             test.passes(10);
         }
-        assert!(matches!(test.driver.link, Link::Down), "it is given up");
+        assert!(matches!(test.driver.link, LinkStage::Down), "it is given up");
         assert!(said < 150, "{said} lines in a minute");
     }
 }

@@ -36,7 +36,7 @@ impl Test {
         std::iter::from_fn(|| self.robot.poll_output()).map(text).collect()
     }
 
-    fn asked(&mut self) -> Vec<Asked> {
+    fn asked(&mut self) -> Vec<BodyRequest> {
         std::iter::from_fn(|| self.robot.poll_asked()).collect()
     }
 
@@ -44,7 +44,7 @@ impl Test {
     fn begun(&mut self) -> Option<Action> {
         match self.asked()[..] {
             [] => None,
-            [Asked::Order(order)] => Some(order.action),
+            [BodyRequest::Order(order)] => Some(order.action),
             ref other => panic!("{other:?}"),
         }
     }
@@ -101,7 +101,7 @@ fn a_halt_is_passed_on_once_and_answered_when_it_stands() {
     test.hears("w 6 2000");
     test.hears("h 6");
     test.hears("h 6");
-    assert!(matches!(test.asked()[..], [Asked::Order(_), Asked::Halt]));
+    assert!(matches!(test.asked()[..], [BodyRequest::Order(_), BodyRequest::Halt]));
     assert_eq!(test.said(), Vec::<String>::new());
     test.reports(RobotEvent::Halted(SIX, true));
     test.hears("h 6");
@@ -126,7 +126,7 @@ fn one_that_moves_and_hears_nothing_good_halts_by_itself() {
     assert_eq!(test.asked(), [], "a line that is not understood is a good one");
     test.robot.handle_received(b"w 6 2000*0000\n", test.now);
     after(&mut test, 1);
-    assert_eq!((test.asked(), test.robot.poll_timeout()), (vec![Asked::Halt], None));
+    assert_eq!((test.asked(), test.robot.poll_timeout()), (vec![BodyRequest::Halt], None));
     test.reports(RobotEvent::Halted(SIX, true));
     assert_eq!((test.said(), test.robot.poll_timeout()), (vec!["halted 6 off".to_owned()], None));
 }
@@ -139,7 +139,7 @@ fn one_whose_program_is_gone_halts_at_once_and_says_nothing_of_it_to_the_next() 
     test.hears("hello");
     test.asked();
     test.robot.handle_lost();
-    assert_eq!((test.asked(), test.said()), (vec![Asked::Halt], vec![]));
+    assert_eq!((test.asked(), test.said()), (vec![BodyRequest::Halt], vec![]));
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn a_new_beginning_halts_what_moves_and_is_said_when_it_stands() {
     let mut test = Test::ready();
     test.hears("w 6 2000");
     test.hears("from 7");
-    assert!(matches!(test.asked()[..], [Asked::Order(_), Asked::Halt]));
+    assert!(matches!(test.asked()[..], [BodyRequest::Order(_), BodyRequest::Halt]));
     test.hears("hello");
     assert!(test.said()[0].ends_with("off last=6"));
     test.reports(RobotEvent::Halted(SIX, true));

@@ -6,7 +6,7 @@ use bytes::Bytes;
 
 use super::scene::{OPERATOR, STOP, Scene, VIEWER, broker, publish};
 use crate::Ended;
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::limits::SILENCE;
 use crate::packet::Qos;
 use crate::packet::connect::Will;
@@ -81,13 +81,13 @@ fn a_forbidden_will_goes_nowhere() {
 #[test]
 fn packets_that_no_client_sends_end_its_connection() {
     let cases: [(&[u8], Ended); 13] = [
-        (&[0x10, 0], Ended::Unexpected(Kind::Connect)),
-        (&[0x20, 2, 0, 0], Ended::Unexpected(Kind::Connack)),
-        (&[0x90, 3, 0, 1, 0], Ended::Unexpected(Kind::Suback)),
-        (&[0xB0, 2, 0, 1], Ended::Unexpected(Kind::Unsuback)),
-        (&[0xD0, 0], Ended::Unexpected(Kind::Pingresp)),
+        (&[0x10, 0], Ended::Unexpected(PacketKind::Connect)),
+        (&[0x20, 2, 0, 0], Ended::Unexpected(PacketKind::Connack)),
+        (&[0x90, 3, 0, 1, 0], Ended::Unexpected(PacketKind::Suback)),
+        (&[0xB0, 2, 0, 1], Ended::Unexpected(PacketKind::Unsuback)),
+        (&[0xD0, 0], Ended::Unexpected(PacketKind::Pingresp)),
         (&[0x00], Ended::Malformed(Malformed::Kind(0))),
-        (&[0xF0, 0], Ended::Unexpected(Kind::Auth)),
+        (&[0xF0, 0], Ended::Unexpected(PacketKind::Auth)),
         (&[0xF1, 0], Ended::Malformed(Malformed::Kind(0xF1))),
         (&[0x80, 0], Ended::Malformed(Malformed::Kind(0x80))),
         (&[0xC0, 1, 0], Ended::Malformed(Malformed::Trailing(1))),

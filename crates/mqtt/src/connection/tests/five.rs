@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::scene::five::{ack, disconnect_with, publish_with, scene, subscribe_with, unsubscribe_from};
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, broker, publish, taken};
 use crate::Ended;
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::limits::{FILTERS, PROPERTIES, TOPIC};
 use crate::packet::connect::Reception;
 use crate::packet::properties::Property;
@@ -66,7 +66,7 @@ fn a_message_of_qos_2_that_is_refused_is_over() {
     assert_eq!(writer.told(), ["Pubrec 3 0x87"]);
     writer.client(&publish_with(0x34, "a", "x", 3, &[])).unwrap();
     writer.client(&publish_with(0x3C, "a", "x", 3, &[])).unwrap();
-    writer.client(&[ack(Kind::Pubrel, 3, 0), ack(Kind::Pubrel, 3, 0)].concat()).unwrap();
+    writer.client(&[ack(PacketKind::Pubrel, 3, 0), ack(PacketKind::Pubrel, 3, 0)].concat()).unwrap();
     assert_eq!(writer.told(), ["Pubrec 3", "Pubrec 3", "Pubcomp 3", "Pubcomp 3 0x92"]);
     writer.client(&publish_with(0x34, "a", "y", 4, &[])).unwrap();
     writer.client(&publish_with(0x34, "site/robot/state/robot", "x", 4, &[])).unwrap();
@@ -172,13 +172,13 @@ fn so_many_messages_are_unacknowledged_as_the_client_bears_and_no_more() {
         writer.client(&publish(if id % 2 == 0 { 0x32 } else { 0x34 }, "a", &id.to_string(), id)).unwrap();
     }
     assert_eq!(reader.told(), ["Publish a=1 q2 #1", "Publish a=2 q1 #2"]);
-    reader.client(&ack(Kind::Pubrec, 1, 0)).unwrap();
+    reader.client(&ack(PacketKind::Pubrec, 1, 0)).unwrap();
     assert_eq!(reader.told(), ["Pubrel 1"], "it counts until it is over");
-    reader.client(&ack(Kind::Pubcomp, 1, 0)).unwrap();
+    reader.client(&ack(PacketKind::Pubcomp, 1, 0)).unwrap();
     assert_eq!(reader.told(), ["Publish a=3 q2 #3"]);
-    reader.client(&[ack(Kind::Puback, 2, 0x97), ack(Kind::Pubrec, 3, 0x97)].concat()).unwrap();
+    reader.client(&[ack(PacketKind::Puback, 2, 0x97), ack(PacketKind::Pubrec, 3, 0x97)].concat()).unwrap();
     assert_eq!(reader.told(), ["Publish a=4 q1 #4", "Publish a=5 q2 #5"], "what it does not want is over, too");
-    reader.client(&ack(Kind::Pubrec, 99, 0)).unwrap();
+    reader.client(&ack(PacketKind::Pubrec, 99, 0)).unwrap();
     assert_eq!(reader.told(), ["Pubrel 99 0x92"]);
 }
 
@@ -314,7 +314,7 @@ fn whoever_is_sent_away_is_told_why() {
         (Ended::NotKnown, "0x87"),
         (Ended::GaveWay, "0x89"),
         (Ended::Unreleased, "0x93"),
-        (Ended::Unexpected(Kind::Auth), "0x82"),
+        (Ended::Unexpected(PacketKind::Auth), "0x82"),
         (Ended::Malformed(Malformed::TooLong { length: 2, limit: 1 }), "0x95"),
         (Ended::Malformed(Malformed::Qos(3)), "0x81"),
         (Ended::Malformed(Malformed::Alias(11)), "0x94"),
@@ -338,9 +338,9 @@ fn whoever_is_sent_away_is_told_why() {
 fn what_is_not_of_this_version_ends_the_connection() {
     let broker = broker();
     let ends = |packet: &[u8]| scene(&broker, |_| {}).client(packet).unwrap_err();
-    assert_eq!(ends(&[0xF0, 0]), Ended::Unexpected(Kind::Auth));
+    assert_eq!(ends(&[0xF0, 0]), Ended::Unexpected(PacketKind::Auth));
     assert_eq!(ends(&disconnect_with(0, &[])), Ended::Left);
     assert_eq!(ends(&disconnect_with(4, &[])), Ended::LeftWithWill);
-    assert_eq!(Scene::of(OPERATOR).client(&[0xF0, 0]), Err(Ended::Unexpected(Kind::Auth)));
+    assert_eq!(Scene::of(OPERATOR).client(&[0xF0, 0]), Err(Ended::Unexpected(PacketKind::Auth)));
     assert_eq!(Scene::of(OPERATOR).client(&[0xE0, 1, 4]), Err(Ended::Malformed(Malformed::Trailing(1))));
 }

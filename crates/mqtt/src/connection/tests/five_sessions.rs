@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use super::scene::five::{ack, disconnect_with, publish_with, scene, subscribe_with};
 use super::scene::{OPERATOR, Scene, broker, publish};
-use crate::frame::{Kind, Malformed};
+use crate::frame::{Malformed, PacketKind};
 use crate::packet::Qos;
 use crate::packet::connect::{FOR_EVER_S, Reception, Will};
 use crate::packet::properties::Property;
@@ -169,7 +169,7 @@ fn what_was_not_acknowledged_comes_again_no_faster_than_the_client_bears() {
         writer.client(&publish(0x34, "a", &id.to_string(), id)).unwrap();
     }
     assert_eq!(reader.told().len(), 6);
-    reader.client(&ack(Kind::Pubrec, 2, 0)).unwrap();
+    reader.client(&ack(PacketKind::Pubrec, 2, 0)).unwrap();
     let session = gone(reader, Ended::Gone).unwrap();
     writer.client(&publish(0x34, "a", "6", 6)).unwrap();
     let resume = |session| {
@@ -188,10 +188,10 @@ fn what_was_not_acknowledged_comes_again_no_faster_than_the_client_bears() {
         ["Publish a=1 q2 #1 again [SubscriptionId(8)]", "Pubrel 2"],
         "in the same order, however often it breaks"
     );
-    back.client(&ack(Kind::Pubcomp, 2, 0)).unwrap();
+    back.client(&ack(PacketKind::Pubcomp, 2, 0)).unwrap();
     assert_eq!(back.told(), ["Publish a=3 q2 #3 again [SubscriptionId(8)]"]);
     for (id, next) in [(1, "a=4 q2 #4 again"), (3, "a=5 q2 #5 again"), (4, "a=6 q2 #6")] {
-        back.client(&[ack(Kind::Pubrec, id, 0), ack(Kind::Pubcomp, id, 0)].concat()).unwrap();
+        back.client(&[ack(PacketKind::Pubrec, id, 0), ack(PacketKind::Pubcomp, id, 0)].concat()).unwrap();
         assert_eq!(back.told(), [format!("Pubrel {id}"), format!("Publish {next} [SubscriptionId(8)]")]);
     }
 }

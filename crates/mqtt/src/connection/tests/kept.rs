@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::scene::{OPERATOR, Scene, publish, subscribe, unsubscribe};
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{CLIENT_PACKET, KEPT_ROOM, KEPT_UNDER_WAY, WINDOW_BYTES};
 use crate::message::Draft;
 use crate::packet::Qos;
@@ -33,7 +33,7 @@ fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
         let ids: Vec<u16> = got.iter().filter_map(|words| words.split_once('#')?.1.split(' ').next()?.parse().ok()).collect();
         most = most.max(ids.len());
         for id in ids {
-            scene.acknowledge(Kind::Puback, id);
+            scene.acknowledge(PacketKind::Puback, id);
         }
         all.extend(got.iter().map(|words| words.split(" q").next().unwrap().to_owned()));
     }
@@ -113,7 +113,7 @@ fn what_changes_while_they_are_on_their_way_arrives_as_it_is_then() {
     let got = scene.subscribe(&[("a/#", Qos::One)]);
     assert_eq!(got.len(), 1 + KEPT_UNDER_WAY);
     scene.client(&[publish(0x31, "a/0049/b", "new", 0), publish(0x31, "a/0048/b", "", 0)].concat()).unwrap();
-    (1..=20).for_each(|id| scene.acknowledge(Kind::Puback, id));
+    (1..=20).for_each(|id| scene.acknowledge(PacketKind::Puback, id));
     let (all, _) = all_that_comes(&mut scene);
     assert_eq!(all.len(), 30, "those that are kept still, and what has changed, as it did");
     assert!(all.contains("Publish a/0049/b=new"));
@@ -124,7 +124,7 @@ fn nothing_more_comes_of_a_filter_that_was_let_go() {
     let mut scene = scene_with(50, "x", Qos::One);
     scene.subscribe(&[("a/#", Qos::One)]);
     scene.client(&unsubscribe(2, &["a/#"])).unwrap();
-    (1..=20).for_each(|id| scene.acknowledge(Kind::Puback, id));
+    (1..=20).for_each(|id| scene.acknowledge(PacketKind::Puback, id));
     assert_eq!(scene.got(), ["Unsuback 2"]);
 }
 

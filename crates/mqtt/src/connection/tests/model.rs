@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::scene::{OPERATOR, Scene, broker, five, in_words, publish, subscribe, taken, unsubscribe};
 use crate::filter::matches;
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::packet::Qos;
 use crate::{Broker, Session, Terms};
 
@@ -157,7 +157,7 @@ impl Play {
             if client < FIVE { publish(first, topic, payload, id) } else { five::publish_with(first, topic, payload, id, &[]) };
         scene.client(&packet).unwrap();
         if qos == Qos::Two {
-            scene.acknowledge(Kind::Pubrel, id);
+            scene.acknowledge(PacketKind::Pubrel, id);
         }
         self.model.publish(client, topic, (payload, qos, retain));
     }
@@ -196,12 +196,12 @@ impl Play {
             for words in got {
                 let Some((said, id, is_newly_kept)) = message(&words) else {
                     if let Some(id) = words.strip_prefix("Pubrel ") {
-                        scene.acknowledge(Kind::Pubcomp, id.parse().unwrap());
+                        scene.acknowledge(PacketKind::Pubcomp, id.parse().unwrap());
                     }
                     continue;
                 };
                 if acknowledges && said.qos > Qos::Zero {
-                    scene.acknowledge(if said.qos == Qos::One { Kind::Puback } else { Kind::Pubrec }, id);
+                    scene.acknowledge(if said.qos == Qos::One { PacketKind::Puback } else { PacketKind::Pubrec }, id);
                 }
                 if is_newly_kept {
                     kept.insert((said.topic, said.payload, said.qos));

@@ -1,7 +1,7 @@
 //! What clients publish: where it goes, what is heard, retained or dropped, and that everything is acknowledged.
 
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish, taken};
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{CLIENT_PACKET, HANDLED, UNRELEASED};
 use crate::packet::Qos;
 use crate::{Announcement, Ended, Epoch, Mark};
@@ -21,7 +21,7 @@ fn messages_come_at_the_lesser_of_both_qualities_and_are_acknowledged() {
         publish(0x3D, "b", "3", 8),
     ];
     scene.client(&script.concat()).unwrap();
-    scene.acknowledge(Kind::Pubrel, 8);
+    scene.acknowledge(PacketKind::Pubrel, 8);
     assert_eq!(scene.got(), ["Puback 7", "Pubrec 8", "Pubrec 8", "Pubcomp 8"]);
     let got = readers.each_mut().map(Scene::read);
     assert_eq!(got[0], ["a=0 q0", "a=1 q0", "a=2 q0", "b=3 q0"]);
@@ -125,7 +125,7 @@ fn a_command_of_qos_2_is_heard_once_until_it_is_released() {
     assert_eq!((scene.heard().len(), everybody.got().len()), (1, 1));
     scene.client(&publish(0x34, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), everybody.got().len()), (1, 0), "heard, as it is not marked; nobody else gets it twice");
-    scene.acknowledge(Kind::Pubrel, 7);
+    scene.acknowledge(PacketKind::Pubrel, 7);
     scene.client(&publish(0x3C, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), everybody.got().len()), (1, 1), "a new one, whatever its mark");
 }

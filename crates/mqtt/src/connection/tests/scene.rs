@@ -7,7 +7,7 @@ use std::time::Duration;
 use bytes::{Buf, Bytes, BytesMut};
 
 use crate::filter;
-use crate::frame::{Kind, frame};
+use crate::frame::{PacketKind, frame};
 use crate::outbox::Outbox;
 use crate::packet::connect::{Connect, FOR_EVER_S};
 use crate::packet::{Qos, Version, ack, publish, write};
@@ -148,7 +148,7 @@ impl Scene {
         self.got()
     }
 
-    pub(super) fn acknowledge(&mut self, kind: Kind, id: u16) {
+    pub(super) fn acknowledge(&mut self, kind: PacketKind, id: u16) {
         let mut out = BytesMut::new();
         write::ack(&mut out, kind, id);
         self.client(&out).unwrap();
@@ -186,11 +186,13 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
         let (packet, rest) = bytes.split_at(frame.length);
         let body = &packet[frame.head..];
         words.push(match frame.kind {
-            Kind::Publish => publish_in_words(&publish::read(&frame, packet, Version::Three).unwrap()),
-            Kind::Suback => format!("Suback {:?}", ack::read_suback(body).unwrap()),
-            Kind::Connect | Kind::Connack | Kind::Subscribe | Kind::Unsubscribe => format!("{:?}", frame.kind),
-            Kind::Pingreq | Kind::Pingresp | Kind::Disconnect | Kind::Auth => format!("{:?}", frame.kind),
-            Kind::Puback | Kind::Pubrec | Kind::Pubrel | Kind::Pubcomp | Kind::Unsuback => {
+            PacketKind::Publish => publish_in_words(&publish::read(&frame, packet, Version::Three).unwrap()),
+            PacketKind::Suback => format!("Suback {:?}", ack::read_suback(body).unwrap()),
+            PacketKind::Connect | PacketKind::Connack | PacketKind::Subscribe | PacketKind::Unsubscribe => {
+                format!("{:?}", frame.kind)
+            }
+            PacketKind::Pingreq | PacketKind::Pingresp | PacketKind::Disconnect | PacketKind::Auth => format!("{:?}", frame.kind),
+            PacketKind::Puback | PacketKind::Pubrec | PacketKind::Pubrel | PacketKind::Pubcomp | PacketKind::Unsuback => {
                 format!("{:?} {}", frame.kind, ack::read(body, frame.kind, Version::Three).unwrap().id)
             }
         });
@@ -214,9 +216,9 @@ pub(super) mod five {
     use bytes::{BufMut, BytesMut};
 
     use super::{OPERATOR, Scene, taken};
-    use crate::frame::{Kind, frame};
+    use crate::frame::{PacketKind, frame};
     use crate::packet::properties::{Properties, Property};
-    use crate::packet::{Fields, Version, publish, write};
+    use crate::packet::{PacketFields, Version, publish, write};
     use crate::{Broker, Terms};
 
     pub(in super::super) fn scene(broker: &std::sync::Arc<Broker>, change: impl FnOnce(&mut Terms)) -> Scene {
@@ -280,7 +282,7 @@ pub(super) mod five {
         packet(0xE0, &body)
     }
 
-    pub(in super::super) fn ack(kind: Kind, id: u16, reason: u8) -> BytesMut {
+    pub(in super::super) fn ack(kind: PacketKind, id: u16, reason: u8) -> BytesMut {
         let [high, low] = id.to_be_bytes();
         packet(kind.first_byte(), &[high, low, reason])
     }
@@ -316,20 +318,22 @@ pub(super) mod five {
             let (packet, rest) = bytes.split_at(frame.length);
             let body = &packet[frame.head..];
             words.push(match frame.kind {
-                Kind::Publish => publish_in_words(frame.flags, body),
-                Kind::Suback | Kind::Unsuback => {
-                    let mut fields = Fields::new(&body[2..]);
+                PacketKind::Publish => publish_in_words(frame.flags, body),
+                PacketKind::Suback | PacketKind::Unsuback => {
+                    let mut fields = PacketFields::new(&body[2..]);
                     let why: Vec<_> = Properties::of_server(&mut fields).collect();
                     format!("{:?} {:02x?}{}", frame.kind, fields.rest(), in_brackets(&why))
                 }
-                Kind::Puback | Kind::Pubrec | Kind::Pubrel | Kind::Pubcomp => {
+                PacketKind::Puback | PacketKind::Pubrec | PacketKind::Pubrel | PacketKind::Pubcomp => {
                     let reason =
                         body.get(2).filter(|reason| **reason > 0).map_or(String::new(), |reason| format!(" {reason:#04x}"));
                     format!("{:?} {}{reason}", frame.kind, u16::from_be_bytes([body[0], body[1]]))
                 }
-                Kind::Disconnect => format!("Disconnect {:#04x}", body[0]),
-                Kind::Connect | Kind::Connack | Kind::Subscribe | Kind::Unsubscribe => format!("{:?}", frame.kind),
-                Kind::Pingreq | Kind::Pingresp | Kind::Auth => format!("{:?}", frame.kind),
+                PacketKind::Disconnect => format!("Disconnect {:#04x}", body[0]),
+                PacketKind::Connect | PacketKind::Connack | PacketKind::Subscribe | PacketKind::Unsubscribe => {
+                    format!("{:?}", frame.kind)
+                }
+                PacketKind::Pingreq | PacketKind::Pingresp | PacketKind::Auth => format!("{:?}", frame.kind),
             });
             bytes = rest;
         }
@@ -338,7 +342,7 @@ pub(super) mod five {
     }
 
     fn publish_in_words(flags: u8, body: &[u8]) -> String {
-        let mut fields = Fields::new(body);
+        let mut fields = PacketFields::new(body);
         let (topic, qos) = (fields.text("topic").unwrap(), flags >> 1 & 3);
         let id = if qos == 0 { String::new() } else { format!(" #{}", fields.id().unwrap()) };
         let properties: Vec<_> = Properties::of_server(&mut fields).collect();
@@ -359,7 +363,7 @@ pub(super) mod five {
         let frame = frame(&out, 100).unwrap().unwrap();
         assert_eq!(publish::read(&frame, &out, Version::Five).unwrap().payload, b"x");
         let mut plain = BytesMut::new();
-        write::ack_with(&mut plain, Kind::Puback, 1, crate::packet::reason::Reason::Quota, None);
+        write::ack_with(&mut plain, PacketKind::Puback, 1, crate::packet::reason::Reason::Quota, None);
         assert_eq!(in_words(&plain), ["Puback 1 0x97"]);
     }
 }

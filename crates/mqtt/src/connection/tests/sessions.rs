@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::scene::{OPERATOR, Scene, broker, publish, unsubscribe};
-use crate::frame::Kind;
+use crate::frame::PacketKind;
 use crate::limits::{AWAY, QUEUE, QUEUE_BYTES, WINDOW, WINDOW_BYTES};
 use crate::message::Draft;
 use crate::packet::Qos;
@@ -28,15 +28,15 @@ fn what_was_not_acknowledged_comes_again_in_the_next_connection() {
     }
     scene = back(&broker, session);
     assert_eq!(scene.got(), ["Publish a/kept=0 q1 #1 again"], "as often as it breaks");
-    scene.acknowledge(Kind::Puback, 1);
+    scene.acknowledge(PacketKind::Puback, 1);
     writer.client(&[publish(0x32, "a/1", "x", 1), publish(0x34, "a/2", "y", 2), publish(0x34, "a/3", "z", 3)].concat()).unwrap();
     assert_eq!(scene.got(), ["Publish a/1=x q1 #2", "Publish a/2=y q2 #3", "Publish a/3=z q2 #4"]);
-    scene.acknowledge(Kind::Pubrec, 3);
+    scene.acknowledge(PacketKind::Pubrec, 3);
     assert_eq!(scene.got(), ["Pubrel 3"]);
     let mut scene = back(&broker, scene.connection.into_session().unwrap());
     assert_eq!(scene.got(), ["Publish a/1=x q1 #2 again", "Pubrel 3", "Publish a/3=z q2 #4 again"]);
-    scene.acknowledge(Kind::Pubcomp, 3);
-    scene.acknowledge(Kind::Puback, 2);
+    scene.acknowledge(PacketKind::Pubcomp, 3);
+    scene.acknowledge(PacketKind::Puback, 2);
     let mut scene = back(&broker, scene.connection.into_session().unwrap());
     assert_eq!(scene.got(), ["Publish a/3=z q2 #4 again"]);
 }
@@ -47,10 +47,16 @@ fn an_answer_to_what_was_not_sent_does_nothing() {
     scene.subscribe(&[("#", Qos::Two)]);
     scene.client(&[publish(0x32, "a", "x", 1), publish(0x34, "b", "y", 2)].concat()).unwrap();
     scene.got();
-    for (kind, id) in [(Kind::Puback, 2), (Kind::Pubcomp, 1), (Kind::Puback, 9), (Kind::Pubcomp, 9), (Kind::Puback, 1000)] {
+    for (kind, id) in [
+        (PacketKind::Puback, 2),
+        (PacketKind::Pubcomp, 1),
+        (PacketKind::Puback, 9),
+        (PacketKind::Pubcomp, 9),
+        (PacketKind::Puback, 1000),
+    ] {
         scene.acknowledge(kind, id);
     }
-    scene.acknowledge(Kind::Pubrec, 1);
+    scene.acknowledge(PacketKind::Pubrec, 1);
     assert_eq!(scene.got(), ["Pubrel 1"], "whoever asks is answered");
     let broker = scene.broker.clone();
     assert_eq!(back(&broker, scene.connection.into_session().unwrap()).got().len(), 2);
@@ -101,7 +107,7 @@ fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     for _ in 0..10_000 / WINDOW {
         let some = scene.got();
         for id in some.iter().filter_map(|words| words.split_once('#')?.1.split(' ').next()?.parse().ok()) {
-            scene.acknowledge(Kind::Puback, id);
+            scene.acknowledge(PacketKind::Puback, id);
         }
         got.extend(some);
     }
@@ -119,7 +125,7 @@ fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_ackn
     }
     let got = reader.got();
     assert_eq!((got.len(), reader.connection.has_window()), (WINDOW, false));
-    reader.acknowledge(Kind::Puback, 50);
+    reader.acknowledge(PacketKind::Puback, 50);
     assert_eq!(reader.got(), ["Publish a=100 q1 #101"]);
 }
 

@@ -10,9 +10,9 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::{PLAYER, Scene, StaticObstacle};
-use crate::bag::{Bag, Kind};
+use crate::bag::{Bag, BagKind};
 use crate::hall::error::HallFault;
-use crate::hall::rows::{Reading, sides};
+use crate::hall::rows::{DrawingRows, sides};
 use crate::hall::{Hall, Plan, Truth};
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
@@ -31,7 +31,7 @@ pub struct HallOfScene {
 
 /// What the player finds when it tries every step from every cell that it reaches.
 #[derive(Default)]
-struct Found<'a> {
+struct ReachedCells<'a> {
     free: BTreeSet<Cell>,
     /// The thing that stopped the first step into a cell.
     taken: BTreeMap<Cell, &'a str>,
@@ -52,16 +52,16 @@ impl Scene {
         });
         let mut plan = drawing(&found, &pieces, bounds)?;
         for bag in &mut plan.bags {
-            *bag = Bag::of_kind(Kind::Box, bag.piece, std::mem::take(&mut bag.cells));
+            *bag = Bag::of_kind(BagKind::Box, bag.piece, std::mem::take(&mut bag.cells));
         }
         Ok(HallOfScene { hall: Hall::of(name, plan), lost: self.lost(&found, pieces.len()) })
     }
 
-    fn found(&self) -> Result<Found<'_>, HallFault> {
+    fn found(&self) -> Result<ReachedCells<'_>, HallFault> {
         if let Some(name) = self.what_is_at(self.player.x, self.player.z) {
             return Err(HallFault::PlayerStuck(name.to_owned()));
         }
-        let mut found = Found { free: BTreeSet::from([Cell::HOME]), ..Found::default() };
+        let mut found = ReachedCells { free: BTreeSet::from([Cell::HOME]), ..ReachedCells::default() };
         let mut waiting = VecDeque::from([Cell::HOME]);
         while let Some(cell) = waiting.pop_front() {
             for next in cell.neighbours() {
@@ -104,7 +104,7 @@ impl Scene {
         things.chain(border).min_by(|(first, _), (second, _)| first.total_cmp(second)).map(|(_, name)| name)
     }
 
-    fn lost(&self, found: &Found<'_>, pieces: usize) -> Vec<String> {
+    fn lost(&self, found: &ReachedCells<'_>, pieces: usize) -> Vec<String> {
         let met: BTreeSet<&str> = found.taken.values().copied().collect();
         let names: BTreeSet<&str> = found.luggage().map(|(_, name)| name).collect();
         let hidden = self.statics.iter().filter(|thing| !met.contains(thing.name.as_str())).count();
@@ -119,7 +119,7 @@ impl Scene {
     }
 }
 
-impl<'a> Found<'a> {
+impl<'a> ReachedCells<'a> {
     fn luggage(&self) -> impl Iterator<Item = (Cell, &'a str)> {
         let is_wall = |name: &str| name.starts_with("wall") || name == BORDER;
         self.taken.iter().filter(move |(_, name)| !is_wall(name)).map(|(cell, name)| (*cell, *name))
@@ -153,13 +153,13 @@ fn kept_free(thing: &StaticObstacle) -> [(f64, f64); 2] {
     [(thing.min_x - half, thing.max_x + half), (thing.min_z - half, thing.max_z + half)]
 }
 
-fn drawing(found: &Found<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Result<Plan, HallFault> {
+fn drawing(found: &ReachedCells<'_>, pieces: &[Vec<Cell>], bounds: Bounds) -> Result<Plan, HallFault> {
     let side = |cells: i32| u64::try_from(cells).unwrap_or(0);
     let size = sides(side(bounds.width()), side(bounds.height()))?;
     let of_piece = |(index, cells): (usize, &Vec<Cell>)| cells.iter().map(move |cell| (*cell, index)).collect::<Vec<_>>();
     let luggage: BTreeMap<Cell, usize> = pieces.iter().enumerate().flat_map(of_piece).collect();
     let mut numbers: BTreeMap<usize, Piece> = BTreeMap::new();
-    let mut reading = Reading::default();
+    let mut reading = DrawingRows::default();
     for y in bounds.least.y..=bounds.most.y {
         for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
             let place = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::section::{Reading, Section, id};
+use super::section::{Section, TemperaturePoint, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
@@ -65,7 +65,7 @@ pub(in super::super) struct Timeline {
     /// The last section, which grows.
     growing: Section,
     /// The state at the end of the complete sections.
-    carried: Carried,
+    carried: OpenSpans,
     began: Option<i64>,
     end: i64,
     last: Seq,
@@ -77,9 +77,9 @@ pub(in super::super) struct Timeline {
 
 /// State that continues beyond the section in which it began.
 #[derive(Clone, Debug, Default)]
-struct Carried {
+struct OpenSpans {
     phase: Option<(PhaseName, Option<PhaseName>)>,
-    reading: Option<Reading>,
+    reading: Option<TemperaturePoint>,
     speaking: Speaking,
     stage: Option<&'static str>,
 }
@@ -93,7 +93,7 @@ impl Timeline {
             threshold,
             full: Vec::new(),
             growing: Section::default(),
-            carried: Carried::default(),
+            carried: OpenSpans::default(),
             began: None,
             end: 0,
             last: Seq(0),
@@ -237,7 +237,7 @@ impl Timeline {
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
             // The last reading is judged again by the new threshold.
-            if let Some(Reading { celsius, .. }) = self.carried.reading {
+            if let Some(TemperaturePoint { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
         } else if let Fact::Temperature(_, celsius) = fact {

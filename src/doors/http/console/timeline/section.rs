@@ -30,7 +30,7 @@ pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (
 
 /// The end of the temperature's line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reading {
+pub(super) struct TemperaturePoint {
     pub(super) x: i64,
     pub(super) celsius: Celsius,
     height: f64,
@@ -62,10 +62,10 @@ impl Section {
     }
 
     /// The line continues level to the next reading, which raises or lowers it.
-    pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<Reading>) {
+    pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<TemperaturePoint>) {
         let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
         match *at {
-            Some(Reading { x: from, height: before, is_hot: was_hot, .. }) => {
+            Some(TemperaturePoint { x: from, height: before, is_hot: was_hot, .. }) => {
                 write(&mut self.temperature, format_args!("H{x}V{height}"));
                 if was_hot {
                     write(&mut self.hot, format_args!("M{from} {before}H{x}"));
@@ -73,12 +73,12 @@ impl Section {
             }
             None => write(&mut self.temperature, format_args!("M{x} {height}")),
         }
-        *at = Some(Reading { x, celsius, height, is_hot });
+        *at = Some(TemperaturePoint { x, celsius, height, is_hot });
     }
 
     /// The line ends: the last reading is not valid any more.
-    pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<Reading>) {
-        if let Some(Reading { x: from, height, is_hot, .. }) = at.take() {
+    pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<TemperaturePoint>) {
+        if let Some(TemperaturePoint { x: from, height, is_hot, .. }) = at.take() {
             write(&mut self.temperature, format_args!("H{x}"));
             if is_hot {
                 write(&mut self.hot, format_args!("M{from} {height}H{x}"));
@@ -86,16 +86,16 @@ impl Section {
         }
     }
 
-    pub(super) fn go_on(&mut self, reading: Option<Reading>) {
-        if let Some(Reading { x, height, .. }) = reading {
+    pub(super) fn go_on(&mut self, reading: Option<TemperaturePoint>) {
+        if let Some(TemperaturePoint { x, height, .. }) = reading {
             write(&mut self.temperature, format_args!("M{x} {height}"));
         }
     }
 
     /// Its group, including the last reading as far as it stays valid.
-    pub(super) fn drawn(&self, place: usize, lasting: Option<Reading>) -> String {
+    pub(super) fn drawn(&self, place: usize, lasting: Option<TemperaturePoint>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
-        if let Some(Reading { x, height, is_hot, .. }) = lasting {
+        if let Some(TemperaturePoint { x, height, is_hot, .. }) = lasting {
             write(&mut temperature, format_args!("H{FAR}"));
             if is_hot {
                 write(&mut hot, format_args!("M{x} {height}H{FAR}"));

@@ -8,7 +8,7 @@ use crate::phrases::{Markup, Phrase};
 use hallsweep_core::command::OPERATOR;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::units::{Celsius, WallTime};
-use hallsweep_core::world::temperature::{Reading, TemperatureStatus, TemperatureView};
+use hallsweep_core::world::temperature::{SourceReading, TemperatureStatus, TemperatureView};
 
 /// Age at which the bar shows that a reading is old: thermometers and sensors report at least every 10 s.
 const OLD_MS: i64 = 15_000;
@@ -25,16 +25,16 @@ impl View<'_> {
     }
 
     /// The important reading: the hottest of those that are too hot, otherwise the last.
-    fn shown(&self) -> Option<Reading> {
+    fn shown(&self) -> Option<SourceReading> {
         let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
         let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
-        hottest.or_else(|| Some(Reading { celsius: celsius?, read, silent_since }))
+        hottest.or_else(|| Some(SourceReading { celsius: celsius?, read, silent_since }))
     }
 
     /// The important reading, or that there is none, or none that is still valid.
     pub(in super::super) fn celsius(&self) -> String {
         match self.shown() {
-            Some(Reading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
+            Some(SourceReading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
             Some(_) => self.say("not-known").to_string(),
             None => self.say("temperature-no-reading").to_string(),
         }
@@ -54,7 +54,7 @@ impl View<'_> {
     /// Age of the last reading, or since when it is not valid any more. In the past it counts from the recorded entry: a repeated
     /// equal reading is not recorded.
     pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
-        let Reading { celsius, read, silent_since } = self.shown()?;
+        let SourceReading { celsius, read, silent_since } = self.shown()?;
         let time = |wall: &WallTime| self.zone().clock_time(*wall);
         Some(match (silent_since, read, self.then) {
             (Some(_), _, Some(_)) => self.say("reading-lost-then").with("last", self.degrees(&celsius)).markup(),
@@ -91,7 +91,7 @@ impl View<'_> {
     /// Every reading that keeps the hall too hot, and what ends it.
     pub(in super::super) fn heat(&self) -> Vec<String> {
         let cool = self.snapshot.temperature.cool;
-        let words = |source: &str, last: &Reading| {
+        let words = |source: &str, last: &SourceReading| {
             let said = match source {
                 OPERATOR => self.say("temperature-reported"),
                 sensor if last.silent_since.is_some() => self.say("temperature-sensor-silent").with("source", capital(sensor)),
@@ -102,7 +102,7 @@ impl View<'_> {
         self.hot().iter().map(|(source, last)| words(source, last)).collect()
     }
 
-    pub(super) fn hot(&self) -> &[(Arc<str>, Reading)] {
+    pub(super) fn hot(&self) -> &[(Arc<str>, SourceReading)] {
         &self.snapshot.temperature.hot
     }
 

@@ -1,9 +1,9 @@
 //! Serves one client: by a task of its own on the gate's thread, or, while there is little traffic, by the receiving thread in
 //! its place, because waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to
-//! the pump, which works the same for both.
+//! `client_io`, which works the same for both.
 //!
 //! ```text
-//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's desk ─► pump ─► Subscriber::put wakes a reader's desk ─► pump ─► its socket
+//!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► ClientIo ─► Subscriber::put wakes a reader's ─► ClientIo ─► its socket
 //!                             │ at once, while the allowance lasts           │ likewise
 //!   mqtt-gate                 └──────────── else, the task of each ──────────┘
 //! ```
@@ -20,28 +20,28 @@ use futures_util::task::AtomicWaker;
 use tokio::task::yield_now;
 use tokio::time::{Sleep, sleep_until};
 
-use super::pump::{Pump, Spell};
+use super::client_io::{ClientIo, TurnLength};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
 /// Share of the receiving thread's time that may go to serving (safety S7): one part in this many.
-const PART: u32 = 8;
+const SHARE: u32 = 8;
 
 /// Longest uninterrupted serving turn, when its time was saved up; the step under way is finished beyond it.
-const MOST: Duration = Duration::from_micros(500);
+const LONGEST_TURN: Duration = Duration::from_micros(500);
 
 /// Minimum saved time for a serving turn to begin.
-const LEAST: Duration = Duration::from_micros(100);
+const SHORTEST_TURN: Duration = Duration::from_micros(100);
 
 thread_local! {
     /// Woken desks to be served on this thread; `None` when it is not serving.
-    static LINE: RefCell<Option<VecDeque<Arc<Desk>>>> = const { RefCell::new(None) };
-    static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: MOST, at: Duration::ZERO }) };
+    static QUEUE: RefCell<Option<VecDeque<Arc<ClientService>>>> = const { RefCell::new(None) };
+    static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: LONGEST_TURN, at: Duration::ZERO }) };
 }
 
-pub(super) struct Desk {
+pub(super) struct ClientService {
     /// `None` when it is not served any more.
-    pump: Mutex<Option<Pump>>,
+    io: Mutex<Option<ClientIo>>,
     /// Wakes the client's own task.
     task: AtomicWaker,
 }
@@ -54,47 +54,47 @@ struct Allowance {
 }
 
 /// Makes this thread serve the desks that it wakes. Dropping it wakes the tasks of those not served.
-struct Line;
+struct ServiceQueue;
 
-impl Desk {
-    pub(super) fn new(pump: Pump) -> Arc<Desk> {
-        Arc::new(Desk { pump: Mutex::new(Some(pump)), task: AtomicWaker::new() })
+impl ClientService {
+    pub(super) fn new(io: ClientIo) -> Arc<ClientService> {
+        Arc::new(ClientService { io: Mutex::new(Some(io)), task: AtomicWaker::new() })
     }
 
     /// Serves until the end, and returns the reason.
-    pub(super) async fn serve(self: &Arc<Desk>, clock: Clock) -> Ended {
+    pub(super) async fn serve(self: &Arc<ClientService>, clock: Clock) -> Ended {
         let waker = Waker::from(Arc::clone(self));
         let mut alarm = Alarm(None);
         poll_fn(|cx| {
             self.task.register(cx.waker());
-            let mut desk = self.pump();
-            let Some(pump) = desk.as_mut() else { return Poll::Ready(Ended::Gone) };
-            if let Poll::Ready(ended) = pump.poll(Spell::Long, &mut Context::from_waker(&waker)) {
+            let mut service = self.io();
+            let Some(io) = service.as_mut() else { return Poll::Ready(Ended::Gone) };
+            if let Poll::Ready(ended) = io.poll(TurnLength::Long, &mut Context::from_waker(&waker)) {
                 return Poll::Ready(ended);
             }
-            if pump.wants_turn() {
+            if io.wants_turn() {
                 // Yields to all others, including those woken by another thread: a task that only wakes itself again would block
                 // them.
                 let _ = pin!(yield_now()).poll(cx);
             }
-            alarm.set(pump.due(), clock, cx);
+            alarm.set(io.due(), clock, cx);
             Poll::Pending
         })
         .await
     }
 
-    /// Ends the serving, and returns the pump.
-    pub(super) fn close(&self) -> Option<Pump> {
-        self.pump().take()
+    /// Ends the serving, and returns what served.
+    pub(super) fn close(&self) -> Option<ClientIo> {
+        self.io().take()
     }
 
     /// Does one step of each kind, in place of the task.
-    fn serve_here(self: Arc<Desk>) {
+    fn serve_here(self: Arc<ClientService>) {
         let waker = Waker::from(Arc::clone(&self));
-        let (wants_task, wants_turn) = match self.pump.try_lock() {
-            Ok(mut desk) => desk.as_mut().map_or((false, false), |pump| {
-                let _ = pump.poll(Spell::Short, &mut Context::from_waker(&waker));
-                (pump.wants_task(), pump.wants_turn())
+        let (wants_task, wants_turn) = match self.io.try_lock() {
+            Ok(mut service) => service.as_mut().map_or((false, false), |io| {
+                let _ = io.poll(TurnLength::Short, &mut Context::from_waker(&waker));
+                (io.wants_task(), io.wants_turn())
             }),
             Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => (true, false),
         };
@@ -106,22 +106,22 @@ impl Desk {
         }
     }
 
-    fn pump(&self) -> MutexGuard<'_, Option<Pump>> {
-        self.pump.lock().unwrap_or_else(PoisonError::into_inner)
+    fn io(&self) -> MutexGuard<'_, Option<ClientIo>> {
+        self.io.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Wake for Desk {
-    fn wake(self: Arc<Desk>) {
-        let left = LINE.with_borrow_mut(|line| match line {
-            Some(line) => {
-                line.push_back(self);
+impl Wake for ClientService {
+    fn wake(self: Arc<ClientService>) {
+        let left = QUEUE.with_borrow_mut(|queue| match queue {
+            Some(queue) => {
+                queue.push_back(self);
                 None
             }
             None => Some(self),
         });
-        if let Some(desk) = left {
-            desk.task.wake();
+        if let Some(service) = left {
+            service.task.wake();
         }
     }
 }
@@ -131,41 +131,41 @@ impl Wake for Desk {
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
-    let _line = Line::begin();
+    let _queue = ServiceQueue::begin();
     ring();
-    while let Some(desk) = Line::next() {
+    while let Some(service) = ServiceQueue::next() {
         if clock.since_start() >= began + allowed {
-            desk.task.wake();
+            service.task.wake();
         } else {
-            desk.serve_here();
+            service.serve_here();
         }
     }
     ALLOWANCE.with_borrow_mut(|allowance| allowance.end(began, clock.since_start()));
 }
 
-impl Line {
-    fn begin() -> Line {
-        LINE.set(Some(VecDeque::new()));
-        Line
+impl ServiceQueue {
+    fn begin() -> ServiceQueue {
+        QUEUE.set(Some(VecDeque::new()));
+        ServiceQueue
     }
 
-    fn next() -> Option<Arc<Desk>> {
-        LINE.with_borrow_mut(|line| line.as_mut()?.pop_front())
+    fn next() -> Option<Arc<ClientService>> {
+        QUEUE.with_borrow_mut(|queue| queue.as_mut()?.pop_front())
     }
 }
 
-impl Drop for Line {
+impl Drop for ServiceQueue {
     fn drop(&mut self) {
-        LINE.take().into_iter().flatten().for_each(|desk| desk.task.wake());
+        QUEUE.take().into_iter().flatten().for_each(|service| service.task.wake());
     }
 }
 
 impl Allowance {
     /// Time for a serving turn now; `None` when it is not worth while.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
-        self.saved = (self.saved + now.saturating_sub(self.at) / PART).min(MOST);
+        self.saved = (self.saved + now.saturating_sub(self.at) / SHARE).min(LONGEST_TURN);
         self.at = now;
-        (self.saved >= LEAST).then_some(self.saved)
+        (self.saved >= SHORTEST_TURN).then_some(self.saved)
     }
 
     fn end(&mut self, began: Duration, now: Duration) {
@@ -199,7 +199,7 @@ mod tests {
     /// Safety S7.
     #[test]
     fn no_more_than_a_part_of_the_time_is_spent_on_serving() {
-        let mut allowance = Allowance { saved: MOST, at: Duration::ZERO };
+        let mut allowance = Allowance { saved: LONGEST_TURN, at: Duration::ZERO };
         let (mut now, mut spent) = (Duration::from_secs(100), Duration::ZERO);
         let until = now + Duration::from_secs(10);
         while now < until {
@@ -211,7 +211,7 @@ mod tests {
                 now += Duration::from_micros(7);
             }
         }
-        assert!(spent <= Duration::from_secs(10) / PART + MOST && spent > Duration::from_secs(1), "{spent:?}");
+        assert!(spent <= Duration::from_secs(10) / SHARE + LONGEST_TURN && spent > Duration::from_secs(1), "{spent:?}");
     }
 
     /// A turn that takes longer than allowed uses up later savings.
@@ -219,9 +219,9 @@ mod tests {
     fn what_is_saved_has_an_end_and_what_took_too_long_is_made_up_for() {
         let mut allowance = Allowance { saved: Duration::ZERO, at: Duration::ZERO };
         let (now, took) = (Duration::from_secs(100), Duration::from_millis(3));
-        assert_eq!(allowance.begin(now), Some(MOST));
+        assert_eq!(allowance.begin(now), Some(LONGEST_TURN));
         allowance.end(now, now + took);
-        assert_eq!(allowance.begin(now + took + PART * LEAST - Duration::from_micros(8)), None);
-        assert_eq!(allowance.begin(now + took + PART * LEAST), Some(LEAST));
+        assert_eq!(allowance.begin(now + took + SHARE * SHORTEST_TURN - Duration::from_micros(8)), None);
+        assert_eq!(allowance.begin(now + took + SHARE * SHORTEST_TURN), Some(SHORTEST_TURN));
     }
 }

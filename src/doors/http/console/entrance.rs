@@ -36,7 +36,7 @@ pub(super) enum Column {
 
 /// The area before the entrance of a hall as it is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Porch {
+pub(super) struct Entrance {
     /// A tenth of a cell as drawn here, in the picture's units.
     tenth: i32,
     /// Its southern edge, which is the northern edge of the hall's picture including labels.
@@ -45,10 +45,10 @@ pub(super) struct Porch {
     home: i32,
 }
 
-impl Porch {
-    pub(super) fn of(map: &HallMap) -> Porch {
+impl Entrance {
+    pub(super) fn of(map: &HallMap) -> Entrance {
         let tenth = CELL * larger(map) / 10;
-        Porch { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
+        Entrance { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
     }
 
     /// By how much the picture is higher with it.
@@ -73,7 +73,7 @@ impl Porch {
 
     /// The ground, the way out from home, and the container with its contents.
     pub(super) fn draw(self, language: Language, group: &mut String, secured: &[LuggageId]) {
-        let Porch { tenth, south, home } = self;
+        let Entrance { tenth, south, home } = self;
         let (west, width, height) = (home - 8 * tenth, (END + 8) * tenth, ROWS * ROW * tenth);
         write(
             group,
@@ -143,13 +143,16 @@ mod tests {
         let mut map = drawn(&["111"], 1);
         for far in [Cell::new(3, 3), Cell::new(150, 3), Cell::new(0, -30)] {
             map.mark(far, Mark::Visited, Revision(2));
-            let porch = Porch::of(&map);
+            let entrance = Entrance::of(&map);
             let columns = [Column::WayOut, Column::Waiting(0), Column::Waiting(1), Column::Waiting(2)];
-            let places: Vec<_> = columns.iter().flat_map(|column| [1, 2].map(|steps| porch.middle(steps, *column))).collect();
+            let places: Vec<_> = columns.iter().flat_map(|column| [1, 2].map(|steps| entrance.middle(steps, *column))).collect();
             for (place, (x, y)) in places.iter().enumerate() {
-                assert!(*y < porch.south && *y > porch.south - porch.height() && *x < porch.east(), "{x} {y} at {far}");
+                assert!(
+                    *y < entrance.south && *y > entrance.south - entrance.height() && *x < entrance.east(),
+                    "{x} {y} at {far}"
+                );
                 let apart = |(a, b): &(i32, i32)| (x - a).abs() + (y - b).abs();
-                assert!(places.iter().skip(place + 1).all(|other| apart(other) >= 10 * porch.tenth), "{x} {y} at {far}");
+                assert!(places.iter().skip(place + 1).all(|other| apart(other) >= 10 * entrance.tenth), "{x} {y} at {far}");
             }
         }
     }
@@ -158,7 +161,7 @@ mod tests {
     fn the_container_shows_what_is_in_it_and_counts_what_has_no_room() {
         let draw = |most: u64| {
             let mut group = String::new();
-            Porch::of(&drawn(&["1"], 1)).draw(Language::English, &mut group, &(1..=most).map(LuggageId).collect::<Vec<_>>());
+            Entrance::of(&drawn(&["1"], 1)).draw(Language::English, &mut group, &(1..=most).map(LuggageId).collect::<Vec<_>>());
             group
         };
         assert!(draw(0).contains("container: empty") && !draw(0).contains("piece danger"));

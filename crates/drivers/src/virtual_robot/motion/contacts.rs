@@ -2,11 +2,10 @@
 
 use std::time::Duration;
 
-use super::measures::{LATE_WORD, LATENCY, SLOWEST, STEPS};
-use super::reckoning::{DRIFT, Drift};
-use super::room::{BORDER, REACHED};
-use super::unheard::Unheard;
-use super::{Aim, Leg, Stage, Then, VirtualRobot, Way};
+use super::super::reckoning::{DRIFT, Drift};
+use super::super::room::{BORDER, REACHED};
+use super::super::{Aim, Leg, LegStage, Then, VirtualRobot, Way};
+use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
@@ -34,22 +33,22 @@ const FURTHER: f64 = 0.4;
 
 impl VirtualRobot {
     /// Something was met.
-    pub(super) fn contact(&mut self, name: Option<String>) {
+    pub(in super::super) fn contact(&mut self, name: Option<String>) {
         let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
         let (Way::Straight { towards, cells, before, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
             // In a turn nothing is met.
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
-            Stage::Sent(sent) => self.now.saturating_sub(sent),
-            Stage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
-            Stage::Fresh | Stage::Refused(_) | Stage::Queued => return,
+            LegStage::Sent(sent) => self.now.saturating_sub(sent),
+            LegStage::Halting { lasted, .. } => lasted.min(leg.lasts()) + self.latency(),
+            LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued => return,
         };
         let driven = since_sent.saturating_sub(self.latency()).min(leg.lasts());
         let way = driven.div_duration_f64(self.step).min(cells);
         let name = name.or_else(|| self.met_by_room(towards, way));
         (self.met, self.is_changed, self.stepped) = (name.clone(), true, None);
-        if matches!(leg.stage, Stage::Halting { .. }) {
+        if matches!(leg.stage, LegStage::Halting { .. }) {
             return self.contact_while_halting(name.as_deref(), towards, way);
         }
         if aim == Aim::Feel {
@@ -126,7 +125,7 @@ impl VirtualRobot {
     }
 
     /// Once, at the first contact: back for as long as it drove, and forward against it again.
-    pub(super) fn retreat(&mut self, driven: Duration, then: Then) {
+    pub(in super::super) fn retreat(&mut self, driven: Duration, then: Then) {
         self.first_contact = Some(driven);
         self.aim(Aim::Retreat(then));
         let towards = self.moves_towards();
@@ -225,7 +224,7 @@ impl VirtualRobot {
     }
 
     /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
-    pub(super) fn stand_elsewhere(&mut self, cell: Cell) {
+    pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
             (self.astray, self.wandered) = (0, 0);
@@ -270,18 +269,6 @@ impl VirtualRobot {
         if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
             self.lose(LATE_WORD);
         }
-    }
-
-    /// Which way the leg under way goes, and whether backwards.
-    pub(super) fn moves_towards(&self) -> Heading {
-        match self.leg().map(|leg| leg.way) {
-            Some(Way::Straight { towards, .. }) => towards,
-            Some(Way::Turn { .. }) | None => self.reckoning.pose().heading,
-        }
-    }
-
-    pub(super) fn moves_backward(&self) -> bool {
-        matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
     }
 }
 

@@ -14,7 +14,7 @@ use hallsweep_core::snapshot::Snapshot;
 /// Minimum time between two states.
 const PACE: Duration = Duration::from_millis(100);
 
-pub(super) struct Household {
+pub(super) struct HomeAssistantFeed {
     pub(super) photos: Photos,
     config: Bytes,
     is_introduced: bool,
@@ -23,9 +23,9 @@ pub(super) struct Household {
     next: Duration,
 }
 
-impl Household {
-    pub(super) fn new(topics: &Topics) -> Household {
-        Household {
+impl HomeAssistantFeed {
+    pub(super) fn new(topics: &Topics) -> HomeAssistantFeed {
+        HomeAssistantFeed {
             photos: Photos::default(),
             config: discovery::config(topics, env!("CARGO_PKG_VERSION")).to_string().into(),
             is_introduced: false,

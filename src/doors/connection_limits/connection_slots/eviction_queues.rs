@@ -5,36 +5,36 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::hash::Hash;
 
-use super::{Claim, Stage, Who};
+use super::{Activity, SlotClaim, Who};
 use crate::access::Network;
 
 /// Position in the order of giving way: strangers go first, operators last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Turn {
+pub(super) struct EvictionTurn {
     pub(super) rank: u8,
-    pub(super) stage: Stage,
+    pub(super) activity: Activity,
     pub(super) since: u64,
     pub(super) number: u64,
 }
 
 #[derive(Default)]
-pub(super) struct Queues {
-    operators: Queue,
-    others: Queue,
-    keys: HashMap<Who, Queue>,
-    networks: HashMap<Network, Queue>,
+pub(super) struct EvictionQueues {
+    operators: EvictionQueue,
+    others: EvictionQueue,
+    keys: HashMap<Who, EvictionQueue>,
+    networks: HashMap<Network, EvictionQueue>,
 }
 
 /// Connections that have something in common.
 #[derive(Default)]
-struct Queue {
+struct EvictionQueue {
     many: usize,
     /// Those that can give way at all.
-    yielding: BTreeSet<Turn>,
+    yielding: BTreeSet<EvictionTurn>,
 }
 
-impl Queues {
-    pub(super) fn enter(&mut self, claim: &Claim, turn: Turn) {
+impl EvictionQueues {
+    pub(super) fn enter(&mut self, claim: &SlotClaim, turn: EvictionTurn) {
         self.everybody(claim).enter(turn);
         if let Some(who) = &claim.who {
             self.keys.entry(who.clone()).or_default().enter(turn);
@@ -42,7 +42,7 @@ impl Queues {
         self.networks.entry(claim.network).or_default().enter(turn);
     }
 
-    pub(super) fn leave(&mut self, claim: &Claim, turn: Turn) {
+    pub(super) fn leave(&mut self, claim: &SlotClaim, turn: EvictionTurn) {
         self.everybody(claim).leave(turn);
         if let Some(who) = &claim.who {
             leave(&mut self.keys, who.clone(), turn);
@@ -51,24 +51,24 @@ impl Queues {
     }
 
     /// Number of all connections, and the first to give way.
-    pub(super) fn of_all(&self) -> (usize, Option<Turn>) {
+    pub(super) fn of_all(&self) -> (usize, Option<EvictionTurn>) {
         let ((operators, last), (others, first)) = (self.operators.first(), self.others.first());
         (operators + others, first.or(last))
     }
 
     /// Number of connections of non-operators, and the first to give way.
-    pub(super) fn of_others(&self) -> (usize, Option<Turn>) {
+    pub(super) fn of_others(&self) -> (usize, Option<EvictionTurn>) {
         self.others.first()
     }
 
     /// Number of connections of the claim's key, and the first to give way; none without a key.
-    pub(super) fn of_key(&self, claim: &Claim) -> (usize, Option<Turn>) {
-        claim.who.as_ref().and_then(|who| self.keys.get(who)).map(Queue::first).unwrap_or_default()
+    pub(super) fn of_key(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
+        claim.who.as_ref().and_then(|who| self.keys.get(who)).map(EvictionQueue::first).unwrap_or_default()
     }
 
     /// Number of connections of the claim's network, and the first to give way.
-    pub(super) fn of_network(&self, claim: &Claim) -> (usize, Option<Turn>) {
-        self.networks.get(&claim.network).map(Queue::first).unwrap_or_default()
+    pub(super) fn of_network(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
+        self.networks.get(&claim.network).map(EvictionQueue::first).unwrap_or_default()
     }
 
     /// Whether there are no connections, and no leftover entries of keys or networks.
@@ -78,31 +78,31 @@ impl Queues {
         self.of_all().0 == 0 && !is_kept
     }
 
-    fn everybody(&mut self, claim: &Claim) -> &mut Queue {
+    fn everybody(&mut self, claim: &SlotClaim) -> &mut EvictionQueue {
         if claim.is_operator() { &mut self.operators } else { &mut self.others }
     }
 }
 
-impl Queue {
-    fn enter(&mut self, turn: Turn) {
+impl EvictionQueue {
+    fn enter(&mut self, turn: EvictionTurn) {
         self.many += 1;
-        if turn.stage != Stage::Watching {
+        if turn.activity != Activity::Watching {
             self.yielding.insert(turn);
         }
     }
 
-    fn leave(&mut self, turn: Turn) {
+    fn leave(&mut self, turn: EvictionTurn) {
         self.many -= 1;
         self.yielding.remove(&turn);
     }
 
-    fn first(&self) -> (usize, Option<Turn>) {
+    fn first(&self) -> (usize, Option<EvictionTurn>) {
         (self.many, self.yielding.first().copied())
     }
 }
 
 /// Removes the entry of a key or network with its last connection.
-fn leave<K: Eq + Hash>(queues: &mut HashMap<K, Queue>, of: K, turn: Turn) {
+fn leave<K: Eq + Hash>(queues: &mut HashMap<K, EvictionQueue>, of: K, turn: EvictionTurn) {
     if let Entry::Occupied(mut queue) = queues.entry(of) {
         queue.get_mut().leave(turn);
         if queue.get().many == 0 {

@@ -23,7 +23,7 @@ use hallsweep_core::units::Seq;
 
 /// Result of comparing a journal with archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Together {
+pub struct ArchiveCheck {
     /// Number of archives; one that was named twice counts once.
     pub archives: usize,
     /// One sentence for each fault; empty when each archive is as it was written and they follow each other from the first entry
@@ -41,7 +41,7 @@ struct OpenArchive {
 }
 
 /// Compares archives with the journal of this folder and with each other.
-pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<Together, Unreadable> {
+pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if let Format::Older(version) = schema::format(journal).map_err(words)? {
         return Err(words(Fault::Older(version)));
@@ -65,7 +65,7 @@ pub(super) fn held_together(journal: &Connection, folder: &Folder, files: &[Path
         let last = last.unwrap_or_default();
         faults.push(format!("entries 1 to {} are in archives that were not named{last}", begins.seq));
     }
-    Ok(Together { archives: archives.len(), faults })
+    Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
 /// Faults between an archive and what begins after it, by its name; or those of an unpacked one.

@@ -1,11 +1,11 @@
 //! Delivery of a message by a router other than the gate itself. Readers whom the router has not reached get the
-//! message when its passage is dropped, so that nobody misses one: a router may be slow, lose messages or die.
+//! message when its delivery is dropped, so that nobody misses one: a router may be slow, lose messages or die.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::message::Message;
-use crate::subscriber::{Delivery, Reader, Subscriber};
+use crate::subscriber::{Delivery, Subscriber, TopicReader};
 
 /// Carries messages to subscribers. No method may block.
 pub trait Router: Debug + Send + Sync {
@@ -16,27 +16,27 @@ pub trait Router: Debug + Send + Sync {
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
     /// Delivers a message to its readers.
-    fn carry(&self, passage: Passage);
+    fn carry(&self, delivery: RoutedDelivery);
 }
 
 /// A message on its way to its readers.
 #[derive(Debug)]
-pub struct Passage {
+pub struct RoutedDelivery {
     message: Arc<Message>,
     /// Readers whom it has not reached yet.
-    readers: Vec<Reader>,
+    readers: Vec<TopicReader>,
     /// Whether it may wait for a subscriber that is away.
     has_room: bool,
 }
 
-impl Passage {
+impl RoutedDelivery {
     /// Begins the delivery. The message counts as waiting for its readers at once, since flooding publishers wait for
     /// those.
-    pub(crate) fn begin(message: Arc<Message>, readers: &[Reader], has_room: bool) -> Passage {
+    pub(crate) fn begin(message: Arc<Message>, readers: &[TopicReader], has_room: bool) -> RoutedDelivery {
         for reader in readers {
             reader.subscriber.expect(&message);
         }
-        Passage { message, readers: readers.to_vec(), has_room }
+        RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
     /// The topic on which it was published.
@@ -54,7 +54,7 @@ impl Passage {
         }
     }
 
-    fn bring(&self, reader: &Reader) {
+    fn bring(&self, reader: &TopicReader) {
         reader.subscriber.unexpect(&self.message);
         reader.subscriber.put(Delivery::of(&self.message, reader), || self.has_room);
     }
@@ -66,7 +66,7 @@ impl Passage {
     }
 }
 
-impl Drop for Passage {
+impl Drop for RoutedDelivery {
     fn drop(&mut self) {
         let readers = std::mem::take(&mut self.readers);
         readers.iter().for_each(|reader| self.bring(reader));

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use super::scene::{OPERATOR, Scene, TestRights, publish};
 use crate::packet::Qos;
-use crate::{Broker, Passage, Router, Subscriber, filter};
+use crate::{Broker, RoutedDelivery, Router, Subscriber, filter};
 
 /// Holds the messages that it is to carry, and knows who subscribes to what.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +13,7 @@ struct TestRouter(Arc<Mutex<Held>>);
 #[derive(Debug, Default)]
 struct Held {
     readers: Vec<(String, Arc<Subscriber>)>,
-    passages: Vec<Passage>,
+    deliveries: Vec<RoutedDelivery>,
 }
 
 impl Router for TestRouter {
@@ -25,8 +25,8 @@ impl Router for TestRouter {
         self.0.lock().unwrap().readers.retain(|(known, reader)| known != filter || !Arc::ptr_eq(reader, subscriber));
     }
 
-    fn carry(&self, passage: Passage) {
-        self.0.lock().unwrap().passages.push(passage);
+    fn carry(&self, delivery: RoutedDelivery) {
+        self.0.lock().unwrap().deliveries.push(delivery);
     }
 }
 
@@ -43,13 +43,13 @@ fn a_router_is_told_who_reads_what_and_brings_each_message_once() {
     writer.client(&[publish(0x34, "a/b", "x", 7), publish(0x30, "nobody", "y", 0)].concat()).unwrap();
     assert!(readers.iter_mut().all(|reader| reader.read().is_empty()), "it is on its way");
     {
-        let Held { readers, passages } = &mut *router.0.lock().unwrap();
-        assert_eq!((readers.len(), passages.len(), passages[0].topic()), (3, 1, "a/b"));
+        let Held { readers, deliveries } = &mut *router.0.lock().unwrap();
+        assert_eq!((readers.len(), deliveries.len(), deliveries[0].topic()), (3, 1, "a/b"));
         for (_, reader) in readers.iter().filter(|(filter, _)| filter::matches(filter, "a/b")) {
-            passages[0].arrive(reader);
+            deliveries[0].arrive(reader);
         }
-        assert!(passages[0].is_over());
-        passages.clear();
+        assert!(deliveries[0].is_over());
+        deliveries.clear();
     }
     assert_eq!(readers.each_mut().map(Scene::read), [["a/b=x q0"], ["a/b=x q2"]]);
     drop(readers);
@@ -65,9 +65,9 @@ fn what_was_not_brought_is_when_the_passage_is_over() {
     for payload in ["1", "2", "3"] {
         writer.client(&publish(0x32, "a", payload, 7)).unwrap();
     }
-    let mut passages = std::mem::take(&mut router.0.lock().unwrap().passages);
-    passages[0].arrive(&readers[1].connection.subscriber());
-    drop(passages);
+    let mut deliveries = std::mem::take(&mut router.0.lock().unwrap().deliveries);
+    deliveries[0].arrive(&readers[1].connection.subscriber());
+    drop(deliveries);
     assert_eq!(readers.each_mut().map(Scene::read), [["a=1 q1", "a=2 q1", "a=3 q1"]; 2]);
 }
 
@@ -81,7 +81,7 @@ fn what_is_on_its_way_counts_as_what_waits_and_once() {
     while !lags(&reader) {
         writer.client(&publish(0x30, "a", "x", 0)).unwrap();
     }
-    let on_their_way = std::mem::take(&mut router.0.lock().unwrap().passages);
+    let on_their_way = std::mem::take(&mut router.0.lock().unwrap().deliveries);
     let count = on_their_way.len();
     drop(on_their_way);
     assert!(lags(&reader));

@@ -1,13 +1,33 @@
-//! How the virtual robot's motions begin and end: what is heard while one is under way, what is not heard, and what follows for where it
-//! stands.
+//! How the virtual robot's motions begin and end: what is heard while one is under way, the way back to the centre of its cell, what is
+//! not heard because the link is lost or the program has ended, and what follows for where it stands. What it meets stands in
+//! `contacts`.
 
 use std::time::Duration;
 
-use super::measures::{CENTRED, FEELS, LATE_WORD, LATENCY};
-use super::{Aim, Command, Dialect, Leg, Stage, Then, VirtualRobot, Way};
+use super::{Aim, Command, Dialect, Leg, LegStage, TURN, Then, VirtualRobot, Way};
 use crate::Output;
-use hallsweep_core::event::RobotEvent;
+use hallsweep_core::effect::Action;
+use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::units::{Heading, Pose};
+
+mod contacts;
+
+/// What the word of a contact takes, before it was measured: a frame of the page, and the way.
+const LATENCY: Duration = Duration::from_millis(30);
+
+/// Nearer to the centre than a frame of the page brings it, it is centred.
+const CENTRED: f64 = 0.04;
+
+/// How far ahead it feels whether a step is complete.
+const FEELS: f64 = 0.3;
+
+/// A latency beyond this is none: the page has hung.
+pub(super) const SLOWEST: Duration = Duration::from_millis(500);
+
+const LATE_WORD: &str = "the word that it had met something came too late";
+
+/// Steps quicker or slower than these are none.
+pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
 /// Behind the end of a move so long is waited for the word of a contact at its very end, beside the latency to and fro.
 const MARGIN: Duration = Duration::from_millis(60);
@@ -39,6 +59,30 @@ const ALARM_SERVES: Duration = Duration::from_millis(100);
 /// A move that is not acknowledged so long after its end was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
+/// As far beside the centre it may stand, in cells: nearer than that it meets nothing that is not in its way.
+const BESIDE: f64 = 0.15;
+
+/// A link that is lost so soon after a move was sent may have been lost before the robot heard of it, and where the server is slow, later.
+const BEGUN: Duration = Duration::from_millis(10);
+
+/// What is to be done when nobody knows where it stands.
+const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
+
+/// What is to be done when its places on record may be wrong as well.
+const BEGIN_ANEW: &str =
+    "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
+
+/// Advice added where its scene file would have helped.
+const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
+
+/// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Unheard {
+    pub(super) towards: Heading,
+    pub(super) cells: f64,
+    pub(super) felt: f64,
+}
+
 /// In how many legs a way is driven that takes so long.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "no way takes longer than some seconds")]
 pub(super) fn legs(lasts: Duration) -> u32 {
@@ -66,7 +110,7 @@ impl VirtualRobot {
     }
 
     pub(super) fn set_out(&mut self, way: Way) {
-        let leg = Leg::new(way, Stage::Fresh);
+        let leg = Leg::new(way, LegStage::Fresh);
         if let Some(task) = &mut self.task {
             task.leg = Some(leg);
         }
@@ -79,7 +123,7 @@ impl VirtualRobot {
     /// Gives the leg to the robot.
     pub(super) fn queue(&mut self) {
         let Some(leg) = self.leg_mut() else { return };
-        leg.stage = Stage::Queued;
+        leg.stage = LegStage::Queued;
         let command = leg.command();
         self.send(command);
         self.is_changed = true;
@@ -89,11 +133,11 @@ impl VirtualRobot {
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
-            Stage::Refused(until) | Stage::Halting { until, .. } => Some(until),
-            Stage::Fresh | Stage::Queued => None,
-            Stage::Sent(sent) if self.owes_alarm => Some(self.end_of(leg, sent)),
-            Stage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
-            Stage::Sent(sent) => Some(self.end_of(leg, sent)),
+            LegStage::Refused(until) | LegStage::Halting { until, .. } => Some(until),
+            LegStage::Fresh | LegStage::Queued => None,
+            LegStage::Sent(sent) if self.owes_alarm => Some(self.end_of(leg, sent)),
+            LegStage::Sent(sent) if self.awaits_word(leg) => Some(self.end_of(leg, sent) + UNACKNOWLEDGED),
+            LegStage::Sent(sent) => Some(self.end_of(leg, sent)),
         }
     }
 
@@ -119,14 +163,14 @@ impl VirtualRobot {
         }
         let Some(leg) = self.leg().copied() else { return };
         match leg.stage {
-            Stage::Refused(_) => self.queue(),
-            Stage::Halting { lasted, .. } => self.halted(leg, lasted),
-            Stage::Sent(_) if self.awaits_word(&leg) => {
+            LegStage::Refused(_) => self.queue(),
+            LegStage::Halting { lasted, .. } => self.halted(leg, lasted),
+            LegStage::Sent(_) if self.awaits_word(&leg) => {
                 self.alarm();
                 self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
             }
-            Stage::Sent(_) => self.ended(leg),
-            Stage::Fresh | Stage::Queued => {}
+            LegStage::Sent(_) => self.ended(leg),
+            LegStage::Fresh | LegStage::Queued => {}
         }
     }
 
@@ -145,14 +189,14 @@ impl VirtualRobot {
     }
 
     /// What has not gone out by now does not go out any more, but an alarm.
-    pub(super) fn forget_unsent(&mut self) {
+    fn forget_unsent(&mut self) {
         let alarm = self.written(Command::Alarm);
         self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
     }
 
     /// Whether the leg was handed over to be sent, and nobody has said that it was.
-    pub(super) fn is_on_its_way(&self) -> bool {
-        let is_queued = self.leg().is_some_and(|leg| leg.stage == Stage::Queued);
+    fn is_on_its_way(&self) -> bool {
+        let is_queued = self.leg().is_some_and(|leg| leg.stage == LegStage::Queued);
         is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
     }
 
@@ -230,14 +274,14 @@ impl VirtualRobot {
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
-        let Stage::Sent(sent) = leg.stage else { return };
+        let LegStage::Sent(sent) = leg.stage else { return };
         if name.is_some_and(|name| name != leg.command().word()) || now.saturating_sub(sent) > soon {
             return;
         }
         let (since, is_alarmed) = leg.refused.unwrap_or((now, false));
         let waited = now.saturating_sub(since);
         let is_halted = leg.is_halted;
-        leg.stage = Stage::Refused(now + AGAIN);
+        leg.stage = LegStage::Refused(now + AGAIN);
         leg.refused = Some((since, is_alarmed || waited >= FREED));
         self.is_changed = true;
         if is_halted || (waited >= FREED && !is_alarmed) {
@@ -265,23 +309,23 @@ impl VirtualRobot {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
         match (leg.stage, leg.way) {
-            (Stage::Sent(sent), Way::Straight { .. }) => {
+            (LegStage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
                 // What the next program must know changes by it.
                 self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
-                    leg.stage = Stage::Halting { lasted, until };
+                    leg.stage = LegStage::Halting { lasted, until };
                 }
             }
-            (Stage::Sent(_), Way::Turn { .. }) => {
+            (LegStage::Sent(_), Way::Turn { .. }) => {
                 self.owes_alarm = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.is_halted = true;
                 }
             }
-            (Stage::Halting { .. }, _) => self.alarm(),
-            (Stage::Fresh | Stage::Refused(_) | Stage::Queued, _) => {
+            (LegStage::Halting { .. }, _) => self.alarm(),
+            (LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued, _) => {
                 self.alarm();
                 let off_centre = self.off_centre;
                 self.answer(|order| RobotEvent::Halted(order, off_centre));
@@ -297,13 +341,13 @@ impl VirtualRobot {
 
     fn cut_short(&mut self, leg: Leg) {
         match leg.stage {
-            Stage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
-            Stage::Halting { lasted, .. } => self.moved_for(leg, lasted),
-            Stage::Fresh | Stage::Refused(_) | Stage::Queued => {}
+            LegStage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
+            LegStage::Halting { lasted, .. } => self.moved_for(leg, lasted),
+            LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued => {}
         }
     }
 
-    pub(super) fn moved_for(&mut self, leg: Leg, lasted: Duration) {
+    fn moved_for(&mut self, leg: Leg, lasted: Duration) {
         if let Way::Straight { towards, lasts, .. } = leg.way {
             self.moved(towards, lasted.min(lasts).div_duration_f64(self.step));
         }
@@ -315,6 +359,157 @@ impl VirtualRobot {
         match &mut self.unheard {
             Some(unheard) => unheard.felt += cells,
             None => self.reckoning.advance(towards, cells),
+        }
+    }
+
+    /// Which way the leg under way goes, and whether backwards.
+    pub(super) fn moves_towards(&self) -> Heading {
+        match self.leg().map(|leg| leg.way) {
+            Some(Way::Straight { towards, .. }) => towards,
+            Some(Way::Turn { .. }) | None => self.reckoning.pose().heading,
+        }
+    }
+
+    pub(super) fn moves_backward(&self) -> bool {
+        matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
+    }
+
+    /// Senses, as far as that is needed, and goes back to the centre of its cell.
+    pub(super) fn begin_recentring(&mut self) {
+        if self.unheard.is_some() {
+            self.aim(Aim::Feel);
+            return self.drive(self.reckoning.pose().heading, FEELS, false);
+        }
+        self.go_back();
+    }
+
+    /// One leg further towards the centre of its cell, or the end of the order when it is there.
+    pub(super) fn go_back(&mut self) {
+        let Pose { cell, heading } = self.reckoning.pose();
+        let ahead = self.reckoning.way_to(cell, heading);
+        if ahead.abs() <= CENTRED {
+            return if self.is_recentring() && self.room.is_some() { self.turn_aside() } else { self.came_back() };
+        }
+        if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return | Aim::Gauged)) {
+            self.aim(Aim::Back);
+        }
+        let cells = ahead.abs();
+        if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
+    }
+
+    fn is_recentring(&self) -> bool {
+        self.task.as_ref().is_some_and(|task| (task.action, task.aim) == (Action::Recentre, Aim::Back))
+    }
+
+    /// Who knows the room may know that it stands beside the centre as well. What lies there it is not to meet, so it turns towards the
+    /// centre, and stays as it stands then.
+    fn turn_aside(&mut self) {
+        let Pose { cell, heading } = self.reckoning.pose();
+        let right = self.reckoning.way_to(cell, heading.right());
+        if right.abs() <= BESIDE {
+            return self.came_back();
+        }
+        let (heading, left) = if right > 0.0 { (heading.right(), false) } else { (heading.left(), true) };
+        self.aim(Aim::Aside(Pose { cell, heading }));
+        self.set_out(Way::Turn { left, lasts: TURN });
+    }
+
+    fn turned_aside(&mut self, pose: Pose, is_halted: bool) {
+        self.reckoning.complete(pose);
+        self.off_centre = true;
+        self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: true }));
+        if is_halted {
+            return self.answer(|order| RobotEvent::Halted(order, true));
+        }
+        self.aim(Aim::Back);
+        self.go_back();
+    }
+
+    fn came_back(&mut self) {
+        match self.task.as_ref().map(|task| task.aim) {
+            Some(Aim::Return) => return self.came_back_touched(),
+            Some(Aim::Gauged) => return self.came_back_gauged(),
+            _ => {}
+        }
+        self.off_centre = false;
+        self.answer(RobotEvent::Done);
+    }
+
+    /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
+    pub(super) fn lose(&mut self, words: &str) {
+        self.reckoning.doubt();
+        let advice = if self.room.is_none() { WITH_SCENE } else { "" };
+        self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
+    }
+
+    /// Nobody knows any more where it stands.
+    pub(super) fn lose_sight(&mut self, words: &str) {
+        self.fail_lost(format!("{words}. {PUT_HOME}"));
+    }
+
+    pub(super) fn fail_lost(&mut self, words: String) {
+        // Nothing is on its way any more, and whoever has no order open is told with the next.
+        self.forget_unsent();
+        (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
+        self.fail(&words);
+        self.lost = Some(words);
+    }
+
+    /// Nobody knows whether it was told to move.
+    fn left_in_doubt(&mut self) {
+        self.off_centre = true;
+        self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
+    }
+
+    /// It was going forward against something that stands there, and has met it by itself; of what is behind it nobody knows.
+    fn left_against_something(&mut self, backward: bool) {
+        let heading = self.reckoning.pose().heading;
+        match self.reckoning.contact_ahead() {
+            Some((way, true)) if !backward => self.reckoning.advance(heading, way),
+            Some(_) | None => self.left_in_doubt(),
+        }
+    }
+
+    /// The link is lost, or the program has ended: what is under way ends by itself, and nobody hears how. On the way back and in a turn
+    /// nothing is to be met.
+    pub(super) fn leave_unheard(&mut self) {
+        let is_on_its_way = self.is_on_its_way();
+        self.forget_unsent();
+        let Some(task) = self.task.take() else { return };
+        self.is_changed = true;
+        let may_be_unheard = BEGUN + self.greeted_after;
+        let Some(leg) = task.leg.filter(|leg| leg.is_sent() || is_on_its_way) else { return };
+        if is_on_its_way || matches!(leg.stage, LegStage::Sent(sent) if self.now.saturating_sub(sent) < may_be_unheard) {
+            return self.left_in_doubt();
+        }
+        self.off_centre |= matches!(leg.way, Way::Straight { .. });
+        if let LegStage::Halting { lasted, .. } = leg.stage
+            && !matches!(task.aim, Aim::Step(_))
+        {
+            return self.moved_for(leg, lasted);
+        }
+        match (leg.way, task.aim) {
+            (Way::Turn { .. }, Aim::Turn(to) | Aim::Aside(to)) => self.reckoning.complete(to),
+            (Way::Straight { towards, cells, .. }, Aim::Step(_)) => {
+                let cells = match leg.stage {
+                    LegStage::Halting { lasted, .. } => cells.min(lasted.div_duration_f64(self.step)),
+                    LegStage::Fresh | LegStage::Refused(_) | LegStage::Queued | LegStage::Sent(_) => cells,
+                };
+                self.unheard = Some(Unheard { towards, cells, felt: 0.0 });
+            }
+            (Way::Straight { cells, .. }, Aim::Feel) => {
+                if let Some(unheard) = &mut self.unheard {
+                    unheard.felt += cells;
+                }
+            }
+            (
+                Way::Straight { towards, cells, .. },
+                Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged | Aim::Draw,
+            ) => {
+                self.reckoning.advance(towards, cells);
+            }
+            (Way::Straight { backward, .. }, Aim::Measure(_) | Aim::Touch { .. }) => self.left_against_something(backward),
+            (Way::Turn { .. }, _) => {}
         }
     }
 }

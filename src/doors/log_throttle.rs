@@ -10,7 +10,7 @@ use crate::runtime::clock::Clock;
 const SILENCE: Duration = Duration::from_secs(10);
 
 #[derive(Debug, Default)]
-pub(super) struct Seldom {
+pub(super) struct LogThrottle {
     clock: Clock,
     count: Mutex<Count>,
 }
@@ -21,7 +21,7 @@ struct Count {
     next: Duration,
 }
 
-impl Seldom {
+impl LogThrottle {
     /// Counts one more event; returns the number since the last line when it is time for another.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)

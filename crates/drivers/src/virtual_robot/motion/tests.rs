@@ -1,6 +1,6 @@
 //! Tests of the virtual robot's motions: what is not sent, not heard, heard too late, or refused.
 
-use super::super::Task;
+use super::super::OrderTask;
 use super::*;
 use crate::Driver;
 use hallsweep_core::command::Move;
@@ -292,7 +292,7 @@ fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
         test.passes(Duration::from_millis(late));
         let said = format!("{{\"endmove\":false,\"move\":\"{name}_notallowed\"}}");
         test.robot.handle_received(said.as_bytes(), test.now);
-        assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, Stage::Sent(_))), "{name} after {late} ms");
+        assert!(test.robot.leg().is_some_and(|leg| matches!(leg.stage, LegStage::Sent(_))), "{name} after {late} ms");
     }
 }
 
@@ -364,10 +364,10 @@ fn one_that_is_lost_against_something_behind_it_is_not_taken_to_stand_before_wha
             rest: 0.0,
             before: Duration::ZERO,
         };
-        let leg = Some(Leg::new(way, Stage::Sent(Duration::ZERO)));
+        let leg = Some(Leg::new(way, LegStage::Sent(Duration::ZERO)));
         let aim = Aim::Touch { is_certain: true, further: 0 };
         test.robot.task =
-            Some(Task { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
+            Some(OrderTask { order: OrderId(1), action: Action::Recentre, deadline: Duration::MAX, aim, leg, hindered: 0 });
         test.now.since_start += Duration::from_secs(1);
         test.robot.handle_lost("the cable was pulled", test.now);
         assert_eq!(test.robot.lost.is_some(), is_lost, "backward: {backward}");
@@ -380,7 +380,7 @@ fn back_from_touching_or_gauging_a_recentring_is_done() {
         let mut test = Test::connected();
         (test.robot.gauge, test.robot.gauged) = (Some(7.0), Duration::from_secs(3));
         let (order, deadline) = (OrderId(1), Duration::MAX);
-        test.robot.task = Some(Task { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
+        test.robot.task = Some(OrderTask { order, action: Action::Recentre, deadline, aim, leg: None, hindered: 0 });
         test.robot.go_back();
         assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Done(order))), "{aim:?}");
     }

@@ -1,6 +1,6 @@
 //! Moves bytes between a client and the gate, for as long as both go on. It interprets none of them: the gate decides what is
 //! passed on, and how much may wait. The client's input was searched for a STOP before it comes here, so nothing here is urgent:
-//! it works in short turns, and yields to others in between. The desk decides who polls it.
+//! it works in short turns, and yields to others in between. `client_service` decides who polls it.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -14,13 +14,12 @@ use tokio::sync::watch;
 use tokio::task::unconstrained;
 
 use super::client_ids::ClientId;
-use super::desk::Desk;
+use super::client_service::ClientService;
 use super::identity::Identity;
 use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
-use super::seats::{Seat, Unread};
 use crate::access::Access;
-use crate::doors::vestibule::Vestibule;
+use crate::doors::connection_limits::{PendingConnections, SessionPermit, UnreadBytes};
 use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
@@ -46,25 +45,25 @@ const MUCH: usize = 64 * 1024;
 /// Changes, or is closed, when the program ends.
 pub(super) type Running = watch::Receiver<()>;
 
-pub(super) struct Ends {
+pub(super) struct ClientEnds {
     pub(super) client: Writer,
     /// The client's input.
     pub(super) ahead: Taker,
-    pub(super) seat: Arc<Seat>,
+    pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
     /// Where closing connections wait, and this client's address.
-    pub(super) leaving: (Vestibule, IpAddr),
+    pub(super) leaving: (PendingConnections, IpAddr),
 }
 
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The connection to the gate, and the bytes for it.
-pub(super) struct Pump {
+pub(super) struct ClientIo {
     connection: ClientConnection,
     subscriber: Arc<Subscriber>,
     client: Writer,
     ahead: Taker,
-    seat: Arc<Seat>,
+    permit: Arc<SessionPermit>,
     clock: Clock,
     from_client: BytesMut,
     /// Whether complete packets may be left from the last turn.
@@ -84,10 +83,10 @@ struct LagWait {
     until: Duration,
 }
 
-/// Closes the desk when nobody serves there any more, because its wakers keep it alive.
-struct OpenDesk(Arc<Desk>);
+/// Closes the service when nobody serves there any more, because its wakers keep it alive.
+struct OpenService(Arc<ClientService>);
 
-impl Drop for OpenDesk {
+impl Drop for OpenService {
     fn drop(&mut self) {
         drop(self.0.close());
     }
@@ -95,7 +94,7 @@ impl Drop for OpenDesk {
 
 /// How long a thread serves a client before it does something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spell {
+pub(super) enum TurnLength {
     Short,
     Long,
 }
@@ -104,48 +103,48 @@ pub(super) enum Spell {
 type Did = Result<bool, Ended>;
 
 /// Runs until it has to end, and returns the reason.
-pub(super) async fn run(connection: ClientConnection, ends: Ends, mut running: Running, whose: Whose<'_>) -> Ended {
-    let Ends { client, ahead, seat, mut id, leaving } = ends;
+pub(super) async fn run(connection: ClientConnection, ends: ClientEnds, mut running: Running, whose: Whose<'_>) -> Ended {
+    let ClientEnds { client, ahead, permit, mut id, leaving } = ends;
     let subscriber = connection.subscriber();
-    let desk = OpenDesk(Desk::new(Pump::new(connection, (client, ahead, Arc::clone(&seat)), whose.2)));
+    let service = OpenService(ClientService::new(ClientIo::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
     let ended = tokio::select! {
-        ended = desk.0.serve(whose.2) => ended,
+        ended = service.0.serve(whose.2) => ended,
         () = id.wanted() => Ended::TakenOver,
         _ = running.changed() => Ended::Closing,
-        ended = shut_out(whose, &seat) => ended,
+        ended = shut_out(whose, &permit) => ended,
     };
-    let ended = if ended == Ended::Closing { see_out(&desk.0, &subscriber, whose.2).await } else { ended };
-    seat.give_back();
-    let Some(Pump { mut connection, client, ahead, .. }) = desk.0.close() else { return ended };
+    let ended = if ended == Ended::Closing { drain(&service.0, &subscriber, whose.2).await } else { ended };
+    permit.release();
+    let Some(ClientIo { mut connection, client, ahead, .. }) = service.0.close() else { return ended };
     ahead.leave(left(ended));
     connection.handle_end(ended, whose.2.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
     // The next client of this name need not wait for the last bytes.
     drop(id);
-    take_leave(ended, (client, to_client, ahead), leaving).await;
+    send_farewell(ended, (client, to_client, ahead), leaving).await;
     ended
 }
 
 /// The program ends: serves until the client has received everything published for it, such as the end of the program. The caller
 /// bounds the time.
-async fn see_out(desk: &Arc<Desk>, subscriber: &Subscriber, clock: Clock) -> Ended {
+async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
             tokio::time::sleep(BREATH).await;
         }
     };
     tokio::select! {
-        ended = desk.serve(clock) => ended,
+        ended = service.serve(clock) => ended,
         () = settled => Ended::Closing,
     }
 }
 
 /// Sends the last bytes to a client, within a time limit.
-async fn take_leave(
+async fn send_farewell(
     ended: Ended,
     (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
-    (leaving, from): (Vestibule, IpAddr),
+    (leaving, from): (PendingConnections, IpAddr),
 ) {
     let told = async {
         // The client may be gone.
@@ -164,14 +163,14 @@ async fn take_leave(
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
 }
 
-impl Pump {
-    fn new(connection: ClientConnection, (client, ahead, seat): (Writer, Taker, Arc<Seat>), clock: Clock) -> Pump {
-        Pump {
+impl ClientIo {
+    fn new(connection: ClientConnection, (client, ahead, permit): (Writer, Taker, Arc<SessionPermit>), clock: Clock) -> ClientIo {
+        ClientIo {
             subscriber: connection.subscriber(),
             connection,
             client,
             ahead,
-            seat,
+            permit,
             clock,
             from_client: BytesMut::new(),
             is_cut: false,
@@ -184,13 +183,13 @@ impl Pump {
     }
 
     /// Works for one turn; ready with the reason at the end.
-    pub(super) fn poll(&mut self, spell: Spell, cx: &mut Context<'_>) -> Poll<Ended> {
+    pub(super) fn poll(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
         while self.ended.is_none() && !self.wants_turn {
-            match self.step(spell, cx) {
+            match self.step(length, cx) {
                 Ok(false) => break,
-                Ok(true) => self.wants_turn |= spell == Spell::Short || self.clock.since_start() >= began + TURN,
+                Ok(true) => self.wants_turn |= length == TurnLength::Short || self.clock.since_start() >= began + TURN,
                 Err(ended) => self.ended = Some(ended),
             }
         }
@@ -215,16 +214,16 @@ impl Pump {
     }
 
     /// Does one step of each kind; returns whether there was any.
-    fn step(&mut self, spell: Spell, cx: &mut Context<'_>) -> Did {
+    fn step(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Did {
         let is_held_up = self.is_held_up(cx);
-        let heard = !is_held_up && self.hear_client(spell, cx)?;
+        let heard = !is_held_up && self.hear_client(length, cx)?;
         let came = self.connection.reads() && self.subscriber.poll_come(self.connection.has_window(), cx).is_ready();
         let goes_on = self.connection.wants_turn();
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
         // Messages to others go out before they are acknowledged.
-        let told = !(heard && spell == Spell::Short) && self.tell_client(cx)?;
+        let told = !(heard && length == TurnLength::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)
     }
@@ -249,7 +248,7 @@ impl Pump {
     }
 
     /// Takes some of the client's input.
-    fn hear_client(&mut self, spell: Spell, cx: &Context<'_>) -> Did {
+    fn hear_client(&mut self, length: TurnLength, cx: &Context<'_>) -> Did {
         if self.connection.is_unread() {
             let is_full = self.ahead.poll_full(cx).is_ready();
             let unread = Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM };
@@ -260,7 +259,7 @@ impl Pump {
             match self.ahead.poll_come(cx) {
                 Poll::Pending => return Ok(false),
                 Poll::Ready(true) => return Err(Ended::Gone),
-                Poll::Ready(false) if spell == Spell::Short && self.wants_task() => return Ok(false),
+                Poll::Ready(false) if length == TurnLength::Short && self.wants_task() => return Ok(false),
                 Poll::Ready(false) => {}
             }
             let connection = &mut self.connection;
@@ -305,13 +304,13 @@ impl Pump {
         if self.connection.to_client().is_empty() {
             (self.read_at, self.taken) = (self.clock.since_start(), 0);
         }
-        let unread = Unread { here, shared: self.connection.shared() };
-        self.seat.note_unread(unread, self.read_at, || self.connection.beside());
+        let unread = UnreadBytes { here, shared: self.connection.shared() };
+        self.permit.note_unread(unread, self.read_at, || self.connection.beside());
     }
 
     /// The client has sent or read something.
     fn moves(&self) {
-        self.seat.moves(self.clock.since_start());
+        self.permit.note_progress(self.clock.since_start());
     }
 }
 
@@ -326,8 +325,8 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Waits until an admitted client has to go: its key is not valid any more, or its seat was given to somebody else.
-async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
+/// Waits until an admitted client has to go: its key is not valid any more, or its session was given to somebody else.
+async fn shut_out((identity, access, clock): Whose<'_>, permit: &SessionPermit) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {
             tokio::time::sleep(GLANCE).await;
@@ -335,6 +334,6 @@ async fn shut_out((identity, access, clock): Whose<'_>, seat: &Seat) -> Ended {
     };
     tokio::select! {
         () = unknown => Ended::NotKnown,
-        () = seat.given_up() => Ended::GaveWay,
+        () = permit.evicted() => Ended::GaveWay,
     }
 }

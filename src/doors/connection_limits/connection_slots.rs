@@ -1,0 +1,282 @@
+//! Slots for HTTP connections that have sent a request: how many there are, how many of them one key or one network may have, and which
+//! connection is evicted for a newcomer when none is free: the one that makes least progress. Before their first request connections
+//! are pending.
+
+mod eviction_queues;
+
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+use eviction_queues::{EvictionQueues, EvictionTurn};
+
+use super::connection_budget::ConnectionBudget;
+use super::pending_connections::EVICTED_AT_ONCE;
+use crate::access::{Access, Caller, Network, Role};
+
+/// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
+/// descriptors by default, and pending connections, those who linger, the other doors and files need some too.
+pub(in crate::doors) const SLOTS: usize = 640;
+
+/// With keys, one key, and one network other than this machine, has at most one in this many of all slots.
+const PARTS: usize = 4;
+
+/// One in this many of all slots is reserved for operators, who may not be there yet.
+const KEPT: usize = 8;
+
+/// A connection that was cut is closed where answers are made, which may be late: so many may be on their way out before nobody else is
+/// let in, and as many again for whoever says STOP and for operators. So what a flood opens and loses costs no more than this.
+const LEAVING: usize = 32;
+
+/// All slots of the door. Cheap to clone.
+#[derive(Clone)]
+pub(in crate::doors) struct ConnectionSlots(Arc<Mutex<SlotTable>>);
+
+struct SlotTable {
+    most: usize,
+    /// How many of those who were cut may be on their way out.
+    leaving: usize,
+    has_shares: bool,
+    /// Counts everything that happens here, so that what is older has the lesser number.
+    moments: u64,
+    /// Slots in use, those of evicted connections that are still closing included.
+    held: usize,
+    holders: HashMap<u64, SlotHolder>,
+    /// The order in which they give way: looking through all of them for each newcomer would keep STOPs of others waiting.
+    queues: EvictionQueues,
+}
+
+/// For whom a slot is wanted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::doors) struct SlotClaim {
+    network: Network,
+    /// Nothing of strangers.
+    who: Option<Who>,
+}
+
+/// The name of a key, and whether it is an operator's.
+type Who = (Arc<str>, bool);
+
+struct SlotHolder {
+    claim: SlotClaim,
+    /// Requests whose heads have come and that are not answered.
+    open: u64,
+    is_receiving: bool,
+    is_watching: bool,
+    /// When it last came further.
+    since: u64,
+    cut: Arc<Notify>,
+}
+
+/// What a connection is doing, in the order in which it gives way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Activity {
+    Resting,
+    /// A body is on its way, however slowly.
+    Receiving,
+    Answering,
+    /// An endless answer: it does not give way, and there are fewer of them than slots.
+    Watching,
+}
+
+/// One connection's slot, in use until this is dropped.
+pub(in crate::doors) struct ConnectionSlot {
+    number: u64,
+    slots: ConnectionSlots,
+}
+
+impl SlotClaim {
+    /// Whoever asks from there; nobody is known by a request without a key.
+    pub(in crate::doors) fn new(address: IpAddr, caller: Option<&Caller>) -> SlotClaim {
+        let who = caller.map(|caller| (caller.name(), caller.role() == Role::Operator));
+        SlotClaim { network: Network::of(address), who }
+    }
+
+    fn is_operator(&self) -> bool {
+        self.who.as_ref().is_some_and(|(_, is_operator)| *is_operator)
+    }
+
+    /// Strangers, then viewers, then operators.
+    const fn rank(&self) -> u8 {
+        match &self.who {
+            None => 0,
+            Some((_, false)) => 1,
+            Some((_, true)) => 2,
+        }
+    }
+}
+
+impl ConnectionSlots {
+    /// A door's slots, all free. Without keys there are no shares.
+    pub(in crate::doors) fn new(most: usize, budget: ConnectionBudget, access: &Access) -> ConnectionSlots {
+        let (most, leaving, has_shares) = (budget.scaled(most), budget.scaled(LEAVING), matches!(access, Access::Keys(_)));
+        let (holders, queues) = (HashMap::new(), EvictionQueues::default());
+        ConnectionSlots(Arc::new(Mutex::new(SlotTable { most, leaving, has_shares, moments: 0, held: 0, holders, queues })))
+    }
+
+    /// A slot; when none is free, that of another connection, which is told by its `cut`. `None` when none can be evicted, or too many
+    /// that were have not closed yet.
+    pub(in crate::doors) fn take(&self, claim: SlotClaim, says_stop: bool, cut: Arc<Notify>) -> Option<ConnectionSlot> {
+        let mut table = self.table();
+        let is_heeded = says_stop || table.has_shares && claim.is_operator();
+        let leaving = if is_heeded { 2 * table.leaving } else { table.leaving };
+        if table.held >= table.most + leaving || !table.make_room(&claim) {
+            return None;
+        }
+        table.held += 1;
+        let number = table.moment();
+        let holder = SlotHolder { claim, open: 0, is_receiving: false, is_watching: false, since: number, cut };
+        table.insert(number, holder);
+        drop(table);
+        Some(ConnectionSlot { number, slots: self.clone() })
+    }
+
+    /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
+    pub(in crate::doors) fn evict_some(&self) -> usize {
+        let mut table = self.table();
+        (0..EVICTED_AT_ONCE).map_while(|_| table.queues.of_all().1.filter(|first| table.cut(Some(*first)))).count()
+    }
+
+    #[cfg(test)]
+    pub(in crate::doors) fn held(&self) -> usize {
+        self.table().held
+    }
+
+    fn table(&self) -> MutexGuard<'_, SlotTable> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl SlotTable {
+    fn moment(&mut self) -> u64 {
+        self.moments += 1;
+        self.moments
+    }
+
+    fn insert(&mut self, number: u64, holder: SlotHolder) {
+        self.queues.enter(&holder.claim, holder.turn(number));
+        self.holders.insert(number, holder);
+    }
+
+    fn remove(&mut self, number: u64) -> Option<SlotHolder> {
+        let holder = self.holders.remove(&number)?;
+        self.queues.leave(&holder.claim, holder.turn(number));
+        Some(holder)
+    }
+
+    /// Whoever has his share full takes the slot of one of his own, and nobody but an operator takes an operator's.
+    fn make_room(&mut self, claim: &SlotClaim) -> bool {
+        let (most, has_shares) = (self.most, self.has_shares);
+        if has_shares {
+            let is_made = self.bounded(most / PARTS, self.queues.of_key(claim))
+                && (claim.network.is_loopback() || self.bounded(most / PARTS, self.queues.of_network(claim)))
+                && (claim.is_operator() || self.bounded(most - most / KEPT, self.queues.of_others()));
+            if !is_made {
+                return false;
+            }
+        }
+        let (_, first) = if !has_shares || claim.is_operator() { self.queues.of_all() } else { self.queues.of_others() };
+        self.holders.len() < most || self.cut(first)
+    }
+
+    /// Whether there is room for one more of so many, after the first of them gave way if need be.
+    fn bounded(&mut self, most: usize, (many, first): (usize, Option<EvictionTurn>)) -> bool {
+        many < most || self.cut(first)
+    }
+
+    /// A connection has shown another key than before: when there are too many of that now, one of them gives way.
+    fn keep_share(&mut self, claim: &SlotClaim) {
+        if self.has_shares {
+            self.bounded(self.most / PARTS + 1, self.queues.of_key(claim));
+        }
+    }
+
+    /// Cuts this connection; `false` when there is none.
+    fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
+        let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
+        holder.cut.notify_one();
+        true
+    }
+}
+
+impl SlotHolder {
+    /// When it gives way, under this number.
+    const fn turn(&self, number: u64) -> EvictionTurn {
+        EvictionTurn { rank: self.claim.rank(), activity: self.activity(), since: self.since, number }
+    }
+
+    const fn activity(&self) -> Activity {
+        match (self.is_receiving, self.is_watching, self.open) {
+            (true, _, _) => Activity::Receiving,
+            (false, true, _) => Activity::Watching,
+            (false, false, 0) => Activity::Resting,
+            (false, false, _) => Activity::Answering,
+        }
+    }
+}
+
+impl ConnectionSlot {
+    /// A head has come, whose body follows or not. A body that comes slowly is no progress.
+    pub(in crate::doors) fn asked(&self, claim: SlotClaim, has_body: bool) {
+        let mut is_another = false;
+        self.change(true, |holder| {
+            is_another = claim.who.is_some() && claim.who != holder.claim.who;
+            (holder.claim, holder.is_receiving) = (claim.clone(), has_body);
+            holder.open += 1;
+        });
+        if is_another {
+            self.slots.table().keep_share(&claim);
+        }
+    }
+
+    pub(in crate::doors) fn received(&self) {
+        self.change(true, |holder| holder.is_receiving = false);
+    }
+
+    /// The answer to a request has no end.
+    pub(in crate::doors) fn watches(&self) {
+        self.change(false, |holder| holder.is_watching = true);
+    }
+
+    /// The connection speaks another protocol from now on: its slot is free, and nobody needs to cut it.
+    pub(in crate::doors) fn hands_over(&self) {
+        let _ = self.slots.table().remove(self.number);
+    }
+
+    /// Something of an answer was taken to be sent.
+    pub(in crate::doors) fn sends(&self) {
+        self.change(true, |_| {});
+    }
+
+    pub(in crate::doors) fn answered(&self) {
+        self.change(true, |holder| {
+            holder.open = holder.open.saturating_sub(1);
+            holder.is_watching = false;
+        });
+    }
+
+    fn change(&self, is_progress: bool, change: impl FnOnce(&mut SlotHolder)) {
+        let mut table = self.slots.table();
+        let now = table.moment();
+        if let Some(mut holder) = table.remove(self.number) {
+            change(&mut holder);
+            if is_progress {
+                holder.since = now;
+            }
+            table.insert(self.number, holder);
+        }
+    }
+}
+
+impl Drop for ConnectionSlot {
+    fn drop(&mut self) {
+        let mut table = self.slots.table();
+        table.held -= 1;
+        let _ = table.remove(self.number);
+    }
+}
+
+#[cfg(test)]
+mod tests;
