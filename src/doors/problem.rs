@@ -10,6 +10,7 @@ use crate::api::problem::{self, ProblemCode, ProblemJson, ProblemKind};
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Refusal, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -20,31 +21,38 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
+    /// The refusal of the core that the detail is the sentence of.
+    refused: Option<Refused>,
     luggage: Option<Arc<Luggage>>,
     /// What was asked for, where it is known better than by method and path.
-    asked: Option<String>,
+    asked: Option<Asked>,
     /// Whether it concerns what the sender asked for and the core has not put it on record.
     is_for_record: bool,
 }
 
 impl Problem {
     pub(super) const fn new((code, kind): ProblemCode, detail: String) -> Problem {
-        Problem { kind, code, detail, luggage: None, asked: None, is_for_record: true }
+        Problem { kind, code, detail, refused: None, luggage: None, asked: None, is_for_record: true }
     }
 
     /// What a door refuses in the core's words, which is not on record yet.
     pub(super) fn refused(refused: &Refused) -> Problem {
-        Problem::new((refused.code(), refused.kind().into()), refused.to_string())
+        Problem::new((refused.code(), refused.kind().into()), String::new()).with(refused.clone())
+    }
+
+    /// The same in the words of a refusal of the core.
+    fn with(self, refused: Refused) -> Problem {
+        Problem { detail: refused.to_string(), refused: Some(refused), ..self }
     }
 
     /// The same of something that can be named better than by method and path.
-    pub(super) fn of(self, asked: String) -> Problem {
+    pub(super) fn of(self, asked: Asked) -> Problem {
         Problem { asked: Some(asked), ..self }
     }
 
     /// The same, with other words.
     pub(super) fn saying(self, detail: String) -> Problem {
-        Problem { detail, ..self }
+        Problem { detail, refused: None, ..self }
     }
 
     /// The same, which is nothing that its sender did wrong.
@@ -67,7 +75,7 @@ impl Problem {
     }
 
     pub(super) fn no_luggage(number: u64) -> Problem {
-        Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
+        Problem::not_found(String::new()).with(Refused::UnknownLuggage(LuggageId(number)))
     }
 
     /// What is there does not answer this method.
@@ -109,7 +117,12 @@ impl Problem {
         &self.detail
     }
 
-    pub(super) fn asked(&self) -> Option<String> {
+    /// The refusal of the core of which the detail is the sentence.
+    pub(super) const fn of_core(&self) -> Option<&Refused> {
+        self.refused.as_ref()
+    }
+
+    pub(super) fn asked(&self) -> Option<Asked> {
         self.asked.clone()
     }
 
@@ -119,8 +132,10 @@ impl Problem {
     }
 
     /// As records keep it.
-    pub(super) fn refusal(&self) -> Refusal {
-        Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() }
+    pub(super) fn for_record(&self) -> Refused {
+        let own = || Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() };
+        let of_core = self.refused.clone().filter(|refused| refused.code() == self.code);
+        of_core.unwrap_or_else(|| Refused::InWords(own()))
     }
 
     /// As programs read it.

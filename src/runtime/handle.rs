@@ -9,8 +9,10 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::figures::Figures;
 use super::halt::Halter;
 use super::overflow::{Answer, OverflowIn, OverflowOut, overflow};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::simulated::Simulated;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
@@ -27,9 +29,9 @@ pub enum Envelope {
     Command(Request, oneshot::Sender<Answer>),
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
-    /// What somebody did to what is simulated, in words, for the record.
-    Simulated(Issuer, String),
+    Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Answer>>),
+    /// What somebody did to what is simulated, for the record.
+    Simulated(Issuer, Simulated),
     /// These simulated robots are to be put down in the hall of this name, and who asks for it.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Answer>),
 }
@@ -109,7 +111,7 @@ impl Handle {
 
     /// Puts on record that a door refused to take a command from somebody (safety A6), and waits until it is there. There is no
     /// wait while nothing can be recorded, nor for what shares an entry with others.
-    pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
+    pub async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
         self.commands.send(note).await.map_err(|_| Gone)?;
@@ -118,7 +120,7 @@ impl Handle {
 
     /// The same where nothing can be waited for. What finds the queue full is counted beside it: the last one of each sender goes on
     /// record, with how many they were.
-    pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
+    pub fn note_refused_at_once(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         let note = Envelope::Refused(issuer, asked, refused, None);
         if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
             self.overflow.put_refusal(issuer, asked, refused);
@@ -126,8 +128,8 @@ impl Handle {
     }
 
     /// Puts on record what somebody did to what is simulated.
-    pub async fn note_simulated(&self, issuer: Issuer, words: String) -> Result<(), Gone> {
-        self.commands.send(Envelope::Simulated(issuer, words)).await.map_err(|_| Gone)
+    pub async fn note_simulated(&self, issuer: Issuer, simulated: Simulated) -> Result<(), Gone> {
+        self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }
 
     /// Asks that these simulated robots be put down there; the answer comes when that is on record. Then they count as
@@ -328,15 +330,15 @@ mod tests {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();
         for n in 0..COMMANDS + 1000 {
             let refused = Refused::NotAllowed("no".to_owned());
-            handle.note_refused_at_once(Issuer::operator(Door("coap")), format!("START {n}"), refused);
+            handle.note_refused_at_once(Issuer::operator(Door("coap")), Asked::Words(format!("START {n}")), refused);
         }
         let mut queued = Vec::new();
         while let Ok(Envelope::Refused(_, asked, _, None)) = envelopes.try_recv() {
             queued.push(asked);
         }
-        assert_eq!(queued, (0..COMMANDS).map(|n| format!("START {n}")).collect::<Vec<_>>());
+        assert_eq!(queued, (0..COMMANDS).map(|n| Asked::Words(format!("START {n}"))).collect::<Vec<_>>());
         let beside: Vec<_> = overflow.take().refusals.into_values().map(|counted| (counted.last.1, counted.count)).collect();
-        assert_eq!(beside, [(format!("START {}", COMMANDS + 999), 1000)]);
+        assert_eq!(beside, [(Asked::Words(format!("START {}", COMMANDS + 999)), 1000)]);
     }
 
     #[tokio::test]

@@ -7,12 +7,13 @@ use tokio::sync::{mpsc, watch};
 
 use super::halt::Halter;
 use super::handle::{COMMANDS, Envelope, Handle};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Request};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
 
 /// What a door asked to be put on record: who, what, and why it was not taken.
-pub(crate) type Noted = (Issuer, String, Refused);
+pub(crate) type Noted = (Issuer, Asked, Refused);
 
 /// What the loop is told, and what it was given.
 #[derive(Clone)]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::arm::ArmAction;
-use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Strategy, Verdict};
+use crate::asked::Asked;
+use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refused, Strategy, Verdict};
 use crate::event::{Photo, RobotId};
 use crate::hold::Hold;
 use crate::robot::Part;
@@ -147,14 +148,14 @@ pub enum Fact {
         issuer: Issuer,
         /// The sender's own name for it.
         id: Option<CommandId>,
-        /// The command in a few words.
-        command: String,
+        /// What was asked.
+        asked: Asked,
         /// The epoch that its sender said it saw.
         epoch: Option<Epoch>,
         /// The piece it turned out to be about.
         luggage: Option<LuggageId>,
         /// Why it was refused, if it was.
-        refused: Option<Refusal>,
+        refused: Option<Refused>,
     },
     /// A mission began.
     MissionBegan(MissionId, Strategy),

@@ -6,32 +6,28 @@ use axum::response::{IntoResponse, Response};
 
 use super::hearing::Pressed;
 use crate::api::fields::in_short;
-use crate::api::problem::{ProblemKind, TOO_SLOW, refusal};
+use crate::api::problem::{ProblemKind, TOO_SLOW};
 pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
-use hallsweep_core::command::{CODES, Refusal};
+use hallsweep_core::command::{CODES, Refused};
 
 /// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     pub(super) code: &'static str,
     pub(super) detail: String,
+    pub(super) of_core: Option<Refused>,
 }
 
-/// What a page says of a problem with this code: in English the detail, else a sentence of the language's own.
+/// What a page says of a problem with this code that the core knows nothing of: in English the detail, else a sentence of the language's own.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
-    // A piece that is not there is said so in the core's words, by whatever route it was asked for.
-    let refused = [code, "unknownLuggage"].map(|code| refusal(code, detail.to_owned()).refused());
-    if let Some(refused) = refused.into_iter().flatten().next() {
-        return language.refused(&refused);
-    }
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
 /// Goes with the answer to what this door did not take, so that the gate can put it on record.
 #[derive(Clone, Debug)]
-pub(super) struct NotTaken(pub(super) Refusal);
+pub(super) struct NotTaken(pub(super) Refused);
 
 impl Problem {
     /// It takes a key to be listened to.
@@ -98,7 +94,7 @@ impl Problem {
 
     /// What a page says of it.
     pub(super) fn in_words(&self, language: Language) -> String {
-        in_words(language, self.code(), self.detail())
+        self.of_core().map_or_else(|| in_words(language, self.code(), self.detail()), |refused| language.refused(refused))
     }
 
     /// Its answer to whoever reads this language. What goes on record stays as it is.
@@ -120,7 +116,7 @@ impl Problem {
     /// Tells the gate what is to go on record: whatever the sender did wrong and the core never saw.
     pub(super) fn tell_gate(&self, response: &mut Response) {
         if self.status().is_client_error() && self.is_for_record() {
-            response.extensions_mut().insert(NotTaken(self.refusal()));
+            response.extensions_mut().insert(NotTaken(self.for_record()));
         }
     }
 }
@@ -129,7 +125,7 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
-        let said = Detail { code: self.code(), detail: self.detail().to_owned() };
+        let said = Detail { code: self.code(), detail: self.detail().to_owned(), of_core: self.of_core().cloned() };
         let mut response = (self.status(), Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
         self.tell_gate(&mut response);
         response
@@ -242,7 +238,7 @@ mod tests {
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
             // The one is said of buttons alone, and the other is any of those above.
-            Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::Before(_)) => return None,
+            Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::InWords(_)) => return None,
         })
     }
 
@@ -257,7 +253,7 @@ mod tests {
         }
         let told = Problem::unusable("x is missing: fill it in".to_owned()).told(Language::Italian);
         assert_eq!(
-            told.extensions().get::<NotTaken>().map(|NotTaken(refusal)| &*refusal.words),
+            told.extensions().get::<NotTaken>().map(|NotTaken(refused)| refused.to_string()).as_deref(),
             Some("x is missing: fill it in")
         );
     }
@@ -299,8 +295,8 @@ mod tests {
             Problem::not_found(words()),
         ] {
             let response = problem.into_response();
-            let NotTaken(refusal) = response.extensions().get().expect("the door did not take it");
-            assert_eq!(named(refusal.code, words()), *refusal);
+            let NotTaken(refused) = response.extensions().get().expect("the door did not take it");
+            assert_eq!(Refused::InWords(named(refused.code(), words())), *refused);
         }
     }
 
@@ -317,7 +313,7 @@ mod tests {
                 "notAllowed" => 403,
                 _ => 409,
             };
-            let read_back = Refused::Before(named(refused.code(), refused.to_string()));
+            let read_back = Refused::InWords(named(refused.code(), refused.to_string()));
             assert_eq!((read_back.code(), read_back.kind()), (refused.code(), refused.kind()), "as before, after a restart");
             assert_eq!(problem.status().as_u16(), expected, "{refused}");
             assert_eq!(problem.shape().status, expected);

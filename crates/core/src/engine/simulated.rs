@@ -1,23 +1,26 @@
 //! What is done to the hall and the robots where both are simulated, and what stays true of the mission then: it is on record with whoever
 //! did it, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not known here.
 
+use std::sync::Arc;
+
 use super::Engine;
 use super::outbox::WaitingAnswer;
+use crate::asked::Asked;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::event::RobotId;
 use crate::hold::Hold;
-use crate::mission::Asked;
+use crate::simulated::Simulated;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::Venue;
 use crate::units::{Now, Ticket};
 
 impl Engine {
-    /// Somebody did something to what is simulated, in these words, as `the simulator was paused`: it goes into log and journal.
-    pub fn note_simulated(&mut self, issuer: &Issuer, words: &str, now: Now) {
+    /// Somebody did something to what is simulated: it goes into log and journal.
+    pub fn note_simulated(&mut self, issuer: Issuer, simulated: Simulated, now: Now) {
         self.begin(now);
-        self.write_simulated(issuer, words);
+        self.write_simulated(issuer, simulated);
     }
 
     /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away). These, which are
@@ -25,10 +28,10 @@ impl Engine {
     ///
     /// # Errors
     /// Why not now: something would be lost. Nothing has changed.
-    pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: &Issuer, now: Now) -> Result<Ticket, Refused> {
+    pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: Issuer, now: Now) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);
-        self.write_simulated(issuer, &format!("put down in the hall {}", venue.name));
+        self.write_simulated(issuer, Simulated::PutDown(Arc::clone(&venue.name)));
         self.put_down();
         for robot in robots {
             self.link_lost(robot, format!("it is put down in the hall {}", venue.name));
@@ -52,11 +55,11 @@ impl Engine {
         }
     }
 
-    fn write_simulated(&mut self, issuer: &Issuer, words: &str) {
-        let asked = Asked::Words(words.to_owned());
-        self.world.write(self.now.wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
-        let (issuer, command) = (issuer.clone(), words.to_owned());
-        let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: None };
+    fn write_simulated(&mut self, issuer: Issuer, simulated: Simulated) {
+        let asked = Asked::Simulated(simulated);
+        let said = Said::Asked { asked: asked.clone(), meant: None, issuer: issuer.clone(), refused: None };
+        self.world.write(self.now.wall, Tone::Info, said);
+        let fact = Fact::Command { issuer, id: None, asked, epoch: None, luggage: None, refused: None };
         self.outbox.record_command(self.now.wall, fact, None);
     }
 }

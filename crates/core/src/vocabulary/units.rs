@@ -29,12 +29,6 @@ impl Cell {
         Cell::new(self.x - origin.x, self.y - origin.y)
     }
 
-    /// The cell that is written so: `(1, 2)`.
-    pub(crate) fn from_words(words: &str) -> Option<Cell> {
-        let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
-        Some(Cell::new(x.parse().ok()?, y.parse().ok()?))
-    }
-
     /// The next cell in the direction `heading`.
     #[must_use]
     pub const fn ahead(self, heading: Heading) -> Cell {

@@ -85,8 +85,8 @@ impl Asker {
 
     /// What the pages say of a problem: that a mission is under way, with what is to be done here.
     fn in_words(&self, problem: &Problem) -> String {
-        let code = if problem.code() == NOT_IN_PHASE { "boundToHall" } else { problem.code() };
-        in_words(self.language, code, problem.detail())
+        let is_bound = problem.code() == NOT_IN_PHASE;
+        if is_bound { in_words(self.language, "boundToHall", problem.detail()) } else { problem.in_words(self.language) }
     }
 
     /// In a task of its own what was begun is brought to its end although whoever asked goes.

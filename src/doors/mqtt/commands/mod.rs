@@ -28,7 +28,7 @@ use crate::access::Need;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
-use hallsweep_core::command::{Command, Refused, Request};
+use hallsweep_core::command::{Command, Request};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Epoch;
@@ -192,7 +192,7 @@ impl Commands {
 
     /// Puts on record that something was not taken (safety A6), and answers so.
     fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
-        self.handle.note_refused_at_once(publisher.issuer(), parsed.in_words(), Refused::Before(problem.refusal()));
+        self.handle.note_refused_at_once(publisher.issuer(), parsed.for_record(), problem.for_record());
         self.results.refused(&parsed.reply, publisher, problem);
     }
 }

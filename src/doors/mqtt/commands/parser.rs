@@ -12,8 +12,8 @@ use crate::access::Need;
 use crate::api::commands;
 use crate::api::fields::in_short;
 use crate::api::halt::{is_halt, says_halt};
+use hallsweep_core::asked as recorded;
 use hallsweep_core::command::Command;
-use hallsweep_core::mission::in_words;
 
 /// The name of the command that halts.
 const STOP: &str = "stop";
@@ -35,8 +35,8 @@ pub(super) struct ParsedCommand {
     pub(super) asked: Asked,
     /// What its sender must be allowed, where no command can be made of it.
     pub(super) need: Need,
-    /// In words for the record, where no command can be made of it.
-    pub(super) unread: String,
+    /// For the record, where no command can be made of it.
+    pub(super) unread: recorded::Asked,
     /// Whether it asks for whatever there is to go on with.
     pub(super) goes_on: bool,
     /// Where it is answered.
@@ -70,7 +70,7 @@ impl CommandParser {
         };
         let id = if reply.topic.is_some() { id_in(payload) } else { None };
         let reply = Reply { id, ..reply };
-        Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
+        Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: unread(STOP), goes_on: false, reply })
     }
 
     /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
@@ -130,14 +130,12 @@ impl CommandParser {
     /// Refusals of what was understood are explained where an old console shows its piece; the original system has no other words for an
     /// answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
-        let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
+        let read = |command: Command| (Ok((command.clone(), None)), recorded::Asked::Command(command));
+        let ((asked, unread), goes_on) = match incoming::asked(payload, self.manual_driving) {
             Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
-            Ok(incoming::Asked::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
-            Ok(incoming::Asked::Command(command)) => {
-                let words = in_words(&command);
-                (Ok((command, None)), words, false)
-            }
-            Err(wrong) => (Err(Problem::refused(&wrong.refused())), wrong.asked(), false),
+            Ok(incoming::Asked::GoOn) => (read(Command::Start), true),
+            Ok(incoming::Asked::Command(command)) => (read(command), false),
+            Err(wrong) => ((Err(Problem::refused(&wrong.refused())), wrong.asked()), false),
         };
         let explained = asked.is_ok().then(|| self.topics.old_events());
         Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
@@ -169,9 +167,8 @@ impl ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
 
-    /// In words for the record.
-    pub(super) fn in_words(&self) -> String {
-        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
+    pub(super) fn for_record(&self) -> recorded::Asked {
+        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| recorded::Asked::Command(command.clone()))
     }
 }
 
@@ -194,6 +191,6 @@ fn tidied(topic: &str) -> Option<String> {
     Some(levels.filter(|level| !level.is_empty()).collect::<Vec<_>>().join("/"))
 }
 
-fn unread(name: &str) -> String {
-    format!("command {}", in_short(name))
+fn unread(name: &str) -> recorded::Asked {
+    recorded::Asked::Words(format!("command {}", in_short(name)))
 }
