@@ -17,7 +17,11 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     same(text, read_record, record);
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
-    if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
+    if let Ok(read) = read_line(text.as_bytes()) {
+        // Sentences are not as exact as what they are made of.
+        let printed = line(&read);
+        assert_eq!(read_line(printed.as_bytes()).map(|again| line(&again)), Ok(printed.clone()), "{printed}");
+        let Line { entry, seq, .. } = read;
         let mut state = PersistentState::first(Strategy::default());
         state.apply(&entry);
         let recalled = Recalled { state, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };

@@ -125,14 +125,16 @@ pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Fail
 mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
-    use hallsweep_core::command::{Door, Issuer, Strategy, Verdict};
+    use hallsweep_core::asked::Asked;
+    use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Strategy, Verdict};
     use hallsweep_core::effect::{Entry, Fact, Page};
     use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-    fn said(words: &str) -> Fact {
-        let (issuer, command, luggage) = (Issuer::operator(Door("http")), words.to_owned(), Some(LuggageId(1)));
-        Fact::Command { issuer, id: None, command, epoch: None, luggage, refused: None }
+    fn said(verdict: Verdict) -> Fact {
+        let (issuer, luggage) = (Issuer::operator(Door("http")), LuggageId(1));
+        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None });
+        Fact::Command { issuer, id: None, asked, epoch: None, luggage: Some(luggage), refused: None }
     }
 
     fn verdict(verdict: Verdict) -> Fact {
@@ -173,12 +175,12 @@ mod tests {
         };
         let piece = Fact::Luggage { record: record.into(), photo: None };
         let next =
-            keep(1, vec![Fact::MissionBegan(MissionId(1), Strategy::Snail), piece, said("safe #1"), verdict(Verdict::Safe)]);
+            keep(1, vec![Fact::MissionBegan(MissionId(1), Strategy::Snail), piece, said(Verdict::Safe), verdict(Verdict::Safe)]);
         let archive = ReadOnlyJournal::open(&scratch.0.join("data")).unwrap().archive();
         let report = || Report::new(&*archive, MissionId(1), Language::English).unwrap().expect("it is there");
         let before = page_of(&report());
         assert!(before.contains("<dt>Commands refused</dt><dd>0</dd>"), "{before}");
-        keep(next, vec![said("danger #1"), verdict(Verdict::Danger)]);
+        keep(next, vec![said(Verdict::Danger), verdict(Verdict::Danger)]);
         let claim = Claim::read(before.as_bytes()).unwrap();
         let again = Report::again(&*archive, claim).unwrap().expect("the journal holds it");
         assert_eq!(page_of(&again), before);

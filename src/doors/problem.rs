@@ -10,6 +10,7 @@ use crate::api::problem::{self, ProblemCode, ProblemJson, ProblemKind};
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Refusal, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -19,31 +20,38 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
+    /// The refusal of the core that the detail is the sentence of.
+    refused: Option<Refused>,
     luggage: Option<Arc<Luggage>>,
-    /// The request in words, if they are better than method and path.
-    asked: Option<String>,
+    /// What was asked for, if it is known better than by method and path.
+    asked: Option<Asked>,
     /// Whether it concerns a sender's request that the core has not recorded.
     is_for_record: bool,
 }
 
 impl Problem {
     pub(super) const fn new((code, kind): ProblemCode, detail: String) -> Problem {
-        Problem { kind, code, detail, luggage: None, asked: None, is_for_record: true }
+        Problem { kind, code, detail, refused: None, luggage: None, asked: None, is_for_record: true }
     }
 
     /// A refusal by a door in the core's words, which is not recorded yet.
     pub(super) fn refused(refused: &Refused) -> Problem {
-        Problem::new((refused.code(), refused.kind().into()), refused.to_string())
+        Problem::new((refused.code(), refused.kind().into()), String::new()).with(refused.clone())
     }
 
-    /// Describes the request in words that are better than method and path.
-    pub(super) fn of(self, asked: String) -> Problem {
+    /// The same in the words of a refusal of the core.
+    fn with(self, refused: Refused) -> Problem {
+        Problem { detail: refused.to_string(), refused: Some(refused), ..self }
+    }
+
+    /// Says what was asked for, better than by method and path.
+    pub(super) fn of(self, asked: Asked) -> Problem {
         Problem { asked: Some(asked), ..self }
     }
 
     /// Replaces the sentence.
     pub(super) fn saying(self, detail: String) -> Problem {
-        Problem { detail, ..self }
+        Problem { detail, refused: None, ..self }
     }
 
     /// Marks it as no fault of its sender, so that it is not recorded.
@@ -65,7 +73,7 @@ impl Problem {
     }
 
     pub(super) fn no_luggage(number: u64) -> Problem {
-        Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
+        Problem::not_found(String::new()).with(Refused::UnknownLuggage(LuggageId(number)))
     }
 
     pub(super) const fn no_method(detail: String) -> Problem {
@@ -104,7 +112,12 @@ impl Problem {
         &self.detail
     }
 
-    pub(super) fn asked(&self) -> Option<String> {
+    /// The refusal of the core of which the detail is the sentence.
+    pub(super) const fn of_core(&self) -> Option<&Refused> {
+        self.refused.as_ref()
+    }
+
+    pub(super) fn asked(&self) -> Option<Asked> {
         self.asked.clone()
     }
 
@@ -114,8 +127,10 @@ impl Problem {
     }
 
     /// The form in records.
-    pub(super) fn refusal(&self) -> Refusal {
-        Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() }
+    pub(super) fn for_record(&self) -> Refused {
+        let own = || Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() };
+        let of_core = self.refused.clone().filter(|refused| refused.code() == self.code);
+        of_core.unwrap_or_else(|| Refused::InWords(own()))
     }
 
     /// The form for programs.

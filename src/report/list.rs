@@ -41,8 +41,8 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
         Err(Unreadable(why)) => [none(), "unreadable".to_owned(), why.clone(), none(), none(), none(), none()],
         Ok(Entry { wall, fact }) => {
             let (time, kind) = (rfc3339(*wall), journal::kind(fact).to_owned());
-            if let Fact::Command { issuer, command, luggage, refused, .. } = fact {
-                let what = language.asked_on_record(command, *luggage);
+            if let Fact::Command { issuer, asked, luggage, refused, .. } = fact {
+                let what = language.asked(asked, *luggage);
                 let outcome = language.outcome(refused.as_ref());
                 [time, kind, what, issuer.who.to_string(), issuer.from.to_string(), issuer.door.0.to_owned(), outcome]
             } else {

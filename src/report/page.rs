@@ -311,8 +311,8 @@ struct Table<'t> {
 fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let language = report.claim.language;
     let asked = |fact: &Fact| {
-        let Fact::Command { issuer, command, luggage, refused, .. } = fact else { return None };
-        Some((language.asked_on_record(command, *luggage), language.issuer(issuer), refused.clone()))
+        let Fact::Command { issuer, asked, luggage, refused, .. } = fact else { return None };
+        Some((language.asked(asked, *luggage), language.issuer(issuer), refused.clone()))
     };
     let alarm = |fact: &Fact| {
         let is_one = matches!(fact, Fact::AlarmRaised(..) | Fact::AlarmAcknowledged(..));
@@ -320,7 +320,7 @@ fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     };
     let refusal = |fact: &Fact| {
         let (asked, issuer, refused) = asked(fact)?;
-        Some((vec![asked, issuer, language.refusal(&refused?)], ""))
+        Some((vec![asked, issuer, language.refused(&refused?)], ""))
     };
     let told = RefCell::new(String::new());
     let happened = |fact: &Fact| {

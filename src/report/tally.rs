@@ -2,9 +2,9 @@
 
 use super::{Failure, each};
 use crate::runtime::archive::{Archive, Unreadable};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::mission::Asked;
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// Maximum number of sentences about unreadable entries; the rest is only counted.
@@ -90,10 +90,10 @@ impl Tally {
             self.strategy = Some(*strategy);
         } else if let Fact::MissionArchived(..) = fact {
             self.archived = Some((seq, *wall));
-        } else if let Fact::Command { command, refused, .. } = fact {
+        } else if let Fact::Command { asked, refused, .. } = fact {
             self.refused += u64::from(refused.is_some());
             self.accepted += u64::from(refused.is_none());
-            self.stops += if refused.is_none() { stops(command) } else { 0 };
+            self.stops += if refused.is_none() { stops(asked) } else { 0 };
         } else if let Fact::AlarmRaised(..) = fact {
             self.alarms += 1;
         } else if let Fact::AlarmAcknowledged(..) = fact {
@@ -130,10 +130,10 @@ impl Tally {
 }
 
 /// Number of STOPs in a recorded command.
-fn stops(command: &str) -> u64 {
-    match Asked::from_words(command) {
+fn stops(asked: &Asked) -> u64 {
+    match asked {
         Asked::Command(Command::Stop) => 1,
-        Asked::Stops { count, .. } => count,
-        Asked::Command(_) | Asked::Many { .. } | Asked::Words(_) => 0,
+        Asked::Stops { count, .. } => *count,
+        Asked::Command(_) | Asked::Simulated(_) | Asked::Many { .. } | Asked::Words(_) => 0,
     }
 }

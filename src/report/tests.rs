@@ -1,6 +1,7 @@
 //! Any record can be written, in remembered words and with all markup escaped; lost and unreadable parts are told apart.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use proptest::strategy::{Strategy as _, ValueTree};
 use proptest::test_runner::TestRunner;
@@ -13,7 +14,8 @@ use crate::api::journal::arbitrary;
 use crate::api::partial_archive::PartialArchive;
 use crate::phrases::{Language, said_here};
 use crate::runtime::archive::{At, Happened, Head, NoTake, PastMoment, Sound, Unreadable, hex};
-use hallsweep_core::command::{Door, Issuer, Strategy};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
@@ -118,9 +120,13 @@ fn whatever_is_on_record_is_written_in_words_that_are_remembered() {
     assert_ne!(mission.report(Language::English), mission.report(Language::Italian));
 }
 
-fn command(who: &str, command: &str) -> Entry {
+fn command(who: &str, words: &str) -> Entry {
+    asked(who, Asked::Words(words.to_owned()))
+}
+
+fn asked(who: &str, asked: Asked) -> Entry {
     let issuer = Issuer { who: who.into(), ..Issuer::operator(Door("http")) };
-    let fact = Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused: None };
+    let fact = Fact::Command { issuer, id: None, asked, epoch: None, luggage: None, refused: None };
     Entry { wall: WallTime { unix_ms: 1_770_109_512_250, offset_s: 3600 }, fact }
 }
 
@@ -146,12 +152,9 @@ fn what_others_wrote_is_neither_markup_nor_a_formula() {
 
 #[test]
 fn every_stop_of_a_shared_entry_counts() {
-    let mission = Mission::of(vec![
-        command("anna", "STOP"),
-        command("anna", "STOP, 2960 times within 1.0 s"),
-        command("anna", "x"),
-        command("anna", "STOP"),
-    ]);
+    let stop = || asked("anna", Asked::Command(Command::Stop));
+    let stops = Asked::Stops { count: 2960, within: Some(Duration::from_secs(1)) };
+    let mission = Mission::of(vec![stop(), asked("anna", stops), command("anna", "x"), stop()]);
     assert!(mission.report(Language::English).contains("<dt>STOP pressed</dt><dd>2962</dd>"));
 }
 

@@ -9,8 +9,10 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::figures::Figures;
 use super::halt::Halter;
 use super::overflow::{Decision, OverflowIn, OverflowOut, overflow};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::simulated::Simulated;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
@@ -26,9 +28,9 @@ const LEFT_BY_STOPS: usize = COMMANDS - 32;
 pub enum Envelope {
     Command(Request, oneshot::Sender<Decision>),
     /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Decision>>),
-    /// What somebody did to the simulator, in words, for the record.
-    Simulated(Issuer, String),
+    Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Decision>>),
+    /// What somebody did to the simulator, for the record.
+    Simulated(Issuer, Simulated),
     /// A request to put these simulated robots into the hall of this name.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
 }
@@ -108,7 +110,7 @@ impl Handle {
 
     /// Records that a door refused somebody's command (safety A6), and waits until that is on record. Does not wait while nothing
     /// can be recorded, nor when the refusal shares an entry with others.
-    pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
+    pub async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
         self.commands.send(note).await.map_err(|_| Gone)?;
@@ -117,7 +119,7 @@ impl Handle {
 
     /// Like `note_refused` for callers that cannot wait. When the queue is full, refusals are counted by sender: the last one of
     /// each is recorded, with their number.
-    pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
+    pub fn note_refused_at_once(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         let note = Envelope::Refused(issuer, asked, refused, None);
         if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
             self.overflow.put_refusal(issuer, asked, refused);
@@ -125,8 +127,8 @@ impl Handle {
     }
 
     /// Records what somebody did to the simulator.
-    pub async fn note_simulated(&self, issuer: Issuer, words: String) -> Result<(), Gone> {
-        self.commands.send(Envelope::Simulated(issuer, words)).await.map_err(|_| Gone)
+    pub async fn note_simulated(&self, issuer: Issuer, simulated: Simulated) -> Result<(), Gone> {
+        self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }
 
     /// Asks to put these simulated robots into a hall; answers when that is on record. The robots count as unreached until they
@@ -326,15 +328,15 @@ mod tests {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();
         for n in 0..COMMANDS + 1000 {
             let refused = Refused::NotAllowed("no".to_owned());
-            handle.note_refused_at_once(Issuer::operator(Door("coap")), format!("START {n}"), refused);
+            handle.note_refused_at_once(Issuer::operator(Door("coap")), Asked::Words(format!("START {n}")), refused);
         }
         let mut queued = Vec::new();
         while let Ok(Envelope::Refused(_, asked, _, None)) = envelopes.try_recv() {
             queued.push(asked);
         }
-        assert_eq!(queued, (0..COMMANDS).map(|n| format!("START {n}")).collect::<Vec<_>>());
+        assert_eq!(queued, (0..COMMANDS).map(|n| Asked::Words(format!("START {n}"))).collect::<Vec<_>>());
         let beside: Vec<_> = overflow.take().refusals.into_values().map(|counted| (counted.last.1, counted.count)).collect();
-        assert_eq!(beside, [(format!("START {}", COMMANDS + 999), 1000)]);
+        assert_eq!(beside, [(Asked::Words(format!("START {}", COMMANDS + 999)), 1000)]);
     }
 
     #[tokio::test]

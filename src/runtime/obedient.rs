@@ -7,12 +7,13 @@ use tokio::sync::{mpsc, watch};
 
 use super::halt::Halter;
 use super::handle::{COMMANDS, Envelope, Handle};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Request};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
 
 /// A refusal that a door asked to record: who, which command, and why.
-pub(crate) type Noted = (Issuer, String, Refused);
+pub(crate) type Noted = (Issuer, Asked, Refused);
 
 #[derive(Clone)]
 pub(crate) struct Script {

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::{Notify, oneshot};
 
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Accepted, Door, Issuer, Refused, Request};
 
 pub(super) type Decision = Result<Accepted, Refused>;
@@ -37,7 +38,7 @@ struct Inner {
 pub(super) struct Overflow {
     pub(super) stops: Senders<Request>,
     /// Who was refused, which command, and why.
-    pub(super) refusals: Senders<(Issuer, String, Refused)>,
+    pub(super) refusals: Senders<(Issuer, Asked, Refused)>,
 }
 
 type Senders<T> = BTreeMap<SenderKey, Counted<T>>;
@@ -76,7 +77,7 @@ impl OverflowIn {
     }
 
     /// Stores a refusal by a door; drops it when the receiving end is gone, because nothing is recorded any more.
-    pub(super) fn put_refusal(&self, issuer: Issuer, asked: String, refused: Refused) {
+    pub(super) fn put_refusal(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         if let Some(Overflow { refusals, .. }) = &mut *self.0.lock() {
             put(refusals, sender(&issuer), (issuer, asked, refused), None);
         }
@@ -150,7 +151,7 @@ mod tests {
 
     /// Refuses somebody's START.
     fn refuse(into: &OverflowIn, from: &str, n: usize) {
-        into.put_refusal(issuer(from), format!("START {n}"), Refused::NotAllowed("no".to_owned()));
+        into.put_refusal(issuer(from), Asked::Words(format!("START {n}")), Refused::NotAllowed("no".to_owned()));
     }
 
     fn counts<T>(senders: Senders<T>) -> Vec<(String, u64, usize)> {
@@ -185,8 +186,8 @@ mod tests {
         refuse(&into, "192.0.2.8", 7);
         assert!(into.put_stop(stop("192.0.2.7"), oneshot::channel().0).is_none());
         let Overflow { stops, refusals } = out.take();
-        let asked: Vec<_> = refusals.values().map(|counted| (&*counted.last.1, counted.count)).collect();
-        assert_eq!(asked, [("START 1000", 1000), ("START 7", 1)]);
+        let asked: Vec<_> = refusals.values().map(|counted| (counted.last.1.to_string(), counted.count)).collect();
+        assert_eq!(asked, [("START 1000".to_owned(), 1000), ("START 7".to_owned(), 1)]);
         assert_eq!(counts(stops), [("192.0.2.7".to_owned(), 1, 1)]);
     }
 

@@ -9,6 +9,7 @@ use tokio::sync::watch;
 
 use super::handle::Gone;
 use hallsweep_core::command::{Issuer, Refused};
+pub use hallsweep_core::simulated::{Change, Pace};
 use hallsweep_core::units::Cell;
 
 /// Maximum number of cells blocked at once: more than anybody places by hand.
@@ -21,29 +22,6 @@ pub const MOST_SIDE: u32 = 250;
 pub fn is_hall_name(name: &str) -> bool {
     let is_plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
     name.starts_with(is_plain) && name.len() <= 40 && name.chars().all(|letter| is_plain(letter) || letter == '-')
-}
-
-/// Speed of simulated time relative to real time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
-    /// A factor.
-    Times(f64),
-    /// Jumps to the end of whatever is under way.
-    Max,
-}
-
-impl Pace {
-    pub const SLOWEST: f64 = 0.1;
-    pub const FASTEST: f64 = 1000.0;
-}
-
-impl std::fmt::Display for Pace {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Pace::Times(factor) => write!(f, "{factor}"),
-            Pace::Max => f.write_str("max"),
-        }
-    }
 }
 
 /// Faults that somebody switched on, until they are switched off.
@@ -78,17 +56,6 @@ pub struct HallFacts {
     pub pieces: usize,
     /// The whole hall, as a hall file.
     pub toml: Arc<str>,
-}
-
-/// Settings to change; `None` leaves one as it is.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Change {
-    pub speed: Option<Pace>,
-    pub is_paused: Option<bool>,
-    pub link_lost: Option<bool>,
-    pub no_thermometer: Option<bool>,
-    pub camera_fails: Option<bool>,
-    pub blocked: Option<BTreeSet<Cell>>,
 }
 
 /// The hall into which the robots are to be put.
@@ -190,46 +157,4 @@ pub trait Simulator: Send + Sync {
 
     /// Deletes a stored hall.
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;
-}
-
-impl Change {
-    /// The changes in words for log and journal; `None` when nothing is set.
-    pub fn in_words(&self) -> Option<String> {
-        let fault = |name: &str, is_so: bool| format!("{name}: {}", if is_so { "yes" } else { "no" });
-        let cells = |cells: &BTreeSet<Cell>| match cells.len() {
-            0 => "no way blocked".to_owned(),
-            _ => format!("blocked {}", cells.iter().map(Cell::to_string).collect::<Vec<_>>().join(", ")),
-        };
-        let words = [
-            self.is_paused.map(|is_paused| if is_paused { "paused" } else { "going on" }.to_owned()),
-            self.speed.map(|speed| format!("speed {speed}")),
-            self.link_lost.map(|is_so| fault("link lost", is_so)),
-            self.no_thermometer.map(|is_so| fault("no thermometer", is_so)),
-            self.camera_fails.map(|is_so| fault("camera fails", is_so)),
-            self.blocked.as_ref().map(cells),
-        ];
-        let words: Vec<String> = words.into_iter().flatten().collect();
-        (!words.is_empty()).then(|| format!("simulator {}", words.join(", ")))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_change_is_said_in_words_and_no_change_in_none() {
-        assert_eq!(Change::default().in_words(), None);
-        let change = Change {
-            speed: Some(Pace::Times(2.5)),
-            is_paused: Some(true),
-            camera_fails: Some(false),
-            blocked: Some(BTreeSet::from([Cell::new(1, 2), Cell::new(3, 4)])),
-            ..Change::default()
-        };
-        let words = "simulator paused, speed 2.5, camera fails: no, blocked (1, 2), (3, 4)";
-        assert_eq!(change.in_words().as_deref(), Some(words));
-        let free = Change { blocked: Some(BTreeSet::new()), is_paused: Some(false), ..Change::default() };
-        assert_eq!(free.in_words().as_deref(), Some("simulator going on, no way blocked"));
-    }
 }

@@ -15,6 +15,7 @@ use super::link::RobotLink;
 use super::links::Links;
 use super::overflow::{Counted, Decision, Overflow, OverflowOut};
 use super::store::{Store, StoreStatus};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Issuer, Refused};
 use hallsweep_core::effect::{Effect, Order};
 use hallsweep_core::engine::Engine;
@@ -197,19 +198,19 @@ impl Task {
                 self.await_answer(given, vec![answer], now.since_start);
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
-            Envelope::Simulated(issuer, words) => {
+            Envelope::Simulated(issuer, simulated) => {
                 let now = self.now();
-                self.engine.note_simulated(&issuer, &words, now);
+                self.engine.note_simulated(issuer, simulated, now);
             }
             Envelope::PutDown(issuer, venue, robots, answer) => {
                 let now = self.now();
-                let given = self.engine.put_down_in(venue, &robots, &issuer, now);
+                let given = self.engine.put_down_in(venue, &robots, issuer, now);
                 self.await_answer(given, vec![answer], now.since_start);
             }
         }
     }
 
-    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Decision>>) {
+    fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: Refused, answer: Option<oneshot::Sender<Decision>>) {
         let now = self.now();
         let noted = self.engine.note_refused(issuer, asked, &refused, 1, now);
         let Some(answer) = answer else { return };

@@ -7,6 +7,7 @@ use super::*;
 use crate::runtime::handle::CommandOutcome;
 use crate::runtime::link::{RobotSide, Stamped, link};
 use crate::runtime::within::within;
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};
 use hallsweep_core::event::{Capabilities, Parts, RobotId};
@@ -292,8 +293,8 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
         fn record(&mut self, page: Page, _losses: u64) {
             let mut listed = self.1.lock().unwrap();
             for entry in page.entries {
-                if let Fact::Command { command, .. } = entry.fact {
-                    listed.push(command);
+                if let Fact::Command { asked, .. } = entry.fact {
+                    listed.push(asked.to_string());
                 }
             }
         }
@@ -396,9 +397,9 @@ async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_a
     let refused = Refused::NotAllowed("lobby may only look".to_owned());
     let note = || {
         let (handle, issuer, refused) = (handle.clone(), issuer.clone(), refused.clone());
-        tokio::spawn(async move { handle.note_refused(issuer, "START".to_owned(), refused).await })
+        tokio::spawn(async move { handle.note_refused(issuer, Asked::Command(Command::Start), refused).await })
     };
-    handle.note_refused_at_once(issuer.clone(), "HELP".to_owned(), refused.clone());
+    handle.note_refused_at_once(issuer.clone(), Asked::Words("HELP".to_owned()), refused.clone());
     let waiting: Vec<_> = (1..60).map(|_| note()).collect();
     let all = |state: &Arc<Snapshot>| state.log.iter().filter(|line| line.said.to_string().contains("by lobby")).count() == 60;
     seen(&handle, "sixty notes", all).await;
@@ -418,7 +419,8 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
     let starts: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
     let stops: Vec<_> = (0..1000).map(|_| handle.give(request(Command::Stop))).collect();
     for n in 0..1000 {
-        handle.note_refused_at_once(Issuer::operator(Door("coap")), format!("RESET {n}"), Refused::NotAllowed("no".to_owned()));
+        let (issuer, asked) = (Issuer::operator(Door("coap")), Asked::Words(format!("RESET {n}")));
+        handle.note_refused_at_once(issuer, asked, Refused::NotAllowed("no".to_owned()));
     }
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     for stop in stops {

@@ -115,7 +115,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::FetcherUnreached(RobotId::new("srm1").expect("a sound name")),
         Refused::FetcherAbroad(RobotId::new("srm2").expect("a sound name")),
         // In the words of an earlier version.
-        Refused::Before(Refusal {
+        Refused::InWords(Refusal {
             code: "faultStands",
             kind: RefusalKind::Conflict,
             words: "the fault still stands: the robot's wheels slip".to_owned(),
@@ -125,7 +125,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::OtherContent(CommandId::new("c-1").expect("a sound name")),
         Refused::UnknownSensor(Arc::from("cellar")),
         Refused::NotAllowed("the viewer lobby may look and stop, no more".to_owned()),
-        Refused::Before(Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words: "too many at once".to_owned() }),
+        Refused::InWords(Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words: "too many at once".to_owned() }),
     ];
     let phases = PhaseName::ALL.into_iter().map(Refused::NotInPhase);
     let all: Vec<Refused> = refused.into_iter().chain(phases).collect();

@@ -100,3 +100,47 @@ fn reports_of_every_edition_are_confirmed() {
         assert!(well && said.contains("is confirmed"), "{said}");
     }
 }
+
+/// The last journal in which what was asked, refused and caused stands in sentences: these say what they said, and codes follow on them.
+#[test]
+fn sentences_of_an_earlier_version_say_what_they_said() {
+    let folder = copy_of("sentences/data", "earlier-sentences");
+    let sentences = kept("sentences");
+    let said = |arguments: &[&str]| {
+        let output = hallsweep(arguments).args(["--data", folder.text()]).env("TZ", "UTC").output().expect("the program starts");
+        String::from_utf8(output.stdout).expect("it speaks UTF-8")
+    };
+    let is_as_before = |arguments: &[&str], file: &str| {
+        let then = std::fs::read_to_string(sentences.join(file)).expect("it was kept");
+        let now = said(arguments);
+        let differ = now.lines().zip(then.lines()).find(|(now, then)| now != then);
+        assert_eq!(differ, None, "each line of {file} as it was");
+        assert!(now.lines().count() >= then.lines().count(), "{file}");
+    };
+    is_as_before(&["journal", "print"], "journal.txt");
+    is_as_before(&["journal", "export"], "journal.jsonl");
+    for mission in ["1", "2"] {
+        let arguments = ["report", mission, "--format", "csv", "--language", "it"];
+        is_as_before(&arguments, &format!("mission-{mission}.it.csv"));
+    }
+
+    let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", folder.text()];
+    let program = Program::started(hallsweep(&serve).env("TZ", "UTC"));
+    program.until("it is linked", |state| !state["mission"]["holds"].to_string().contains("robotLink"));
+    program.command("stop").accepted();
+    let torn = program.post_with("/api/v1/commands/goto", &[("content-type", "application/json")], "{");
+    assert!(torn.problem(400).contains("the body is not JSON"));
+    // As it was answered before the program was started again.
+    let again = program.post_with("/api/v1/commands/reset", &[("idempotency-key", "k-1")], "");
+    assert!(again.problem(422).contains("the id k-1 was used before"));
+    drop(program);
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well, "{checked}");
+    is_as_before(&["journal", "export"], "journal.jsonl");
+    assert!(said(&["journal", "export"]).contains(r#""refused":{"code":"malformed","words":"the body is not JSON"#));
+    for report in ["en.html", "it.html"] {
+        let path = sentences.join(report);
+        let (well, said) = journal(&folder, &["check", "--report", path.to_str().expect("a plain name")]);
+        assert!(well && said.contains("is confirmed"), "{said}");
+    }
+}

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Note, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Effect, Fact};
 use hallsweep_core::engine::IDS;
@@ -173,9 +174,9 @@ fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
         [("operator", "START", None), ("mallory", "RETRIEVE", Some("notInPhase")), ("operator", "BACK HOME", Some("outdated"))]
     {
         let written = |fact: &Fact| match fact {
-            Fact::Command { issuer, command: said, refused, .. } => {
-                let refused = refused.as_ref().map(|refusal| refusal.code);
-                (&*issuer.who, said.as_str(), refused) == (who, command, code) && &*issuer.from == "192.0.2.7"
+            Fact::Command { issuer, asked, refused, .. } => {
+                let refused = refused.as_ref().map(Refused::code);
+                (&*issuer.who, &*asked.to_string(), refused) == (who, command, code) && &*issuer.from == "192.0.2.7"
             }
             _ => false,
         };
@@ -212,8 +213,8 @@ fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answer
     assert_eq!(bare.answer(start), Some(Err(Refused::NotKept)));
     bare.effects.clear();
     bare.event(Event::StoreRestored);
-    let refused = |fact: &Fact| matches!(fact, Fact::Command { command, refused: Some(refusal), .. } if command == "START" && refusal.code == "notKept");
-    let started = |fact: &Fact| matches!(fact, Fact::Command { command, .. } if command == "START");
+    let started = |fact: &Fact| matches!(fact, Fact::Command { asked: Asked::Command(Command::Start), .. });
+    let refused = |fact: &Fact| started(fact) && matches!(fact, Fact::Command { refused: Some(Refused::NotKept), .. });
     assert_eq!(bare.effects.iter().filter(|effect| records(effect, refused)).count(), 1);
     assert_eq!(bare.effects.iter().filter(|effect| records(effect, started)).count(), 1);
 }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::arm::ArmAction;
-use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refusal, Refused, Strategy, Verdict};
+use crate::asked::Asked;
+use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refused, Strategy, Verdict};
 use crate::event::{Photo, RobotId};
 use crate::hold::Hold;
 use crate::robot::Part;
@@ -132,12 +133,12 @@ pub enum Fact {
         /// Who sent it, where from and by which door.
         issuer: Issuer,
         id: Option<CommandId>,
-        command: String,
+        asked: Asked,
         /// The epoch that its sender named.
         epoch: Option<Epoch>,
         luggage: Option<LuggageId>,
         /// `None` if it was accepted.
-        refused: Option<Refusal>,
+        refused: Option<Refused>,
     },
     MissionBegan(MissionId, Strategy),
     /// A mission was put away, with the bombs that were left in place.

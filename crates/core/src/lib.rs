@@ -43,4 +43,6 @@ pub mod state;
 mod vocabulary;
 pub mod world;
 
-pub use vocabulary::{arm, command, event, hold, not_fetched, pair, phase, place, refused, robot, units, words};
+pub use vocabulary::{
+    arm, asked, command, event, hold, not_fetched, pair, phase, place, refused, robot, simulated, units, words,
+};

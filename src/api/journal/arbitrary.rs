@@ -1,6 +1,8 @@
 //! Facts of every kind, drawn at random, for the tests of the journal and of the store.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Duration;
 
 use proptest::collection::{btree_map, btree_set, vec};
 use proptest::option;
@@ -10,17 +12,20 @@ use crate::api::door::DOORS;
 use crate::api::problem::refusal;
 use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
-use hallsweep_core::command::{CommandId, Issuer, Move, Note, Strategy as Order, Verdict};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{
+    Command, CommandId, Issuer, LuggageRef, Move, Note, Refused, Strategy as Order, TemperatureReport, Verdict,
+};
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
-use hallsweep_core::phase::FaultCause;
+use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::place::Place;
-use hallsweep_core::refused::CODES;
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::search::{Goal, Search};
+use hallsweep_core::simulated::{Change, Pace, Simulated};
 use hallsweep_core::state::{
     Conditions, Inspection, Participant, PersistentState, Phase, Reach, Retrieval, RetrievalStage, Stage, TeamStage, TeamState,
     Venue,
@@ -31,7 +36,6 @@ use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 const MARKS: [Mark; 6] = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
-const MOVES: [Move; 6] = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
 
 pub(crate) fn entry() -> impl Strategy<Value = Entry> {
     (wall(), fact()).prop_map(|(wall, fact)| Entry { wall, fact })
@@ -100,21 +104,120 @@ fn conditions() -> impl Strategy<Value = Conditions> {
     )
 }
 
-fn command() -> impl Strategy<Value = Fact> {
+pub(super) fn command() -> impl Strategy<Value = Fact> {
     let issuer = (one_of(&DOORS), text(), text());
     let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
-    let id = option::of("[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length")));
-    let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| refusal(code, words)));
+    let id = option::of(command_id());
+    let refused = option::of(refused());
     let luggage = option::of(any::<u64>().prop_map(LuggageId));
     let epoch = option::of(any::<u64>().prop_map(Epoch));
-    (issuer, id, text(), epoch, luggage, refused).prop_map(|(issuer, id, command, epoch, luggage, refused)| Fact::Command {
+    (issuer, id, asked(), epoch, luggage, refused).prop_map(|(issuer, id, asked, epoch, luggage, refused)| Fact::Command {
         issuer,
         id,
-        command,
+        asked,
         epoch,
         luggage,
         refused,
     })
+}
+
+fn command_id() -> impl Strategy<Value = CommandId> {
+    "[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length"))
+}
+
+/// What can be asked, of each kind.
+fn asked() -> impl Strategy<Value = Asked> {
+    let piece = option::of(any::<u64>()).prop_map(|id| id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))));
+    let sensor = text().prop_filter_map("a name of a sensor", |text| TemperatureReport::sensor_name(&text));
+    let report = prop_oneof![
+        Just(TemperatureReport::Ok),
+        Just(TemperatureReport::TooHigh),
+        celsius().prop_map(TemperatureReport::Reading),
+        (sensor, celsius()).prop_map(|(sensor, celsius)| TemperatureReport::Sensor(sensor, celsius)),
+    ];
+    let command = prop_oneof![
+        prop::sample::select(vec![Command::Start, Command::Stop, Command::BackHome, Command::Retrieve, Command::Reset]),
+        one_of(&Move::ALL).prop_map(Command::Move),
+        cell().prop_map(Command::Goto),
+        (piece, verdict(), note()).prop_map(|(luggage, verdict, note)| Command::Verdict { luggage, verdict, note }),
+        any::<u64>().prop_map(|id| Command::RetakePhoto(LuggageId(id))),
+        any::<u64>().prop_map(|id| Command::Acknowledge(AlarmId(id))),
+        one_of(&Order::ALL).prop_map(Command::ChooseStrategy),
+        report.prop_map(Command::Temperature),
+    ];
+    let within = option::of((0..100_000_u64).prop_map(|tenths| Duration::from_millis(tenths * 100)));
+    let one = prop_oneof![
+        4 => command.prop_map(Asked::Command),
+        1 => (any::<u64>(), within).prop_map(|(count, within)| Asked::Stops { count, within }),
+        1 => simulated().prop_map(Asked::Simulated),
+        1 => text().prop_map(Asked::Words),
+    ];
+    one.prop_recursive(1, 2, 1, |one| (one, any::<u64>()).prop_map(|(last, more)| Asked::Many { last: Box::new(last), more }))
+}
+
+fn simulated() -> impl Strategy<Value = Simulated> {
+    let either = || option::of(any::<bool>());
+    let speed = option::of(prop_oneof![Just(Pace::Max), (0.1..1000.0).prop_map(Pace::Times)]);
+    let change = (speed, either(), either(), either(), either(), option::of(btree_set(cell(), 0..3)));
+    let change = change.prop_map(|(speed, is_paused, link_lost, no_thermometer, camera_fails, blocked)| Change {
+        speed,
+        is_paused,
+        link_lost,
+        no_thermometer,
+        camera_fails,
+        blocked,
+    });
+    prop_oneof![
+        4 => change.prop_map(Simulated::Changed),
+        1 => Just(Simulated::Step),
+        1 => text().prop_map(|hall| Simulated::PutDown(hall.into())),
+        1 => text().prop_map(Simulated::Kept),
+        1 => text().prop_map(Simulated::Discarded),
+    ]
+}
+
+/// Every refusal there is.
+fn refused() -> impl Strategy<Value = Refused> {
+    let plain = [
+        Refused::SentBefore,
+        Refused::Driving,
+        Refused::NotStopped,
+        Refused::NotCapable,
+        Refused::Moving,
+        Refused::Unrecorded,
+        Refused::NothingPending,
+        Refused::PhotoUnderWay,
+        Refused::NoRetrievalRobot,
+        Refused::StoreDown,
+        Refused::NotKept,
+    ];
+    let of_pieces =
+        [Refused::VerdictPending, Refused::BombUnfetched, Refused::UnknownLuggage, Refused::NoPhoto, Refused::NotInspected];
+    let of_robots = [Refused::FetcherUnreached, Refused::FetcherAbroad];
+    prop_oneof![
+        8 => prop::sample::select(plain.to_vec()),
+        4 => (prop::sample::select(of_pieces.to_vec()), any::<u64>()).prop_map(|(refused, id)| refused(LuggageId(id))),
+        2 => (prop::sample::select(of_robots.to_vec()), robot()).prop_map(|(refused, robot)| refused(robot)),
+        2 => (btree_set(hold(), 1..9), option::of(text())).prop_map(|(holds, why)| held(holds, why)),
+        1 => (any::<u64>(), any::<u64>()).prop_map(|(sent, now)| Refused::Outdated { sent: Epoch(sent), now: Epoch(now) }),
+        1 => one_of(&PhaseName::ALL).prop_map(Refused::NotInPhase),
+        1 => cell().prop_map(Refused::IntoObstacle),
+        1 => (any::<u64>(), verdict()).prop_map(|(id, verdict)| Refused::Decided { luggage: LuggageId(id), verdict }),
+        1 => any::<u64>().prop_map(|id| Refused::UnknownAlarm(AlarmId(id))),
+        1 => cause().prop_map(Refused::FaultStands),
+        1 => command_id().prop_map(Refused::OtherContent),
+        1 => text().prop_map(|name| Refused::UnknownSensor(name.into())),
+        1 => text().prop_map(Refused::NotAllowed),
+        1 => text().prop_map(|words| Refused::InWords(refusal("malformed", words))),
+    ]
+}
+
+/// What the store says stands with its hold alone.
+fn held(mut holds: BTreeSet<Hold>, why: Option<String>) -> Refused {
+    if why.is_some() {
+        holds.insert(Hold::Store);
+    }
+    Refused::Held(holds.into_iter().collect(), why)
 }
 
 fn stops() -> impl Strategy<Value = Epoch> {
@@ -184,7 +287,7 @@ fn phase() -> impl Strategy<Value = Phase> {
     leaf.prop_recursive(3, 4, 1, |inner| {
         let interrupted = inner.prop_map(Box::new);
         prop_oneof![
-            (option::of(cell()), option::of(one_of(&MOVES)), interrupted.clone())
+            (option::of(cell()), option::of(one_of(&Move::ALL)), interrupted.clone())
                 .prop_map(|(goal, next, interrupted)| Phase::Driving { goal, next, interrupted }),
             (cause(), interrupted).prop_map(|(cause, interrupted)| Phase::Fault { cause, interrupted }),
         ]
@@ -224,7 +327,7 @@ fn not_fetched() -> impl Strategy<Value = NotFetched> {
         prop_oneof![
             (one_of(&RetrievalFault::ALL), option::of(text())).prop_map(|(fault, words)| NotFetched::Pair(fault, words)),
             one_of(&AloneFault::ALL).prop_map(NotFetched::Alone),
-            text().prop_map(|words| NotFetched::from_words(&words)),
+            text().prop_map(NotFetched::Other),
         ]
     };
     let stuck = |(fault, before): (_, Option<NotFetched>)| NotFetched::Stuck(fault, before.map(Box::new));
@@ -307,7 +410,7 @@ fn alarm_cause() -> impl Strategy<Value = AlarmCause> {
         (id(), cell()).prop_map(|(id, cell)| AlarmCause::Dangerous(id, cell)),
         (id(), cell()).prop_map(|(id, cell)| AlarmCause::Unrecorded(id, cell)),
         (id(), one_of(&[Saying::CallOperator, Saying::PackageLost])).prop_map(|(id, saying)| AlarmCause::Call(id, saying)),
-        text().prop_map(|words| AlarmCause::from_words(&words)),
+        text().prop_map(AlarmCause::Other),
     ]
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coded::{Coded, Form, Written};
 use super::conditions::ConditionsShape;
 use super::luggage::LuggageShape;
 use super::names::SearchShape;
@@ -11,12 +12,10 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
-use super::{Picture, Unparsed, map, names, places, retrieval};
-use crate::api::problem::refusal;
-use hallsweep_core::command::{CommandId, Issuer, Refusal};
+use super::{Picture, Unparsed, map, names, places, refused, retrieval};
+use hallsweep_core::command::{CommandId, Issuer};
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
-use hallsweep_core::world::alarm::AlarmCause;
 
 /// A fact, by its kind.
 #[derive(Serialize, Deserialize)]
@@ -134,7 +133,7 @@ pub(super) enum Shape {
     AlarmRaised {
         alarm: u64,
         luggage: Option<u64>,
-        text: String,
+        text: Written,
     },
     AlarmAcknowledged {
         alarm: u64,
@@ -151,7 +150,7 @@ pub(super) enum Shape {
 /// A command and what became of it.
 #[derive(Serialize, Deserialize)]
 pub(super) struct CommandShape {
-    command: String,
+    command: Written,
     door: String,
     who: String,
     from: String,
@@ -159,14 +158,7 @@ pub(super) struct CommandShape {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     epoch: Option<u64>,
     luggage: Option<u64>,
-    refused: Option<RefusalShape>,
-}
-
-/// Why a command was refused; its kind follows from the code.
-#[derive(Serialize, Deserialize)]
-struct RefusalShape {
-    code: String,
-    words: String,
+    refused: Option<Coded>,
 }
 
 /// The kind of a fact: the word by which entries are found.
@@ -207,8 +199,8 @@ pub const fn kind(fact: &Fact) -> &'static str {
 }
 
 impl Shape {
-    /// The shape of a fact; of a photo only the file is in it.
-    pub(super) fn of(fact: &Fact, picture: Option<&Picture>) -> Shape {
+    /// The shape of a fact in this form; of a photo only the file is in it.
+    pub(super) fn of(fact: &Fact, picture: Option<&Picture>, form: Form) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
@@ -220,25 +212,33 @@ impl Shape {
                 Shape::Unpacked { file: file.clone(), digest: digest.clone(), behind: behind.0, page: page.clone() }
             }
             Fact::Conditions(conditions) => Shape::Conditions(conditions.into()),
-            Fact::State(state) => Shape::Standing { standing: Box::new((&**state).into()) },
-            Fact::Command { issuer, id, command, epoch, luggage, refused } => {
-                let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
-                Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
-            }
+            Fact::State(state) => Shape::Standing { standing: Box::new(StandingShape::of(state, form)) },
+            Fact::Command { issuer, id, asked, epoch, luggage, refused } => Shape::Command(CommandShape {
+                command: Written::of(asked, form),
+                door: issuer.door.0.to_owned(),
+                who: issuer.who.to_string(),
+                from: issuer.from.to_string(),
+                id: id.as_ref().map(|id| id.text().to_owned()),
+                epoch: epoch.map(|epoch| epoch.0),
+                luggage: luggage.map(|id| id.0),
+                refused: refused.as_ref().map(|refused| refused::written(refused, form)),
+            }),
             Fact::MissionBegan(mission, strategy) => {
                 Shape::MissionBegan { number: mission.0, strategy: strategy.name().to_owned() }
             }
             Fact::MissionArchived(mission, left) => {
                 Shape::MissionArchived { number: mission.0, left: left.iter().map(|id| id.0).collect() }
             }
-            Fact::Phase(phase) => Shape::Phase { phase: phase.into() },
+            Fact::Phase(phase) => Shape::Phase { phase: PhaseShape::of(phase, form) },
             Fact::Holds(holds) => Shape::Holds { holds: holds.iter().map(|hold| hold.name().to_owned()).collect() },
             Fact::Epoch(epoch) => Shape::Epoch { epoch: epoch.0 },
             Fact::Goal(goal, search) => Shape::Goal { goal: goal.map(GoalShape::from), search: search.into() },
             Fact::Pose(pose) => Shape::Pose((*pose).into()),
             Fact::RobotPose(robot, pose) => Shape::RobotPose { robot: robot.name().to_owned(), pose: (*pose).into() },
             Fact::Outside(robot, steps) => Shape::Outside { robot: robot.name().to_owned(), steps: *steps },
-            Fact::Retrieval(retrieval) => Shape::Retrieval { retrieval: retrieval.as_deref().map(RetrievalShape::from) },
+            Fact::Retrieval(retrieval) => {
+                Shape::Retrieval { retrieval: retrieval.as_deref().map(|retrieval| RetrievalShape::of(retrieval, form)) }
+            }
             Fact::MetAgain(Cell { x, y }, piece) => Shape::MetAgain { x: *x, y: *y, piece: piece.0 },
             Fact::Secured(luggage) => Shape::Secured { luggage: luggage.0 },
             Fact::Led(blinking) => Shape::Led { blinking: *blinking },
@@ -254,7 +254,7 @@ impl Shape {
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
-                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: cause.to_string() }
+                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: Written::of(cause, form) }
             }
             Fact::AlarmAcknowledged(alarm, who) => Shape::AlarmAcknowledged { alarm: alarm.0, who: who.to_string() },
             Fact::Strategy(strategy) => Shape::Strategy { strategy: strategy.name().to_owned() },
@@ -312,7 +312,7 @@ impl Shape {
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {
-                Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), AlarmCause::from_words(&text))
+                Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), text.value()?)
             }
             Shape::AlarmAcknowledged { alarm, who } => Fact::AlarmAcknowledged(AlarmId(alarm), who.into()),
             Shape::Strategy { strategy } => Fact::Strategy(names::strategy(&strategy)?),
@@ -323,35 +323,16 @@ impl Shape {
 }
 
 impl CommandShape {
-    fn of(
-        issuer: &Issuer,
-        id: Option<&CommandId>,
-        command: &str,
-        luggage: Option<LuggageId>,
-        refused: Option<&Refusal>,
-    ) -> CommandShape {
-        CommandShape {
-            command: command.to_owned(),
-            door: issuer.door.0.to_owned(),
-            who: issuer.who.to_string(),
-            from: issuer.from.to_string(),
-            id: id.map(|id| id.text().to_owned()),
-            epoch: None,
-            luggage: luggage.map(|id| id.0),
-            refused: refused.map(|refused| RefusalShape { code: refused.code.to_owned(), words: refused.words.clone() }),
-        }
-    }
-
     fn fact(self) -> Result<Fact, Unparsed> {
         let issuer = Issuer { door: names::door(&self.door)?, who: self.who.into(), from: self.from.into() };
         let named = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is none".to_owned()));
         Ok(Fact::Command {
             issuer,
             id: self.id.map(named).transpose()?,
-            command: self.command,
+            asked: self.command.value()?,
             epoch: self.epoch.map(Epoch),
             luggage: self.luggage.map(LuggageId),
-            refused: self.refused.map(|refused| refusal(&refused.code, refused.words)),
+            refused: self.refused.map(|refused| refused::read(&refused)).transpose()?,
         })
     }
 }

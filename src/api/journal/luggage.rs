@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coded::{Form, Written};
 use super::places::{Moment, Point, PoseShape};
 use super::{Unparsed, names};
 use hallsweep_core::units::{AlarmId, LuggageId, Piece};
-use hallsweep_core::world::alarm::{Alarm, AlarmCause};
+use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// The record of one piece.
@@ -57,7 +58,7 @@ struct DecisionShape {
 pub(super) struct AlarmShape {
     id: u64,
     raised: Moment,
-    text: String,
+    text: Written,
     luggage: Option<u64>,
     acknowledged: Option<SeenShape>,
 }
@@ -124,28 +125,26 @@ impl DecisionShape {
     }
 }
 
-impl From<&Alarm> for AlarmShape {
-    fn from(alarm: &Alarm) -> AlarmShape {
+impl AlarmShape {
+    pub(super) fn of(alarm: &Alarm, form: Form) -> AlarmShape {
         let seen = alarm.acknowledged.as_ref();
         AlarmShape {
             id: alarm.id.0,
             raised: alarm.raised.into(),
-            text: alarm.cause.to_string(),
+            text: Written::of(&alarm.cause, form),
             luggage: alarm.luggage.map(|id| id.0),
             acknowledged: seen.map(|(who, wall)| SeenShape { who: who.to_string(), when: (*wall).into() }),
         }
     }
-}
 
-impl From<AlarmShape> for Alarm {
-    fn from(alarm: AlarmShape) -> Alarm {
-        Alarm {
-            id: AlarmId(alarm.id),
-            raised: alarm.raised.into(),
-            cause: AlarmCause::from_words(&alarm.text),
-            luggage: alarm.luggage.map(LuggageId),
-            acknowledged: alarm.acknowledged.map(|seen| (Arc::from(seen.who), seen.when.into())),
-        }
+    pub(super) fn alarm(self) -> Result<Alarm, Unparsed> {
+        Ok(Alarm {
+            id: AlarmId(self.id),
+            raised: self.raised.into(),
+            cause: self.text.value()?,
+            luggage: self.luggage.map(LuggageId),
+            acknowledged: self.acknowledged.map(|seen| (Arc::from(seen.who), seen.when.into())),
+        })
     }
 }
 

@@ -1,4 +1,5 @@
-//! The shapes of the journal: every fact as JSON and back, for the table of events and for export, one object a line.
+//! The shapes of the journal: every fact as JSON and back, for the table of events and for export, one object a line. In the table what was
+//! asked, refused and caused has a code with fields (`coded`), which no wording changes; exported it is a sentence.
 //! Where the lines are kept is the store's business; a photo's pixels are not in them, only the digest of its file.
 //!
 //! ```text
@@ -7,13 +8,18 @@
 //! ```
 //! Reading skips fields that it does not know, so that a later version may add some, and refuses meanings that it does not know.
 
+mod asked;
+mod causes;
+mod coded;
 mod conditions;
+mod earlier;
 mod fact;
 mod luggage;
 mod map;
 mod names;
 mod phase;
 mod places;
+mod refused;
 mod retrieval;
 mod standing;
 mod team;
@@ -29,6 +35,7 @@ pub use fact::kind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use self::coded::Form;
 use self::fact::Shape;
 use super::time::rfc3339;
 use hallsweep_core::effect::{Entry, Fact};
@@ -106,9 +113,9 @@ impl Picture {
     }
 }
 
-/// A fact as a JSON object, with its kind.
+/// A fact as the journal keeps it, a JSON object with its kind.
 pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
-    written(&Shape::of(fact, picture))
+    written(&Shape::of(fact, picture, Form::Codes))
 }
 
 /// The fact of a JSON object.
@@ -119,7 +126,7 @@ pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
     parsed::<Shape>(text.as_bytes())?.fact()
 }
 
-/// A line of the journal, without a line break.
+/// A line as it is exported, with sentences for what has a code in the journal; without a line break.
 pub fn line(line: &Line) -> String {
     let WallTime { unix_ms, offset_s } = line.entry.wall;
     written(&LineShape {
@@ -128,7 +135,7 @@ pub fn line(line: &Line) -> String {
         unix_ms,
         offset_s,
         mission: line.mission.map(|mission| mission.0),
-        fact: Shape::of(&line.entry.fact, line.picture.as_ref()),
+        fact: Shape::of(&line.entry.fact, line.picture.as_ref(), Form::Sentences),
     })
 }
 
@@ -137,7 +144,7 @@ pub fn unreadable(seq: Seq, why: &str) -> String {
     format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
 }
 
-/// Reads a line of the journal.
+/// Reads an exported line. A sentence that no version up to format 4 has said comes back as it is.
 ///
 /// # Errors
 /// What is wrong with it; any bytes give a line or that.

@@ -1,13 +1,18 @@
 //! The words by which the journal writes what has a name, read back: a word that nobody knows is refused.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Door, Move, Note, Strategy, Verdict};
+use hallsweep_core::command::{Door, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
+use hallsweep_core::not_fetched::{AloneFault, Fetcher, StuckFault};
+use hallsweep_core::pair::{RetrievalFault, Saying};
+use hallsweep_core::phase::PhaseName;
 use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
 
@@ -72,6 +77,34 @@ pub(super) fn strategy(name: &str) -> Result<Strategy, Unparsed> {
 
 pub(super) fn verdict(name: &str) -> Result<Verdict, Unparsed> {
     named("verdict", name, &[Verdict::Safe, Verdict::Danger], Verdict::name)
+}
+
+pub(super) fn phase(name: &str) -> Result<PhaseName, Unparsed> {
+    named("phase", name, &PhaseName::ALL, PhaseName::name)
+}
+
+pub(super) fn saying(name: &str) -> Result<Saying, Unparsed> {
+    named("call of the pair", name, &Saying::ALL, Saying::name)
+}
+
+pub(super) fn pair_fault(name: &str) -> Result<RetrievalFault, Unparsed> {
+    named("fault of the pair", name, &RetrievalFault::ALL, RetrievalFault::name)
+}
+
+pub(super) fn alone_fault(name: &str) -> Result<AloneFault, Unparsed> {
+    named("fault of a robot that fetches", name, &AloneFault::ALL, AloneFault::name)
+}
+
+pub(super) fn stuck_fault(name: &str) -> Result<StuckFault, Unparsed> {
+    named("fault of robots that are stuck", name, &StuckFault::ALL, StuckFault::name)
+}
+
+pub(super) fn fetcher(name: &str) -> Result<Fetcher, Unparsed> {
+    named("fetcher", name, &Fetcher::ALL, Fetcher::name)
+}
+
+pub(super) fn sensor(name: &str) -> Result<Arc<str>, Unparsed> {
+    TemperatureReport::sensor_name(name).ok_or_else(|| Unparsed(format!("{:?} is no name of a sensor", in_short(name))))
 }
 
 pub(super) fn taken_for(name: &str) -> Result<&'static str, Unparsed> {

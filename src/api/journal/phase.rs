@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
+use super::coded::{Form, Written};
 use super::names::Step;
 use super::places::{Point, PoseShape};
-use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::state::{Inspection, Phase, Stage};
 use hallsweep_core::units::{LuggageId, Piece};
@@ -56,20 +56,19 @@ pub(super) enum CauseShape {
     Unanswered,
     Undecided,
     Robot(String),
-    NotFetched(String),
+    NotFetched(Written),
 }
 
-impl From<&Phase> for PhaseShape {
-    fn from(phase: &Phase) -> PhaseShape {
+impl PhaseShape {
+    pub(super) fn of(phase: &Phase, form: Form) -> PhaseShape {
+        let of = |phase| Box::new(PhaseShape::of(phase, form));
         match phase {
             Phase::Idle => PhaseShape::Idle,
             Phase::Exploring => PhaseShape::Exploring,
             Phase::Inspecting(inspection) => PhaseShape::Inspecting(inspection.into()),
-            Phase::Driving { goal, next, interrupted } => PhaseShape::Driving {
-                goal: goal.map(Point::from),
-                next: next.map(Step::from),
-                interrupted: Box::new(PhaseShape::from(&**interrupted)),
-            },
+            Phase::Driving { goal, next, interrupted } => {
+                PhaseShape::Driving { goal: goal.map(Point::from), next: next.map(Step::from), interrupted: of(interrupted) }
+            }
             Phase::ReturningHome => PhaseShape::ReturningHome,
             Phase::AtHome => PhaseShape::AtHome,
             Phase::ReturningWithAlarm => PhaseShape::ReturningWithAlarm,
@@ -78,13 +77,11 @@ impl From<&Phase> for PhaseShape {
             Phase::BagSecured => PhaseShape::BagSecured,
             Phase::Explored => PhaseShape::Explored,
             Phase::Fault { cause, interrupted } => {
-                PhaseShape::Fault { cause: cause.into(), interrupted: Box::new(PhaseShape::from(&**interrupted)) }
+                PhaseShape::Fault { cause: CauseShape::of(cause, form), interrupted: of(interrupted) }
             }
         }
     }
-}
 
-impl PhaseShape {
     pub(super) fn phase(self) -> Result<Phase, Unparsed> {
         Ok(match self {
             PhaseShape::Idle => Phase::Idle,
@@ -103,7 +100,7 @@ impl PhaseShape {
             PhaseShape::BagSecured => Phase::BagSecured,
             PhaseShape::Explored => Phase::Explored,
             PhaseShape::Fault { cause, interrupted } => {
-                Phase::Fault { cause: cause.into(), interrupted: Box::new(interrupted.phase()?) }
+                Phase::Fault { cause: cause.cause()?, interrupted: Box::new(interrupted.phase()?) }
             }
         })
     }
@@ -139,26 +136,24 @@ impl InspectionShape {
     }
 }
 
-impl From<&FaultCause> for CauseShape {
-    fn from(cause: &FaultCause) -> CauseShape {
+impl CauseShape {
+    pub(super) fn of(cause: &FaultCause, form: Form) -> CauseShape {
         match cause {
             FaultCause::NoWayHome => CauseShape::NoWayHome,
             FaultCause::Unanswered => CauseShape::Unanswered,
             FaultCause::Undecided => CauseShape::Undecided,
             FaultCause::Robot(words) => CauseShape::Robot(words.clone()),
-            FaultCause::NotFetched(words) => CauseShape::NotFetched(words.to_string()),
+            FaultCause::NotFetched(why) => CauseShape::NotFetched(Written::of(why, form)),
         }
     }
-}
 
-impl From<CauseShape> for FaultCause {
-    fn from(cause: CauseShape) -> FaultCause {
-        match cause {
+    pub(super) fn cause(self) -> Result<FaultCause, Unparsed> {
+        Ok(match self {
             CauseShape::NoWayHome => FaultCause::NoWayHome,
             CauseShape::Unanswered => FaultCause::Unanswered,
             CauseShape::Undecided => FaultCause::Undecided,
             CauseShape::Robot(words) => FaultCause::Robot(words),
-            CauseShape::NotFetched(words) => FaultCause::NotFetched(NotFetched::from_words(&words)),
-        }
+            CauseShape::NotFetched(why) => FaultCause::NotFetched(why.value()?),
+        })
     }
 }

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::coded::{Form, Written};
 use super::places::Point;
 use super::team::TeamShape;
 use super::{Unparsed, names};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::not_fetched::{Fetcher, NotFetched};
+use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::place::Place;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
@@ -33,13 +34,13 @@ enum StageShape {
     MakingRoom,
     Fetching,
     LettingGo,
-    GoingOut(Option<String>),
-    ComingHome(Option<String>),
+    GoingOut(Option<Written>),
+    ComingHome(Option<Written>),
 }
 
-impl From<&Retrieval> for RetrievalShape {
-    fn from(retrieval: &Retrieval) -> RetrievalShape {
-        let words = |reason: &Option<NotFetched>| reason.as_ref().map(NotFetched::to_string);
+impl RetrievalShape {
+    pub(super) fn of(retrieval: &Retrieval, form: Form) -> RetrievalShape {
+        let why = |reason: &Option<NotFetched>| reason.as_ref().map(|reason| Written::of(reason, form));
         RetrievalShape {
             luggage: retrieval.luggage.0,
             fetcher: retrieval.fetcher.name().to_owned(),
@@ -47,29 +48,25 @@ impl From<&Retrieval> for RetrievalShape {
                 RetrievalStage::MakingRoom => StageShape::MakingRoom,
                 RetrievalStage::Fetching => StageShape::Fetching,
                 RetrievalStage::LettingGo => StageShape::LettingGo,
-                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(words(reason)),
-                RetrievalStage::ComingHome(reason) => StageShape::ComingHome(words(reason)),
+                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(why(reason)),
+                RetrievalStage::ComingHome(reason) => StageShape::ComingHome(why(reason)),
             },
             piece: retrieval.piece.iter().copied().map(Point::from).collect(),
             call: retrieval.call.map(|alarm| alarm.0),
             team: retrieval.team.as_ref().map(TeamShape::from),
         }
     }
-}
 
-impl RetrievalShape {
     pub(super) fn retrieval(self) -> Result<Retrieval, Unparsed> {
-        let read = |words: Option<String>| words.map(|words| NotFetched::from_words(&words));
-        let fetcher = Fetcher::ALL.into_iter().find(|fetcher| fetcher.name() == self.fetcher);
         Ok(Retrieval {
             luggage: LuggageId(self.luggage),
-            fetcher: fetcher.ok_or_else(|| Unparsed(format!("nobody called {:?} fetches", self.fetcher)))?,
+            fetcher: names::fetcher(&self.fetcher)?,
             stage: match self.stage {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
                 StageShape::LettingGo => RetrievalStage::LettingGo,
-                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(read(reason)),
-                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(read(reason)),
+                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason.map(Written::value).transpose()?),
+                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason.map(Written::value).transpose()?),
             },
             piece: self.piece.into_iter().map(Into::into).collect(),
             call: self.call.map(AlarmId),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coded::Form;
 use super::conditions::ConditionsShape;
 use super::luggage::{AlarmShape, LuggageShape, is_zero};
 use super::map::{self, Row};
@@ -57,12 +58,12 @@ pub(super) struct StandingShape {
     clock_set_ms: i64,
 }
 
-impl From<&PersistentState> for StandingShape {
-    fn from(state: &PersistentState) -> StandingShape {
+impl StandingShape {
+    pub(super) fn of(state: &PersistentState, form: Form) -> StandingShape {
         StandingShape {
             mission: state.mission.0,
             under_way: state.under_way,
-            phase: (&state.phase).into(),
+            phase: PhaseShape::of(&state.phase, form),
             holds: state.holds.to_vec().into_iter().map(|hold| hold.name().to_owned()).collect(),
             epoch: state.epoch.0,
             strategy: state.strategy.name().to_owned(),
@@ -72,23 +73,21 @@ impl From<&PersistentState> for StandingShape {
             pose: state.pose.into(),
             others: state.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
             outside: state.outside.iter().map(|(robot, steps)| (robot.name().to_owned(), *steps)).collect(),
-            retrieval: state.retrieval.as_ref().map(RetrievalShape::from),
+            retrieval: state.retrieval.as_ref().map(|retrieval| RetrievalShape::of(retrieval, form)),
             met_again: state.met_again.iter().map(|(cell, piece)| (Point::from(*cell), piece.0)).collect(),
             led_blinking: state.led_blinking,
             map: map::rows(&state.map),
             pieces: state.pieces.iter().map(|piece| piece.0).collect(),
             luggage: state.luggage.iter().map(|record| LuggageShape::from(&**record)).collect(),
             last_luggage: state.last_luggage.0,
-            alarms: state.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
+            alarms: state.alarms.iter().map(|alarm| AlarmShape::of(alarm, form)).collect(),
             last_alarm: state.last_alarm.0,
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
             clock_set_ms: state.clock_set_ms,
         }
     }
-}
 
-impl StandingShape {
     pub(super) fn state(self) -> Result<PersistentState, Unparsed> {
         Ok(PersistentState {
             mission: MissionId(self.mission),
@@ -110,7 +109,7 @@ impl StandingShape {
             pieces: self.pieces.into_iter().map(Piece).collect(),
             luggage: records(self.luggage)?,
             last_luggage: LuggageId(self.last_luggage),
-            alarms: self.alarms.into_iter().map(|alarm| Arc::new(alarm.into())).collect(),
+            alarms: self.alarms.into_iter().map(|alarm| alarm.alarm().map(Arc::new)).collect::<Result<_, _>>()?,
             last_alarm: AlarmId(self.last_alarm),
             reading: self.reading.map(names::celsius).transpose()?,
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,

@@ -13,8 +13,8 @@ use super::problem::Problem;
 use crate::access::{Caller, Need};
 use crate::api::command::no_command_id;
 use crate::runtime::carry_out::Done;
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{self, Command, CommandId, Request};
-use hallsweep_core::mission::in_words;
 use hallsweep_core::units::Epoch;
 
 /// The header with the command id.
@@ -57,7 +57,7 @@ impl CommandSender {
         }
         let issuer = issuer(&self.caller, door, self.peer);
         if let Err(refused) = allowed(&self.caller, if is_stop { Need::Stop } else { Need::Act }) {
-            self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
+            self.door.note_refused(issuer, Asked::Command(command), refused.clone()).await;
             return Err(Problem::refused(&refused).off_record());
         }
         let id = match &self.id {

@@ -16,6 +16,7 @@ use super::sign_in::{Undone, sign_in_page};
 use crate::access::{Access, Caller, Moment, Need, Network};
 use crate::api::door;
 use crate::api::fields::in_short;
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{self, Issuer, Refused};
 
 /// A gate that requires this right.
@@ -73,7 +74,7 @@ impl HttpDoor {
     }
 
     /// Records that this door refused a request (safety A6).
-    pub(super) async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) {
+    pub(super) async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         // The program is ending; nobody is left to tell.
         let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
@@ -133,20 +134,20 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     let mut response = next.run(request).await;
     // A STOP that was recognised in it is recorded already.
     let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
-    if let (Some((issuer, asked)), Some(NotTaken(refusal))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
-        door.note_refused(issuer, asked, Refused::Before(refusal)).await;
+    if let (Some((issuer, asked)), Some(NotTaken(refused))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
+        door.note_refused(issuer, asked, refused).await;
     }
     response
 }
 
 /// The record of a refused request, with its door; `None` for one that changes nothing. Signing in and out are not commands.
-fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
+fn asked(request: &Request, need: Need) -> Option<(command::Door, Asked)> {
     let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     if looks || need == Need::Nothing {
         return None;
     }
     let path = request.uri().path();
-    Some((by_path(path), format!("{} {}", request.method(), in_short(path))))
+    Some((by_path(path), Asked::Words(format!("{} {}", request.method(), in_short(path)))))
 }
 
 /// The door of a path, as records name it.

@@ -4,6 +4,7 @@ use crate::access::Access;
 use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Door, Refused};
 use hallsweep_core::units::{Epoch, LuggageId};
 
@@ -18,8 +19,8 @@ type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a s
 async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
     assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
     let noted = std::mem::take(&mut *app.noted.lock().unwrap());
-    let told = |(issuer, asked, refused): (hallsweep_core::command::Issuer, String, Refused)| {
-        (issuer.door, asked, refused.code(), format!("{} {}: {refused}", issuer.who, issuer.from))
+    let told = |(issuer, asked, refused): (hallsweep_core::command::Issuer, Asked, Refused)| {
+        (issuer.door, asked.to_string(), refused.code(), format!("{} {}: {refused}", issuer.who, issuer.from))
     };
     noted.into_iter().map(told).collect()
 }

@@ -167,7 +167,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     let can_be_shown_again = !is_program && *request.method() == Method::GET;
     let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
-    let Some(Detail { code, detail }) = response.extensions_mut().remove::<Detail>() else { return response };
+    let Some(Detail { code, detail, of_core }) = response.extensions_mut().remove::<Detail>() else { return response };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     if is_program {
         return response;
@@ -177,7 +177,8 @@ async fn for_people(request: Request, next: Next) -> Response {
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
     // Under a foreign host name STOP would be refused too, so the page must not offer it.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
-    let (title, detail) = (title(parts.status), in_words(language, code, &detail));
+    let detail = of_core.map_or_else(|| in_words(language, code, &detail), |refused| language.refused(&refused));
+    let title = title(parts.status);
     let page = Astray { language, title, detail, may_stop, here: local(asked.as_deref()) };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())

@@ -7,32 +7,28 @@ use axum::response::{IntoResponse, Response};
 
 use super::hearing::Pressed;
 use crate::api::fields::in_short;
-use crate::api::problem::{ProblemKind, TOO_SLOW, refusal};
+use crate::api::problem::{ProblemKind, TOO_SLOW};
 pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
-use hallsweep_core::command::{CODES, Refusal};
+use hallsweep_core::command::{CODES, Refused};
 
 /// Added to a problem's answer, so that a browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     pub(super) code: &'static str,
     pub(super) detail: String,
+    pub(super) of_core: Option<Refused>,
 }
 
-/// The text of a problem on a page: its detail in English, otherwise a phrase of the language.
+/// The text of a problem that the core knows nothing of: its detail in English, otherwise a phrase of the language.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
-    // A missing piece is reported in the core's words on every route.
-    let refused = [code, "unknownLuggage"].map(|code| refusal(code, detail.to_owned()).refused());
-    if let Some(refused) = refused.into_iter().flatten().next() {
-        return language.refused(&refused);
-    }
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
 /// Added to the answer to a refused request, so that the gate can record it.
 #[derive(Clone, Debug)]
-pub(super) struct NotTaken(pub(super) Refusal);
+pub(super) struct NotTaken(pub(super) Refused);
 
 impl Problem {
     pub(super) fn not_signed_in() -> Problem {
@@ -91,7 +87,7 @@ impl Problem {
     }
 
     pub(super) fn in_words(&self, language: Language) -> String {
-        in_words(language, self.code(), self.detail())
+        self.of_core().map_or_else(|| in_words(language, self.code(), self.detail()), |refused| language.refused(refused))
     }
 
     /// Its answer in this language. The record stays in English.
@@ -113,7 +109,7 @@ impl Problem {
     /// Tells the gate what to record: whatever the sender did wrong and the core never saw.
     pub(super) fn tell_gate(&self, response: &mut Response) {
         if self.status().is_client_error() && self.is_for_record() {
-            response.extensions_mut().insert(NotTaken(self.refusal()));
+            response.extensions_mut().insert(NotTaken(self.for_record()));
         }
     }
 }
@@ -122,7 +118,7 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
-        let said = Detail { code: self.code(), detail: self.detail().to_owned() };
+        let said = Detail { code: self.code(), detail: self.detail().to_owned(), of_core: self.of_core().cloned() };
         let mut response = (self.status(), Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
         self.tell_gate(&mut response);
         response
@@ -235,7 +231,7 @@ mod tests {
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
             // The first is used for buttons only, and the last can be any of those above.
-            Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::Before(_)) => return None,
+            Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::InWords(_)) => return None,
         })
     }
 
@@ -250,7 +246,7 @@ mod tests {
         }
         let told = Problem::unusable("x is missing: fill it in".to_owned()).told(Language::Italian);
         assert_eq!(
-            told.extensions().get::<NotTaken>().map(|NotTaken(refusal)| &*refusal.words),
+            told.extensions().get::<NotTaken>().map(|NotTaken(refused)| refused.to_string()).as_deref(),
             Some("x is missing: fill it in")
         );
     }
@@ -292,8 +288,8 @@ mod tests {
             Problem::not_found(words()),
         ] {
             let response = problem.into_response();
-            let NotTaken(refusal) = response.extensions().get().expect("the door did not take it");
-            assert_eq!(named(refusal.code, words()), *refusal);
+            let NotTaken(refused) = response.extensions().get().expect("the door did not take it");
+            assert_eq!(Refused::InWords(named(refused.code(), words())), *refused);
         }
     }
 
@@ -310,7 +306,7 @@ mod tests {
                 "notAllowed" => 403,
                 _ => 409,
             };
-            let read_back = Refused::Before(named(refused.code(), refused.to_string()));
+            let read_back = Refused::InWords(named(refused.code(), refused.to_string()));
             assert_eq!((read_back.code(), read_back.kind()), (refused.code(), refused.kind()), "as before, after a restart");
             assert_eq!(problem.status().as_u16(), expected, "{refused}");
             assert_eq!(problem.shape().status, expected);

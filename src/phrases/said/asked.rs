@@ -1,8 +1,8 @@
 //! What somebody asked for, and who it was.
 
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
-use hallsweep_core::mission::Asked;
 use hallsweep_core::units::LuggageId;
 
 impl Language {
@@ -18,7 +18,8 @@ impl Language {
             Asked::Many { last, more } => {
                 self.say("asked-many").with("last", self.asked(last, meant)).with("more", more).to_string()
             }
-            Asked::Words(words) => self.robot_said(words).into_owned(),
+            Asked::Simulated(simulated) => self.simulated(simulated),
+            Asked::Words(words) => words.clone(),
         }
     }
 

@@ -1,13 +1,11 @@
 //! What the journal says.
 
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::command::Refusal;
+use hallsweep_core::command::Refused;
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::hold::Hold;
-use hallsweep_core::mission::Asked;
 use hallsweep_core::mission::fact_words::hours;
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
-use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 impl Language {
@@ -16,15 +14,10 @@ impl Language {
         self.happened(fact).replace(['\n', '\r'], " ")
     }
 
-    /// A command as it is on record, with the piece that it turned out to be about.
-    pub fn asked_on_record(self, command: &str, luggage: Option<LuggageId>) -> String {
-        self.asked(&Asked::from_words(command), luggage)
-    }
-
     /// What became of a command: accepted, or refused and why.
-    pub fn outcome(self, refused: Option<&Refusal>) -> String {
-        let Some(refusal) = refused else { return self.say("fact-accepted").to_string() };
-        self.say("fact-refused").with("why", self.refusal(refusal)).to_string()
+    pub fn outcome(self, refused: Option<&Refused>) -> String {
+        let Some(refused) = refused else { return self.say("fact-accepted").to_string() };
+        self.say("fact-refused").with("why", self.refused(refused)).to_string()
     }
 
     fn conditions(self, Conditions { venue, threshold }: &Conditions) -> Phrase<'static> {
@@ -50,9 +43,9 @@ impl Language {
                 self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
             }
             Fact::State(standing) => self.say("fact-state-none").with("cells", standing.map.visited()),
-            Fact::Command { issuer, command, luggage, refused, .. } => self
+            Fact::Command { issuer, asked, luggage, refused, .. } => self
                 .say("fact-command")
-                .with("asked", self.asked_on_record(command, *luggage))
+                .with("asked", self.asked(asked, *luggage))
                 .with("issuer", self.issuer(issuer))
                 .with("outcome", self.outcome(refused.as_ref())),
             Fact::MissionBegan(mission, strategy) => {

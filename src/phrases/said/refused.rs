@@ -1,7 +1,7 @@
 //! Why a command was refused.
 
 use crate::phrases::Language;
-use hallsweep_core::command::{Refusal, Refused};
+use hallsweep_core::command::Refused;
 use hallsweep_core::hold::Hold;
 
 /// The codes with which the simulator refuses what somebody wants of it.
@@ -18,27 +18,30 @@ const OF_THE_SIMULATOR: [&str; 9] = [
 ];
 
 impl Language {
-    /// Why a command was refused; without a full stop.
+    /// Why a command was refused; without a full stop. What a door says in its own words stays as it is.
     pub fn refused(self, refused: &Refused) -> String {
-        let say = self.say_of("refused", refused.code());
+        let say = || self.say_of("refused", refused.code());
         let said = match refused {
-            Refused::Held(holds, store_failure) => say.with("holds", self.holds(holds, store_failure.as_deref())),
-            Refused::Outdated { sent, now } => say.with("sent", sent).with("now", now),
-            Refused::NotInPhase(phase) => say.with("phase", self.phase(*phase)),
-            Refused::IntoObstacle(cell) => say.with("cell", cell),
+            Refused::Held(holds, store_failure) => say().with("holds", self.holds(holds, store_failure.as_deref())),
+            Refused::Outdated { sent, now } => say().with("sent", sent).with("now", now),
+            Refused::NotInPhase(phase) => say().with("phase", self.phase(*phase)),
+            Refused::IntoObstacle(cell) => say().with("cell", cell),
             Refused::VerdictPending(id)
             | Refused::BombUnfetched(id)
             | Refused::UnknownLuggage(id)
             | Refused::NoPhoto(id)
-            | Refused::NotInspected(id) => say.with("id", id),
-            Refused::Decided { luggage, verdict } => say.with("id", luggage).with("verdict", self.verdict(verdict.name())),
-            Refused::UnknownAlarm(id) => say.with("id", id),
-            Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say.with("robot", robot),
-            Refused::FaultStands(fault) => say.with("fault", self.fault(fault)),
-            Refused::OtherContent(id) => say.with("id", id.text()),
-            Refused::UnknownSensor(sensor) => say.with("sensor", format!("{sensor:?}")),
-            Refused::NotAllowed(words) => say.with("detail", words),
-            Refused::Before(refusal) => return self.refusal(refusal),
+            | Refused::NotInspected(id) => say().with("id", id),
+            Refused::Decided { luggage, verdict } => say().with("id", luggage).with("verdict", self.verdict(verdict.name())),
+            Refused::UnknownAlarm(id) => say().with("id", id),
+            Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say().with("robot", robot),
+            Refused::FaultStands(fault) => say().with("fault", self.fault(fault)),
+            Refused::OtherContent(id) => say().with("id", id.text()),
+            Refused::UnknownSensor(sensor) => say().with("sensor", format!("{sensor:?}")),
+            Refused::NotAllowed(words) => say().with("detail", words),
+            Refused::InWords(refusal) if OF_THE_SIMULATOR.contains(&refusal.code) => {
+                self.say_of("problem", refusal.code).with("detail", &refusal.words)
+            }
+            Refused::InWords(refusal) => return refusal.words.clone(),
             Refused::SentBefore
             | Refused::Driving
             | Refused::NotStopped
@@ -50,20 +53,9 @@ impl Language {
             | Refused::NoRetrievalRobot
             | Refused::StoreDown
             | Refused::NotKept
-            | Refused::NotOnRecord => say,
+            | Refused::NotOnRecord => say(),
         };
         said.to_string()
-    }
-
-    /// The same as it is on record. What this version does not refuse so stays in the words of the record.
-    pub fn refusal(self, refusal: &Refusal) -> String {
-        match refusal.refused() {
-            Some(refused) => self.refused(&refused),
-            None if OF_THE_SIMULATOR.contains(&refusal.code) => {
-                self.say_of("problem", refusal.code).with("detail", &refusal.words).to_string()
-            }
-            None => refusal.words.clone(),
-        }
     }
 
     /// What is to be mended is said first, and by its name: other holds may follow from it.

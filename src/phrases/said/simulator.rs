@@ -1,64 +1,57 @@
-//! What the simulator says of itself and of what was done to it. It says so in English words, which go on record like those of any robot, and
-//! are read here.
+//! What the simulator says of itself, and what was done to it.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
-use crate::phrases::{Language, Phrase};
+use crate::phrases::Language;
+use hallsweep_core::simulated::{Change, Pace, Simulated};
+use hallsweep_core::units::Cell;
 
 impl Language {
-    /// What a robot says, or whoever had something done to what is simulated: a phrase if these are words of the simulator, else as it was said.
+    /// What a robot says: a phrase if these are words of the simulator, else as it was said.
     pub fn robot_said(self, words: &str) -> Cow<'_, str> {
-        self.simulator(words).map_or(Cow::Borrowed(words), Cow::Owned)
-    }
-
-    fn simulator(self, words: &str) -> Option<String> {
-        let said = |phrase: Phrase<'_>| Some(phrase.to_string());
-        match words {
-            "the simulator keeps it lost" => return said(self.say("simulated-lost")),
-            "the shutter did not open: take the photo again" => return said(self.say("simulated-no-photo")),
-            "simulator one step" => return said(self.say("simulated-step")),
-            _ => {}
-        }
-        for (begin, id) in [
-            ("put down in the hall ", "simulated-put-down"),
-            ("it is put down in the hall ", "simulated-is-put-down"),
-            ("simulator keeps the hall ", "simulated-keeps"),
-            ("simulator discards the hall ", "simulated-discards"),
-        ] {
-            if let Some(hall) = words.strip_prefix(begin) {
-                return said(self.say(id).with("hall", hall));
-            }
-        }
-        let changes = self.changes(words.strip_prefix("simulator ")?)?;
-        said(self.say("simulated").with("changes", changes.join(", ")))
-    }
-
-    /// `paused, speed 2, camera fails: yes, blocked (1, 2), (3, 4)`: the cells stand last.
-    fn changes(self, words: &str) -> Option<Vec<String>> {
-        let (before, blocked) = match words.split_once("blocked (") {
-            Some((before, cells)) => (before.trim_end_matches(", "), Some(format!("({cells}"))),
-            None => (words, None),
-        };
-        let mut changes: Vec<String> =
-            before.split(", ").filter(|word| !word.is_empty()).map(|word| self.change(word)).collect::<Option<_>>()?;
-        changes.extend(blocked.map(|cells| self.say("simulated-blocked").with("cells", cells).to_string()));
-        (!changes.is_empty()).then_some(changes)
-    }
-
-    fn change(self, words: &str) -> Option<String> {
         let said = match words {
-            "paused" => self.say("simulated-paused"),
-            "going on" => self.say("simulated-going-on"),
-            "speed max" => self.say("simulated-speed-max"),
-            "no way blocked" => self.say("simulated-nothing-blocked"),
-            "link lost: yes" => self.say("simulated-linkLost"),
-            "link lost: no" => self.say("simulated-linked"),
-            "no thermometer: yes" => self.say("simulated-noThermometer"),
-            "no thermometer: no" => self.say("simulated-thermometer"),
-            "camera fails: yes" => self.say("simulated-cameraFails"),
-            "camera fails: no" => self.say("simulated-camera"),
-            _ => self.say("simulated-speed").with("speed", self.number(words.strip_prefix("speed ")?)),
+            "the simulator keeps it lost" => self.say("simulated-lost"),
+            "the shutter did not open: take the photo again" => self.say("simulated-no-photo"),
+            _ => match words.strip_prefix("it is put down in the hall ") {
+                Some(hall) => self.say("simulated-is-put-down").with("hall", hall),
+                None => return Cow::Borrowed(words),
+            },
         };
-        Some(said.to_string())
+        Cow::Owned(said.to_string())
+    }
+
+    /// What somebody did to what is simulated.
+    pub(super) fn simulated(self, simulated: &Simulated) -> String {
+        let said = match simulated {
+            Simulated::Changed(change) => self.say("simulated").with("changes", self.changes(change)),
+            Simulated::Step => self.say("simulated-step"),
+            Simulated::PutDown(hall) => self.say("simulated-put-down").with("hall", hall),
+            Simulated::Kept(hall) => self.say("simulated-keeps").with("hall", hall),
+            Simulated::Discarded(hall) => self.say("simulated-discards").with("hall", hall),
+        };
+        said.to_string()
+    }
+
+    fn changes(self, Change { speed, is_paused, link_lost, no_thermometer, camera_fails, blocked }: &Change) -> String {
+        let either = |is_so: &Option<bool>, so, not| is_so.map(|is_so| self.say(if is_so { so } else { not }));
+        let speed = speed.map(|speed| match speed {
+            Pace::Max => self.say("simulated-speed-max"),
+            Pace::Times(factor) => self.say("simulated-speed").with("speed", self.number(&factor.to_string())),
+        });
+        let cells = |cells: &BTreeSet<Cell>| cells.iter().map(Cell::to_string).collect::<Vec<_>>().join(", ");
+        let blocked = blocked.as_ref().map(|blocked| match blocked.len() {
+            0 => self.say("simulated-nothing-blocked"),
+            _ => self.say("simulated-blocked").with("cells", cells(blocked)),
+        });
+        let changes = [
+            either(is_paused, "simulated-paused", "simulated-going-on"),
+            speed,
+            either(link_lost, "simulated-linkLost", "simulated-linked"),
+            either(no_thermometer, "simulated-noThermometer", "simulated-thermometer"),
+            either(camera_fails, "simulated-cameraFails", "simulated-camera"),
+            blocked,
+        ];
+        changes.into_iter().flatten().map(|change| change.to_string()).collect::<Vec<_>>().join(", ")
     }
 }

@@ -5,13 +5,11 @@ use std::time::Duration;
 
 use crate::phrases::Language;
 use behaviour_trees::state::StateError;
-use hallsweep_core::command::{
-    Command, Door, Issuer, LuggageRef, Move, Note, Refusal, Refused, Strategy, TemperatureReport, Verdict,
-};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Refused, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::{Hold, HoldReason};
-use hallsweep_core::mission::Asked;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::{FaultCause, PhaseName};
@@ -156,15 +154,9 @@ fn the_journal() {
     let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
     let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(inspecting(Stage::TakingPhoto)) };
     let command = |refused: Option<Refused>| {
-        let refused = refused.as_ref().map(Refusal::from);
-        Fact::Command {
-            issuer: issuer(),
-            id: None,
-            command: "safe #3 (note: red)".to_owned(),
-            epoch: None,
-            luggage: Some(ID),
-            refused,
-        }
+        let note = Note::new("red");
+        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(ID), verdict: Verdict::Safe, note });
+        Fact::Command { issuer: issuer(), id: None, asked, epoch: None, luggage: Some(ID), refused }
     };
     let verdict = |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note };
     let photographed = |photo| {
@@ -258,7 +250,7 @@ fn words_of_others_stay_as_they_are() {
     for language in Language::ALL {
         for words in ["safe #03", "<b>", "{ $id }", "a\u{2028}b"] {
             assert_eq!(language.said(&Said::Words(words.to_owned())), words);
-            assert_eq!(language.asked_on_record(words, None), words);
+            assert_eq!(language.asked(&Asked::Words(words.to_owned()), None), words);
             assert!(language.fault(&FaultCause::Robot(words.to_owned())).contains(words));
         }
     }

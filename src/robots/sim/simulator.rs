@@ -22,6 +22,7 @@ use hallsweep_core::command::{Issuer, Refused};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::robot::RobotState;
+use hallsweep_core::simulated::Simulated;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Hall, Speed, Truth};
@@ -98,8 +99,10 @@ impl Simulator for InHand {
         Box::pin(async move {
             let ground = self.turn.lock().await;
             check_blocked(&ground.hall, change.blocked.as_ref())?;
-            let Some(words) = change.in_words() else { return Ok(self.now()) };
-            self.handle.note_simulated(issuer, words).await?;
+            if change == Change::default() {
+                return Ok(self.now());
+            }
+            self.handle.note_simulated(issuer, Simulated::Changed(change.clone())).await?;
             self.take(change);
             Ok(self.now())
         })
@@ -115,7 +118,7 @@ impl Simulator for InHand {
             if snapshot.robots.iter().all(|robot| robot.view.state == RobotState::Stopped) {
                 return Err(NotSimulated::NothingUnderWay);
             }
-            self.handle.note_simulated(issuer, "simulator one step".to_owned()).await?;
+            self.handle.note_simulated(issuer, Simulated::Step).await?;
             self.controls.send_modify(|controls| controls.steps += 1);
             Ok(self.now())
         })
@@ -147,13 +150,13 @@ impl Simulator for InHand {
         Box::pin(async move {
             let _turn = self.turn.lock().await;
             self.must_be_recorded()?;
-            let words = format!("simulator keeps the hall {name}");
+            let kept = Simulated::Kept(name.clone());
             let keep = move |offered: &Offered| {
                 let hall = Hall::parse(&format!("{name}.toml"), &toml).map_err(|error| NotSimulated::Hall(error.to_string()))?;
                 offered.keep(&name, &fitting(hall)?.called(&name), may_replace)
             };
             self.on_disk(keep).await?;
-            self.handle.note_simulated(issuer, words).await?;
+            self.handle.note_simulated(issuer, kept).await?;
             Ok(self.now())
         })
     }
@@ -162,9 +165,9 @@ impl Simulator for InHand {
         Box::pin(async move {
             let _turn = self.turn.lock().await;
             self.must_be_recorded()?;
-            let words = format!("simulator discards the hall {name}");
+            let discarded = Simulated::Discarded(name.clone());
             self.on_disk(move |offered| offered.discard(&name)).await?;
-            self.handle.note_simulated(issuer, words).await?;
+            self.handle.note_simulated(issuer, discarded).await?;
             Ok(self.now())
         })
     }

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::{Families, Figures, OTHER};
-use hallsweep_core::command::{CODES, Command, Refusal, Verdict};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{CODES, Command, Refused, Verdict};
 use hallsweep_core::effect::{Fact, Page};
-use hallsweep_core::mission::Asked;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
@@ -131,7 +131,7 @@ impl CountedFact {
             Fact::Phase(phase) => Some(CountedFact::Phase(phase.name())),
             Fact::State(state) => Some(CountedFact::Stands(state.phase.name(), state.pose)),
             Fact::Pose(pose) => Some(CountedFact::Pose(*pose)),
-            Fact::Command { command, refused, .. } => Some(CountedFact::command(command, refused.as_ref())),
+            Fact::Command { asked, refused, .. } => Some(CountedFact::command(asked, refused.as_ref())),
             Fact::Luggage { record, photo } => Some(CountedFact::Luggage(record.id, photo.is_some())),
             Fact::Verdict { verdict, .. } => Some(CountedFact::Verdict(*verdict)),
             Fact::AlarmRaised(..) => Some(CountedFact::Alarm),
@@ -162,15 +162,12 @@ impl CountedFact {
 
     /// Accepted STOPs that share an entry are counted one by one. Refusals that share an entry count once, as the last of them:
     /// their number is recorded beside words from outside, which could say anything.
-    fn command(words: &str, refused: Option<&Refusal>) -> CountedFact {
-        let asked = match Asked::from_words(words) {
-            Asked::Many { last, .. } => *last,
-            asked @ (Asked::Command(_) | Asked::Stops { .. } | Asked::Words(_)) => asked,
-        };
-        let shared = if let Asked::Stops { count, .. } = asked { Some(count) } else { None };
+    fn command(asked: &Asked, refused: Option<&Refused>) -> CountedFact {
+        let asked = if let Asked::Many { last, .. } = asked { last } else { asked };
+        let shared = if let Asked::Stops { count, .. } = asked { Some(*count) } else { None };
         let count = shared.filter(|_| refused.is_none()).unwrap_or(1);
-        let code = |refusal: &Refusal| CODES.into_iter().find(|(code, _)| *code == refusal.code).map_or(OTHER, |(code, _)| code);
-        CountedFact::Command(name(&asked), count, refused.map(code))
+        let code = |refused: &Refused| if CODES.iter().any(|(code, _)| *code == refused.code()) { refused.code() } else { OTHER };
+        CountedFact::Command(name(asked), count, refused.map(code))
     }
 }
 
@@ -178,7 +175,7 @@ impl CountedFact {
 const fn name(asked: &Asked) -> &'static str {
     match asked {
         Asked::Stops { .. } => "stop",
-        Asked::Many { .. } | Asked::Words(_) => OTHER,
+        Asked::Simulated(_) | Asked::Many { .. } | Asked::Words(_) => OTHER,
         Asked::Command(command) => match command {
             Command::Start => "start",
             Command::Stop => "stop",
@@ -206,7 +203,7 @@ mod tests {
     use hallsweep_core::effect::Entry;
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
-    use hallsweep_core::mission::in_words;
+    use hallsweep_core::refused::Refusal;
     use hallsweep_core::settings::Settings;
     use hallsweep_core::state::{PersistentState, Phase};
     use hallsweep_core::units::{AlarmId, Cell, Heading, MissionId, WallTime};
@@ -233,9 +230,10 @@ mod tests {
         figures
     }
 
-    fn command(command: String, refused: Option<&'static str>) -> Fact {
-        let refused = refused.map(|code| Refusal { code, kind: RefusalKind::Conflict, words: "no".to_owned() });
-        Fact::Command { issuer: Issuer::operator(Door::LOCAL), id: None, command, epoch: None, luggage: None, refused }
+    fn command(asked: Asked, refused: Option<&'static str>) -> Fact {
+        let refusal = |code| Refusal { code, kind: RefusalKind::Conflict, words: "no".to_owned() };
+        let refused = refused.map(|code| Refused::InWords(refusal(code)));
+        Fact::Command { issuer: Issuer::operator(Door::LOCAL), id: None, asked, epoch: None, luggage: None, refused }
     }
 
     fn at(x: i32, y: i32, heading: Heading) -> Fact {
@@ -350,8 +348,8 @@ mod tests {
 
     #[test]
     fn every_command_counts_under_its_name_by_what_became_of_it() {
-        let accepted = commands().map(|asked| command(in_words(&asked), None));
-        let refused = commands().map(|asked| command(in_words(&asked), Some("held")));
+        let accepted = commands().map(|asked| command(Asked::Command(asked), None));
+        let refused = commands().map(|asked| command(Asked::Command(asked), Some("held")));
         let figures = counted([&accepted[..], &refused, &refused].concat());
         for name in COMMANDS {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
@@ -363,12 +361,15 @@ mod tests {
     #[test]
     fn stops_in_one_entry_are_many_and_words_from_outside_are_one_and_make_no_series() {
         let before = Figures::default().text().lines().count();
+        let stops = |count| Asked::Stops { count, within: None };
+        let many = |last, more| Asked::Many { last: Box::new(last), more };
+        let brew = || Asked::Words("BREW /coffee{pot=\"1\"}".to_owned());
         let figures = counted(vec![
-            command("STOP, 7 times at once".to_owned(), None),
-            command("STOP, 9 times at once".to_owned(), Some("notAllowed")),
-            command("START, and 4 more that were refused".to_owned(), Some("notAllowed")),
-            command("BREW /coffee{pot=\"1\"}".to_owned(), Some("malformed")),
-            command("BREW, and 18446744073709551615 more that were refused".to_owned(), Some("tooMany")),
+            command(stops(7), None),
+            command(stops(9), Some("notAllowed")),
+            command(many(Asked::Command(Command::Start), 4), Some("notAllowed")),
+            command(brew(), Some("malformed")),
+            command(many(brew(), u64::MAX), Some("tooMany")),
         ]);
         let times = |command: &str, outcome: &str| {
             figures.value(&format!("commands_total{{command=\"{command}\",outcome=\"{outcome}\"}}"))

@@ -1,6 +1,6 @@
 //! The tables of the journal, and the migrations of older files.
 
-use rusqlite::{Connection, Transaction};
+use rusqlite::Connection;
 
 use super::chain;
 use super::fault::Fault;
@@ -9,18 +9,28 @@ use super::fault::Fault;
 const APPLICATION: i64 = 0x4853_5750;
 
 /// Migrations from each format to the next; an empty file has format 0.
-const MIGRATIONS: [&str; 4] =
-    [include_str!("schema.sql"), include_str!("schema_2.sql"), include_str!("schema_3.sql"), include_str!("schema_4.sql")];
+const MIGRATIONS: [&str; 5] = [
+    include_str!("schema.sql"),
+    include_str!("schema_2.sql"),
+    include_str!("schema_3.sql"),
+    include_str!("schema_4.sql"),
+    include_str!("schema_5.sql"),
+];
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
-/// The format since which entries are unchanged.
+/// Since this format all entries can be read.
 pub(super) const ENTRIES_SINCE: i64 = 2;
+
+/// Since this format there are the tables and the chain of digests that there are now.
+const TABLES_SINCE: i64 = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Empty,
+    /// Some tables are missing.
     Older(i64),
+    /// All tables are there, and can be held against the entries.
     Current,
 }
 
@@ -30,8 +40,8 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     let tables = number("SELECT count(*) FROM sqlite_schema")?;
     match (application, version) {
         (0, 0) if tables == 0 => Ok(Format::Empty),
-        (APPLICATION, FORMAT) => Ok(Format::Current),
         (APPLICATION, version) if version > FORMAT => Err(Fault::Newer(version)),
+        (APPLICATION, TABLES_SINCE..) => Ok(Format::Current),
         (APPLICATION, version) if version > 0 => Ok(Format::Older(version)),
         _ => Err(Fault::Foreign),
     }
@@ -39,23 +49,22 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
 
 /// Migrates a file to the present format, in one transaction.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
-    let from = match format(connection)? {
-        Format::Current => return Ok(()),
-        Format::Empty => 0,
-        Format::Older(version) => version,
-    };
+    // What is not ours is refused; an empty file is of format 0.
+    format(connection)?;
+    let from: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0))?;
+    if from == FORMAT {
+        return Ok(());
+    }
     let transaction = connection.transaction()?;
-    migrate(&transaction, usize::try_from(from).unwrap_or(0))?;
-    Ok(transaction.commit()?)
-}
-
-fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
-    for migration in MIGRATIONS.iter().skip(from) {
+    for migration in MIGRATIONS.iter().skip(usize::try_from(from).unwrap_or(0)) {
         transaction.execute_batch(migration)?;
     }
-    chain::close_old_pages(transaction)?;
+    if from < TABLES_SINCE {
+        chain::close_old_pages(&transaction)?;
+    }
     transaction.pragma_update(None, "application_id", APPLICATION)?;
-    Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
+    transaction.pragma_update(None, "user_version", FORMAT)?;
+    Ok(transaction.commit()?)
 }
 
 /// Creates an empty file of an older format.

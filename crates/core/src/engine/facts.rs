@@ -2,9 +2,10 @@
 //! nothing may follow before they are in the store, stand in `records`.
 
 use super::Engine;
-use crate::command::{Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
+use crate::asked::Asked;
+use crate::command::{Command, LuggageRef, Refused, Request, TemperatureReport};
 use crate::effect::Fact;
-use crate::mission::{Asked, InputContext};
+use crate::mission::InputContext;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::Seq;
@@ -42,12 +43,11 @@ impl Engine {
         let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
         let tone = if refused.is_none() { Tone::Info } else { Tone::Warning };
         let (asked, issuer) = (Asked::Command(request.command.clone()), request.issuer.clone());
-        let command = asked.to_string();
-        let said = Said::Asked { asked, meant, issuer: issuer.clone(), refused: refused.cloned() };
+        let said = Said::Asked { asked: asked.clone(), meant, issuer: issuer.clone(), refused: refused.cloned() };
         self.world.write(self.now.wall, tone, said);
         let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
-        let (luggage, refused) = (context.luggage, refused.map(Refusal::from));
-        let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };
+        let (luggage, refused) = (context.luggage, refused.cloned());
+        let fact = Fact::Command { issuer, id: request.id.clone(), asked, epoch: request.epoch, luggage, refused };
         self.outbox.record_command(self.now.wall, fact, if_lost);
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use crate::command::{Refusal, Refused};
+use crate::command::Refused;
 use crate::effect::{Effect, Entry, Fact, Order, Page};
 use crate::event::RobotId;
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
@@ -164,8 +164,8 @@ impl Outbox {
         self.commands = rest;
         let repeat: VecDeque<Unkept> = repeat;
         for Unkept { entry: Entry { wall, mut fact }, if_lost, .. } in repeat {
-            if let (Fact::Command { refused, .. }, Some(told)) = (&mut fact, &if_lost) {
-                *refused = Some(Refusal::from(told));
+            if let (Fact::Command { refused, .. }, Some(told)) = (&mut fact, if_lost) {
+                *refused = Some(told);
             }
             self.record_command(wall, fact, None);
         }

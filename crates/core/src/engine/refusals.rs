@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use super::Engine;
 use super::coalesced_entries::{CoalescedEntry, CoalescingLimits, Sender};
-use crate::command::{Issuer, Refusal, Refused};
+use crate::asked::Asked;
+use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
-use crate::mission::Asked;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Now, Seq};
@@ -31,9 +31,9 @@ impl Engine {
     /// Notes a command that a door refused (safety A6): `asked` is what was asked for, as the door knows it, the last
     /// of `count`. Returns its place in the journal; `None` when it will share an entry, because its sender is refused
     /// without end.
-    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
+    pub fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
-        let note = Note { issuer, asked: Asked::from_words(&asked), refused: refused.clone() };
+        let note = Note { issuer, asked, refused: refused.clone() };
         let due = self.refusals.come(note.sender(), (note, count), now.since_start);
         let is_written = due.is_some();
         self.write_refusals(due);
@@ -42,10 +42,10 @@ impl Engine {
 
     pub(super) fn write_refusals(&mut self, due: impl IntoIterator<Item = CoalescedEntry<Note>>) {
         for Note { issuer, asked, refused } in due.into_iter().map(Note::of) {
-            let (kept, command) = (Some(Refusal::from(&refused)), asked.to_string());
-            let said = Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: Some(refused) };
+            let refused = Some(refused);
+            let said = Said::Asked { asked: asked.clone(), meant: None, issuer: issuer.clone(), refused: refused.clone() };
             self.world.write(self.now.wall, Tone::Warning, said);
-            let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: kept };
+            let fact = Fact::Command { issuer, id: None, asked, epoch: None, luggage: None, refused };
             self.outbox.record_command(self.now.wall, fact, None);
         }
     }
@@ -74,7 +74,7 @@ mod tests {
 
     fn note(who: &str, asked: &str) -> Note {
         let issuer = Issuer { door: Door("mqtt"), who: who.into(), from: "192.0.2.7".into() };
-        Note { issuer, asked: Asked::from_words(asked), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
+        Note { issuer, asked: Asked::Words(asked.to_owned()), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 
     fn come(refusals: &mut CoalescedEntries<Note>, note: Note, count: u64, now: Duration) -> Option<CoalescedEntry<Note>> {

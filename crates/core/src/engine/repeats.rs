@@ -5,9 +5,9 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::asked::Asked;
 use crate::command::{Accepted, Command, CommandId, Issuer, RefusalKind, Refused, Request};
 use crate::effect::{Entry, Fact};
-use crate::mission::Asked;
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
@@ -129,17 +129,17 @@ impl Repeats {
     /// Restores the commands of the journal after a restart.
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
-            if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
+            if let Fact::Command { issuer, id: Some(id), asked, luggage, refused, epoch } = fact {
                 // A command that contradicted the first of its id did not use the id, and a STOP never does.
-                let contradicted = refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT);
-                let content = Content::read_back(command, *epoch);
-                if contradicted || content.asked == Asked::Command(Command::Stop) {
+                let contradicted = refused.as_ref().is_some_and(|refused| refused.code() == OTHER_CONTENT);
+                if contradicted || *asked == Asked::Command(Command::Stop) {
                     continue;
                 }
                 let outcome = match refused {
-                    Some(refusal) => Outcome::Answered(Err(Refused::Before(refusal.clone()))),
+                    Some(refused) => Outcome::Answered(Err(refused.clone())),
                     None => Outcome::Before(*luggage),
                 };
+                let content = Content { asked: asked.clone(), epoch: *epoch };
                 self.note(issuer, id, content, outcome);
             }
         }
@@ -149,10 +149,6 @@ impl Repeats {
 impl Content {
     pub(super) fn of(request: &Request) -> Content {
         Content { asked: Asked::Command(request.command.clone()), epoch: request.epoch }
-    }
-
-    fn read_back(words: &str, epoch: Option<Epoch>) -> Content {
-        Content { asked: Asked::from_words(words), epoch }
     }
 }
 
@@ -177,7 +173,7 @@ mod tests {
     }
 
     fn asked(words: &str) -> Content {
-        Content::read_back(words, None)
+        Content { asked: Asked::Words(words.to_owned()), epoch: None }
     }
 
     #[test]

@@ -2,23 +2,26 @@
 //! took them, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not
 //! known here.
 
+use std::sync::Arc;
+
 use super::Engine;
 use super::outbox::WaitingAnswer;
+use crate::asked::Asked;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::event::RobotId;
 use crate::hold::Hold;
-use crate::mission::Asked;
+use crate::simulated::Simulated;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::Venue;
 use crate::units::{Now, Ticket};
 
 impl Engine {
-    /// Writes an action on the simulator into log and journal, in words like `the simulator was paused`.
-    pub fn note_simulated(&mut self, issuer: &Issuer, words: &str, now: Now) {
+    /// Writes an action on the simulator into log and journal.
+    pub fn note_simulated(&mut self, issuer: Issuer, simulated: Simulated, now: Now) {
         self.begin(now);
-        self.write_simulated(issuer, words);
+        self.write_simulated(issuer, simulated);
     }
 
     /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away).
@@ -27,10 +30,10 @@ impl Engine {
     ///
     /// # Errors
     /// Why not now: something would be lost. Nothing has changed.
-    pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: &Issuer, now: Now) -> Result<Ticket, Refused> {
+    pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: Issuer, now: Now) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);
-        self.write_simulated(issuer, &format!("put down in the hall {}", venue.name));
+        self.write_simulated(issuer, Simulated::PutDown(Arc::clone(&venue.name)));
         self.put_down();
         for robot in robots {
             self.link_lost(robot, format!("it is put down in the hall {}", venue.name));
@@ -54,11 +57,11 @@ impl Engine {
         }
     }
 
-    fn write_simulated(&mut self, issuer: &Issuer, words: &str) {
-        let asked = Asked::Words(words.to_owned());
-        self.world.write(self.now.wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
-        let (issuer, command) = (issuer.clone(), words.to_owned());
-        let fact = Fact::Command { issuer, id: None, command, epoch: None, luggage: None, refused: None };
+    fn write_simulated(&mut self, issuer: Issuer, simulated: Simulated) {
+        let asked = Asked::Simulated(simulated);
+        let said = Said::Asked { asked: asked.clone(), meant: None, issuer: issuer.clone(), refused: None };
+        self.world.write(self.now.wall, Tone::Info, said);
+        let fact = Fact::Command { issuer, id: None, asked, epoch: None, luggage: None, refused: None };
         self.outbox.record_command(self.now.wall, fact, None);
     }
 }

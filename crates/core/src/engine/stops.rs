@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use super::Engine;
 use super::coalesced_entries::{CoalescedEntries, CoalescedEntry, CoalescingLimits, Sender};
+use crate::asked::Asked;
 use crate::command::{Command, CommandId, Issuer, OPERATOR, Request};
 use crate::effect::Fact;
-use crate::mission::Asked;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
@@ -130,16 +130,17 @@ impl Engine {
 
     pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<StopRequest>>) {
         for CoalescedEntry { last: StopRequest { issuer, id, wall }, count, lasted } in stops {
-            let within = Some(lasted).filter(|lasted| !lasted.is_zero());
+            // As exactly as it is stored.
+            let within = (!lasted.is_zero()).then(|| Duration::new(lasted.as_secs(), lasted.subsec_millis() * 1_000_000));
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))
             } else {
                 // Several people may share a key.
                 (Issuer { who: issuer.key(), ..issuer }, None, Asked::Stops { count, within })
             };
-            let command = asked.to_string();
-            self.world.write(wall, Tone::Info, Said::Asked { asked, meant: None, issuer: issuer.clone(), refused: None });
-            let fact = Fact::Command { issuer, id, command, epoch: None, luggage: None, refused: None };
+            let said = Said::Asked { asked: asked.clone(), meant: None, issuer: issuer.clone(), refused: None };
+            self.world.write(wall, Tone::Info, said);
+            let fact = Fact::Command { issuer, id, asked, epoch: None, luggage: None, refused: None };
             self.outbox.record_command(wall, fact, None);
         }
     }

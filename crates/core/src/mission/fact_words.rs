@@ -3,10 +3,10 @@
 
 use std::fmt::Display;
 
-use crate::command::{Refusal, Refused, Verdict};
+use crate::asked::Asked;
+use crate::command::{Command, Refused, Verdict};
 use crate::effect::{Fact, Unpacked, WrittenOut};
 use crate::hold::Hold;
-use crate::mission::Input;
 use crate::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
@@ -41,8 +41,9 @@ fn said(fact: &Fact) -> String {
             let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
             format!("all that stands: {mission}, {} cells visited", standing.map.visited())
         }
-        Fact::Command { issuer, command, luggage, refused, .. } => {
-            format!("command {} by {issuer}: {}", asked(command, *luggage), outcome(refused.as_ref()))
+        Fact::Command { issuer, asked, luggage, refused, .. } => {
+            let outcome = refused.as_ref().map_or_else(|| "accepted".to_owned(), |refused| format!("refused: {refused}"));
+            format!("command {} by {issuer}: {outcome}", asked.about(*luggage))
         }
         Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
         Fact::MissionArchived(mission, left) => {
@@ -85,18 +86,6 @@ fn said(fact: &Fact) -> String {
 pub fn hours(ms: i64) -> String {
     let seconds = ms.unsigned_abs() / 1000;
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
-}
-
-/// A command with the piece that it turned out to be about, where its sender did not name it.
-fn asked(command: &str, luggage: Option<LuggageId>) -> String {
-    let (asked, note) = command.split_once(" (note: ").map_or((command, None), |(asked, note)| (asked, Some(note)));
-    let named = luggage.map(|id| format!(" #{id}")).filter(|id| !asked.ends_with(id.as_str())).unwrap_or_default();
-    note.map_or_else(|| format!("{asked}{named}"), |note| format!("{asked}{named} (note: {note}"))
-}
-
-/// What became of a command: `accepted`, or `refused` and why.
-fn outcome(refused: Option<&Refusal>) -> String {
-    refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
 }
 
 /// A phase with what it interrupts, or how far its inspection has come: each step of it is on record.
@@ -155,11 +144,11 @@ impl Fact {
     /// was durable (safety V1), and so it was refused.
     #[must_use]
     pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
-        let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
-        let was_safe = Input::from_words(&command).is_some_and(|(input, _)| input == Input::Safe);
+        let Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused: None } = self else { return self };
+        let was_safe = matches!(asked, Asked::Command(Command::Verdict { verdict: Verdict::Safe, .. }));
         let overtaken = was_safe && was_dangerous(luggage);
-        let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
-        Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
+        let refused = overtaken.then_some(Refused::Decided { luggage, verdict: Verdict::Danger });
+        Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused }
     }
 }
 
@@ -168,7 +157,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::command::{Door, Issuer, Refused};
+    use crate::command::{Door, Issuer, LuggageRef, Note};
     use crate::phase::FaultCause;
     use crate::state::Inspection;
     use crate::units::{Cell, Heading, Pose, WallTime};
@@ -180,8 +169,7 @@ mod tests {
 
     fn command(refused: Option<Refused>) -> Fact {
         let issuer = Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() };
-        let refused = refused.as_ref().map(Refusal::from);
-        Fact::Command { issuer, id: None, command: "START".to_owned(), epoch: None, luggage: None, refused }
+        Fact::Command { issuer, id: None, asked: Asked::Command(Command::Start), epoch: None, luggage: None, refused }
     }
 
     #[test]
@@ -233,13 +221,15 @@ mod tests {
         check(command(None), "command START by anna (http, 192.0.2.7): accepted");
         let refused = "command START by anna (http, 192.0.2.7): refused: the robot is moving: press STOP first";
         check(command(Some(Refused::Moving)), refused);
-        for (words, expect) in [
-            ("safe", "safe #13"),
-            ("safe #13", "safe #13"),
-            ("safe (note: as #13)", "safe #13 (note: as #13)"),
-            ("safe #13 (note: red)", "safe #13 (note: red)"),
+        let (id, note) = (LuggageId(13), Note::new("as #13"));
+        for (luggage, note, expect) in [
+            (LuggageRef::Pending, None, "safe #13"),
+            (LuggageRef::Id(id), None, "safe #13"),
+            (LuggageRef::Pending, note.clone(), "safe #13 (note: as #13)"),
+            (LuggageRef::Id(id), note, "safe #13 (note: as #13)"),
         ] {
-            assert_eq!(asked(words, Some(LuggageId(13))), expect, "the piece that was meant is named once");
+            let asked = Asked::Command(Command::Verdict { luggage, verdict: Verdict::Safe, note });
+            assert_eq!(asked.about(Some(id)).to_string(), expect, "the piece that was meant is named once");
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The mission: the one total table that defines every input in every phase, and its words. Phases stand in
 //! `crate::state`; `crate::engine` carries the acts out.
 
-mod asked;
 pub mod fact_words;
 mod input;
 mod pace;
@@ -9,11 +8,8 @@ mod print;
 mod rule;
 mod state;
 mod table;
-mod words;
-pub use asked::Asked;
 pub(crate) use input::{Input, InputContext};
 pub use print::table_markdown;
 pub(crate) use rule::{Act, Case, Guard, Rule, To};
 pub(crate) use state::{Deciding, Mission, Recording, TRAIL};
 pub(crate) use table::rules;
-pub use words::in_words;

@@ -4,10 +4,11 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::asked::Asked;
 use crate::command::{Issuer, Refused};
 use crate::effect::Fact;
 use crate::hold::{Hold, HoldReason};
-use crate::mission::{Asked, fact_words};
+use crate::mission::fact_words;
 use crate::phase::{FaultCause, PhaseName};
 use crate::robot::RobotId;
 use crate::units::{Cell, LuggageId, Pose};

@@ -61,7 +61,7 @@ impl CommandId {
     }
 }
 
-/// Everything an operator, or a tool acting for one, can ask for (mission §4).
+/// Everything an operator, or a tool acting for one, can ask for (mission §4). `Display` is what the log says.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     Start,
@@ -114,6 +114,38 @@ impl Command {
             | Command::Acknowledge(_)
             | Command::ChooseStrategy(_)
             | Command::Temperature(_) => false,
+        }
+    }
+}
+
+impl std::fmt::Display for Command {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Command::Start => f.write_str("START"),
+            Command::Stop => f.write_str("STOP"),
+            Command::BackHome => f.write_str("BACK HOME"),
+            Command::Retrieve => f.write_str("RETRIEVE"),
+            Command::Reset => f.write_str("RESET"),
+            Command::Move(step) => write!(f, "move {}", step.in_words()),
+            Command::Goto(cell) => write!(f, "goto {cell}"),
+            Command::Verdict { luggage, verdict, note } => {
+                f.write_str(verdict.name())?;
+                if let LuggageRef::Id(id) = luggage {
+                    write!(f, " #{id}")?;
+                }
+                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
+            }
+            Command::RetakePhoto(id) => write!(f, "retake photo #{id}"),
+            Command::Acknowledge(id) => write!(f, "acknowledge alarm {id}"),
+            Command::ChooseStrategy(strategy) => write!(f, "choose strategy {}", strategy.name()),
+            Command::Temperature(TemperatureReport::Ok) => f.write_str("temperature OK"),
+            Command::Temperature(TemperatureReport::TooHigh) => f.write_str("temperature TOO HIGH"),
+            Command::Temperature(TemperatureReport::Reading(celsius)) => {
+                write!(f, "temperature reading {} °C", celsius.degrees())
+            }
+            Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
+                write!(f, "a sensor's reading {sensor} {} °C", celsius.degrees())
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 //! that is counted, held or carried. No module here knows the course of a mission; all others use these.
 
 pub mod arm;
+pub mod asked;
 pub mod command;
 pub mod event;
 pub mod hold;
@@ -11,5 +12,6 @@ pub mod phase;
 pub mod place;
 pub mod refused;
 pub mod robot;
+pub mod simulated;
 pub mod units;
 pub mod words;

@@ -1,8 +1,6 @@
 //! Every reason for which a command can be refused, in words for an operator and as a fixed code for programs.
 //! How it is told to whom is decided outside.
 
-mod words;
-
 use std::sync::Arc;
 
 use crate::command::{CommandId, Verdict};
@@ -126,15 +124,15 @@ pub enum Refused {
     /// Its sender may see, and stop, and no more; in words of the door at which it came.
     #[error("{0}")]
     NotAllowed(String),
-    /// A command of this name was refused before the program was started again; it still is.
+    /// In the words of a door, or of another version.
     #[error("{}", .0.words)]
-    Before(Refusal),
+    InWords(Refusal),
 }
 
 /// The code of `Refused::OtherContent`.
 pub const OTHER_CONTENT: &str = "otherContent";
 
-/// A refusal as it is kept on record; `refused` gives back what was refused.
+/// A refusal of which only the code and the sentence are known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// The fixed word for programs.
@@ -143,12 +141,6 @@ pub struct Refusal {
     pub kind: RefusalKind,
     /// The sentence an operator read.
     pub words: String,
-}
-
-impl From<&Refused> for Refusal {
-    fn from(refused: &Refused) -> Refusal {
-        Refusal { code: refused.code(), kind: refused.kind(), words: refused.to_string() }
-    }
 }
 
 /// Every code with its kind, for refusals read back; a test of a door holds it against the variants. That of `NotOnRecord` is none of
@@ -196,7 +188,7 @@ impl Refused {
             Refused::StoreDown | Refused::NotKept | Refused::NotOnRecord => RefusalKind::Unavailable,
             Refused::OtherContent(_) => RefusalKind::Mismatch,
             Refused::NotAllowed(_) => RefusalKind::Forbidden,
-            Refused::Before(refusal) => refusal.kind,
+            Refused::InWords(refusal) => refusal.kind,
             Refused::Held(..)
             | Refused::Outdated { .. }
             | Refused::SentBefore
@@ -254,7 +246,7 @@ impl Refused {
             Refused::OtherContent(_) => OTHER_CONTENT,
             Refused::UnknownSensor(_) => "unknownSensor",
             Refused::NotAllowed(_) => "notAllowed",
-            Refused::Before(refusal) => refusal.code,
+            Refused::InWords(refusal) => refusal.code,
         }
     }
 }

@@ -28,12 +28,6 @@ impl Cell {
         Cell::new(self.x - origin.x, self.y - origin.y)
     }
 
-    /// Parses `(1, 2)`.
-    pub(crate) fn from_words(words: &str) -> Option<Cell> {
-        let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
-        Some(Cell::new(x.parse().ok()?, y.parse().ok()?))
-    }
-
     #[must_use]
     pub const fn ahead(self, heading: Heading) -> Cell {
         let (dx, dy) = heading.vector();

@@ -33,6 +33,7 @@ use crate::runtime::archive_reader::ArchiveReader;
 use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{self, RefusalKind, Refused};
 
 pub struct Resources {
@@ -90,14 +91,15 @@ impl Application for Resources {
         if Caller::of(request.peer) == Caller::Here {
             let words = "too many commands were under way".to_owned();
             let refusal = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
-            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::Before(refusal));
+            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::InWords(refusal));
         }
     }
 
     /// Safety A6, as in `refused`.
     fn note(&self, refused: RefusedRequest) {
         let refusal = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refused.words };
-        self.handle.note_refused_at_once(caller::issuer(refused.peer), in_short(&refused.asked), Refused::Before(refusal));
+        let asked = Asked::Words(in_short(&refused.asked));
+        self.handle.note_refused_at_once(caller::issuer(refused.peer), asked, Refused::InWords(refusal));
     }
 }
 
@@ -151,12 +153,12 @@ impl Resources {
         if Caller::of(request.peer) == Caller::Beyond {
             if let Some(refused) = self.strangers.one_more() {
                 let why = problem.detail();
-                tracing::info!(refused, from = %request.peer.ip(), asked, why, "strangers were refused; this is the latest");
+                tracing::info!(refused, from = %request.peer.ip(), %asked, why, "strangers were refused; this is the latest");
             }
             return Reply::Now(answer);
         }
         let noted = self.handle.clone();
-        let (issuer, refused) = (caller::issuer(request.peer), Refused::Before(problem.refusal()));
+        let (issuer, refused) = (caller::issuer(request.peer), problem.for_record());
         Reply::Later(Box::pin(async move {
             // The program is ending; nobody is left to tell.
             let _ = noted.note_refused(issuer, asked, refused).await;
@@ -165,9 +167,9 @@ impl Resources {
     }
 }
 
-/// The request in words for records.
-fn asked_of(request: &Request) -> String {
-    format!("{} {}", request.method.name(), in_short(&request.path_text()))
+/// The request for records.
+fn asked_of(request: &Request) -> Asked {
+    Asked::Words(format!("{} {}", request.method.name(), in_short(&request.path_text())))
 }
 
 #[cfg(test)]

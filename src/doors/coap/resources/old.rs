@@ -12,8 +12,8 @@ use crate::api::halt::is_halt;
 use crate::api::map::MapChange;
 use crate::api::{old_clients, old_items};
 use coap_endpoint::{Answer, Format, Request};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::Command;
-use hallsweep_core::mission::in_words;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
@@ -93,7 +93,7 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
         return Err(Problem::wrong_format(format!("the word is in {other}: send it as {}", Format::TEXT)));
     }
     let may_drive = old_clients::may_drive(&command, manual_driving);
-    may_drive.map_err(|refused| Problem::refused(&refused).of(in_words(&command)))?;
+    may_drive.map_err(|refused| Problem::refused(&refused).of(Asked::Command(command.clone())))?;
     Ok(command)
 }
 
@@ -122,9 +122,9 @@ mod tests {
             let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
             assert_eq!(word("safe", format).unwrap(), safe);
         }
-        assert_eq!(word("w", Some(Format::CBOR)).unwrap_err().refusal().code, "unsupportedMediaType");
+        assert_eq!(word("w", Some(Format::CBOR)).unwrap_err().code(), "unsupportedMediaType");
         for wrong in ["", "W", "w w", "\"w", "{\"move\":\"w\"}", "wwwwwwww"] {
-            assert_eq!(word(wrong, None).unwrap_err().refusal().code, "unusable", "{wrong}");
+            assert_eq!(word(wrong, None).unwrap_err().code(), "unusable", "{wrong}");
         }
     }
 
@@ -140,7 +140,7 @@ mod tests {
     fn a_stray_word_of_an_old_console_drives_nothing() {
         for word in ["w", "s", "a", "d", "l", "r", "z", "x"] {
             let refused = command(&put("/resourcemodel", word), false).unwrap_err();
-            assert_eq!((refused.refusal().code, refused.is_for_record()), ("notAllowed", true), "{word}");
+            assert_eq!((refused.code(), refused.is_for_record()), ("notAllowed", true), "{word}");
         }
         assert!(command(&put("/resourcemodel", "danger"), false).is_ok());
     }

@@ -136,7 +136,7 @@ mod tests {
         let other = Arc::new(Response { format: Some(Format::BYTES), ..(*picture).clone() });
         assert_eq!(wanted(&other, None).unwrap().format, Some(Format::BYTES));
         let problem = wanted(&other, Some(Format::PNG)).unwrap_err();
-        assert_eq!(problem.refusal().code, "notAcceptable", "what is no PNG is not sent as one, nor as something else");
+        assert_eq!(problem.code(), "notAcceptable", "what is no PNG is not sent as one, nor as something else");
     }
 
     /// Safety A5.

@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn every_refusal_there_is_has_the_code_of_its_family() {
         for (word, kind) in CODES {
-            let refused = Refused::Before(Refusal { code: word, kind, words: "a sentence".to_owned() });
+            let refused = Refused::InWords(Refusal { code: word, kind, words: "a sentence".to_owned() });
             let problem = Problem::refused(&refused);
             let expected = match word {
                 "unknownLuggage" | "unknownAlarm" | "unknownSensor" => "4.04",
@@ -136,8 +136,8 @@ mod tests {
             Problem::not_answered(&post("/state", ""), row),
             Problem::refused(&Refused::NotAllowed(words())),
         ] {
-            let refusal = problem.refusal();
-            assert_eq!(named(refusal.code, refusal.words.clone()), refusal);
+            let refusal = named(problem.code(), problem.detail().to_owned());
+            assert_eq!((refusal.code, refusal.kind), (problem.code(), problem.for_record().kind()));
         }
     }
 

@@ -8,8 +8,8 @@ use super::*;
 use crate::api::cbor;
 use crate::api::fixture::{idle, piece, searching, touch};
 use coap_endpoint::{Code, Format};
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
-use hallsweep_core::mission::in_words;
 use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
@@ -142,7 +142,7 @@ async fn what_is_malformed_is_refused_with_the_code_that_fits_and_goes_on_record
         assert!(words.starts_with("refused: "), "{words}");
         let (issuer, asked, refused) = app.noted().await.expect("it is on record");
         assert_eq!((refused.code(), &*issuer.from), (word, "127.0.0.1"));
-        assert!(asked.starts_with(request.method.name()), "{asked}");
+        assert!(asked.to_string().starts_with(request.method.name()), "{asked}");
     }
     assert!(app.given.lock().unwrap().is_empty(), "nothing malformed reaches the loop");
     app.said(get("/nothing")).await;
@@ -413,7 +413,7 @@ async fn a_stray_word_is_refused_and_recorded_as_what_it_was() {
     let (issuer, asked, refused) = app.noted().await.unwrap();
     assert_eq!(
         (issuer.door, asked, refused.code()),
-        (crate::api::door::COAP, in_words(&Command::Move(Move::Forward)), "notAllowed")
+        (crate::api::door::COAP, Asked::Command(Command::Move(Move::Forward)), "notAllowed")
     );
     assert!(app.given.lock().unwrap().is_empty());
 }

@@ -256,8 +256,8 @@ impl Event {
             outcome: String::new(),
             refused: false,
         };
-        if let Fact::Command { issuer, command, luggage, refused, .. } = &entry.fact {
-            event.what = language.asked_on_record(command, *luggage);
+        if let Fact::Command { issuer, asked, luggage, refused, .. } = &entry.fact {
+            event.what = language.asked(asked, *luggage);
             (event.by, event.outcome) = (Some(language.issuer(issuer)), language.outcome(refused.as_ref()));
             event.refused = refused.is_some();
         } else {

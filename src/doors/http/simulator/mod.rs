@@ -85,8 +85,8 @@ impl Asker {
 
     /// The text of a problem on the pages; for a mission under way also what to do there.
     fn in_words(&self, problem: &Problem) -> String {
-        let code = if problem.code() == NOT_IN_PHASE { "boundToHall" } else { problem.code() };
-        in_words(self.language, code, problem.detail())
+        let is_bound = problem.code() == NOT_IN_PHASE;
+        if is_bound { in_words(self.language, "boundToHall", problem.detail()) } else { problem.in_words(self.language) }
     }
 
     /// In a task of its own, so that a change is completed even when its sender disconnects.

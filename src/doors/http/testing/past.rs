@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use crate::api::fixture::{TEN, searching};
 use crate::runtime::archive::{At, Happened, MissionRecord, PastMoment, Sound, Unreadable};
 use hallsweep_core::arm::{ArmState, Parcel};
-use hallsweep_core::command::{Issuer, Refusal, Refused, Strategy};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, Issuer, Refused, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::hold::Hold;
@@ -123,15 +124,14 @@ pub(super) fn retrieval() -> Vec<Happened> {
 
 /// The events of the first mission, one of which cannot be read.
 pub(super) fn entries() -> Vec<Happened> {
-    let command = |command: &str, refused: Option<Refused>| {
+    let command = |command, refused: Option<Refused>| {
         let issuer = Issuer { door: crate::api::door::CONSOLE, who: "anna".into(), from: "192.0.2.7".into() };
-        let refused = refused.as_ref().map(Refusal::from);
-        Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused }
+        Fact::Command { issuer, id: None, asked: Asked::Command(command), epoch: None, luggage: None, refused }
     };
     let facts = [
         Fact::MissionBegan(MissionId(1), Strategy::Snail),
-        command("START", None),
-        command("RESET", Some(Refused::Moving)),
+        command(Command::Start, None),
+        command(Command::Reset, Some(Refused::Moving)),
         Fact::Holds(vec![Hold::Operator]),
         Fact::Pose(Pose::START),
     ];

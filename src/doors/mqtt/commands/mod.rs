@@ -26,7 +26,7 @@ use crate::doors::connection_limits::CommandRate;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
-use hallsweep_core::command::{Command, Refused, Request};
+use hallsweep_core::command::{Command, Request};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Epoch;
@@ -186,7 +186,7 @@ impl Commands {
 
     /// Records a refusal (safety A6), and answers with it.
     fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
-        self.handle.note_refused_at_once(publisher.issuer(), parsed.in_words(), Refused::Before(problem.refusal()));
+        self.handle.note_refused_at_once(publisher.issuer(), parsed.for_record(), problem.for_record());
         self.results.refused(&parsed.reply, publisher, problem);
     }
 }

@@ -12,8 +12,8 @@ use crate::access::Need;
 use crate::api::commands;
 use crate::api::fields::in_short;
 use crate::api::halt::{is_halt, says_halt};
+use hallsweep_core::asked as recorded;
 use hallsweep_core::command::Command;
-use hallsweep_core::mission::in_words;
 
 /// The name of the command that halts.
 const STOP: &str = "stop";
@@ -35,8 +35,8 @@ pub(super) struct ParsedCommand {
     pub(super) asked: AskedCommand,
     /// The right that its sender needs, when no command can be made of it.
     pub(super) need: Need,
-    /// Description for the record, when no command can be made of it.
-    pub(super) unread: String,
+    /// For the record, when no command can be made of it.
+    pub(super) unread: recorded::Asked,
     /// Whether it means going on, whatever that is at the moment.
     pub(super) goes_on: bool,
     pub(super) reply: Reply,
@@ -69,7 +69,7 @@ impl CommandParser {
         };
         let id = if reply.topic.is_some() { id_in(payload) } else { None };
         let reply = Reply { id, ..reply };
-        Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
+        Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: unread(STOP), goes_on: false, reply })
     }
 
     /// Whether a message is certainly not for us, seen without parsing it: a message between other actors on the old topics.
@@ -129,14 +129,12 @@ impl CommandParser {
     /// Refusals of understood messages are explained where an old console shows its piece; the original system has no other words
     /// for an answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
-        let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
+        let read = |command: Command| (Ok((command.clone(), None)), recorded::Asked::Command(command));
+        let ((asked, unread), goes_on) = match incoming::asked(payload, self.manual_driving) {
             Ok(incoming::QakRequest::Nothing | incoming::QakRequest::Unknown(_)) => return None,
-            Ok(incoming::QakRequest::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
-            Ok(incoming::QakRequest::Command(command)) => {
-                let words = in_words(&command);
-                (Ok((command, None)), words, false)
-            }
-            Err(wrong) => (Err(Problem::refused(&wrong.refused())), wrong.asked(), false),
+            Ok(incoming::QakRequest::GoOn) => (read(Command::Start), true),
+            Ok(incoming::QakRequest::Command(command)) => (read(command), false),
+            Err(wrong) => ((Err(Problem::refused(&wrong.refused())), wrong.asked()), false),
         };
         let explained = asked.is_ok().then(|| self.topics.old_events());
         Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
@@ -168,9 +166,8 @@ impl ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
 
-    /// Description for the record.
-    pub(super) fn in_words(&self) -> String {
-        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
+    pub(super) fn for_record(&self) -> recorded::Asked {
+        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| recorded::Asked::Command(command.clone()))
     }
 }
 
@@ -193,6 +190,6 @@ fn tidied(topic: &str) -> Option<String> {
     Some(levels.filter(|level| !level.is_empty()).collect::<Vec<_>>().join("/"))
 }
 
-fn unread(name: &str) -> String {
-    format!("command {}", in_short(name))
+fn unread(name: &str) -> recorded::Asked {
+    recorded::Asked::Words(format!("command {}", in_short(name)))
 }

@@ -44,7 +44,7 @@ mod tests {
     #[test]
     fn every_refusal_there_is_has_the_status_that_http_gives_it() {
         for (word, kind) in CODES {
-            let refused = Refused::Before(Refusal { code: word, kind, words: "a sentence".to_owned() });
+            let refused = Refused::InWords(Refusal { code: word, kind, words: "a sentence".to_owned() });
             let problem = Problem::refused(&refused);
             let expected = match word {
                 "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
@@ -71,8 +71,8 @@ mod tests {
             (Problem::too_many(256), 503),
             (Problem::refused(&Refused::NotAllowed("a sentence".to_owned())), 403),
         ] {
-            let refusal = problem.refusal();
-            assert_eq!(named(refusal.code, refusal.words.clone()), refusal);
+            let refusal = named(problem.code(), problem.detail().to_owned());
+            assert_eq!((refusal.code, refusal.kind), (problem.code(), problem.for_record().kind()));
             assert_eq!((problem.shape().status, Some(problem.shape().title)), (status, title_of(status)));
         }
     }

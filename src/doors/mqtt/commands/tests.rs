@@ -5,7 +5,8 @@ use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
-use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{LuggageRef, Move, Note, Refused, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
@@ -152,7 +153,7 @@ async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
         let said = json["detail"].as_str().unwrap();
         assert!(said.contains(words), "{payload}: {said}");
         let (issuer, asked, refused) = app.noted().await.expect("on record");
-        assert_eq!((issuer.to_string().as_str(), asked), ("operator (mqtt, 127.0.0.1)", format!("command {name}")));
+        assert_eq!((issuer.to_string().as_str(), asked), ("operator (mqtt, 127.0.0.1)", Asked::Words(format!("command {name}"))));
         assert_eq!((refused.code(), refused.to_string().as_str()), (code, said));
     }
     assert_eq!(app.given().await, 0, "nothing of this reaches the loop");
@@ -177,7 +178,7 @@ async fn a_name_that_is_none_is_answered_with_those_there_are() {
     assert_eq!((topic.as_str(), &json["status"], &json["code"]), ("command/dance/result", &404.into(), &"notFound".into()));
     let said = json["detail"].as_str().unwrap();
     assert!(said.contains("there is no command \"dance\"") && said.contains(&table::names(false)), "{said}");
-    assert_eq!(app.noted().await.map(|(_, asked, _)| asked).as_deref(), Some("command dance"));
+    assert_eq!(app.noted().await.map(|(_, asked, _)| asked), Some(Asked::Words("command dance".to_owned())));
     for strange in ["Start", "start ", "", "größe"] {
         assert_eq!(app.ask(&format!("command/{strange}"), "").await.1["code"], "notFound", "{strange}");
     }
@@ -251,7 +252,7 @@ async fn a_viewer_may_stop_and_nothing_else() {
         assert!(json["detail"].as_str().unwrap().contains("you are signed in as `wall`, a viewer"), "{json}");
         let (issuer, asked, refused) = app.noted().await.expect("on record");
         assert_eq!((issuer.to_string().as_str(), refused.code()), ("wall (mqtt, 192.0.2.7)", "notAllowed"));
-        assert_eq!(asked, hallsweep_core::mission::in_words(&command));
+        assert_eq!(asked, Asked::Command(command));
     }
     assert_eq!(say(&app.commands, "command", "start", &viewer()), Taken::Forbidden);
     assert_eq!(app.result().await.1["status"], 403);

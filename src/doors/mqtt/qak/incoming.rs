@@ -11,8 +11,8 @@ use crate::api::fields::in_short;
 use crate::api::halt::is_halt;
 use crate::api::old_clients::{Asks, DANGER, ROWS, SAFE, may_drive};
 use crate::api::problem::refusal;
+use hallsweep_core::asked;
 use hallsweep_core::command::{Command, Refused};
-use hallsweep_core::mission::in_words;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum QakRequest {
@@ -95,20 +95,20 @@ pub fn is_stop(payload: &[u8]) -> bool {
 }
 
 impl Wrong {
-    /// Description of the request for the record.
-    pub fn asked(&self) -> String {
+    /// The request, for the record.
+    pub fn asked(&self) -> asked::Asked {
         match self {
-            Wrong::NoMessage(_) => "a message".to_owned(),
-            Wrong::Content { id, .. } => (*id).to_owned(),
-            Wrong::Refused { command, .. } => in_words(command),
+            Wrong::NoMessage(_) => asked::Asked::Words("a message".to_owned()),
+            Wrong::Content { id, .. } => asked::Asked::Words((*id).to_owned()),
+            Wrong::Refused { command, .. } => asked::Asked::Command(command.clone()),
         }
     }
 
     /// The refusal for the record.
     pub fn refused(&self) -> Refused {
         match self {
-            Wrong::NoMessage(_) => Refused::Before(refusal("malformed", self.to_string())),
-            Wrong::Content { .. } => Refused::Before(refusal("unusable", self.to_string())),
+            Wrong::NoMessage(_) => Refused::InWords(refusal("malformed", self.to_string())),
+            Wrong::Content { .. } => Refused::InWords(refusal("unusable", self.to_string())),
             Wrong::Refused { refused, .. } => refused.clone(),
         }
     }

@@ -143,7 +143,7 @@ fn a_known_message_with_nonsense_in_it_is_told_what_is_wrong() {
         ["", "startCmd", "msg(startCmd,event,js,none,startCmd)", "{\"id\":1}", &format!("msg(startCmd,{}", "x".repeat(LENGTH))]
     {
         let wrong = ask(text).unwrap_err();
-        assert_eq!((wrong.refused().code(), wrong.asked().as_str()), ("malformed", "a message"), "{wrong}");
+        assert_eq!((wrong.refused().code(), wrong.asked().to_string().as_str()), ("malformed", "a message"), "{wrong}");
     }
 }
 
@@ -223,7 +223,7 @@ fn driving_is_for_those_who_were_let_in() {
         ("msg(startTest,dispatch,js,robotmind,startTest(1,2),1)", "goto (1, 2)"),
     ] {
         let wrong = asked(text.as_bytes(), false).unwrap_err();
-        assert_eq!((wrong.refused().code(), wrong.asked().as_str()), ("notAllowed", words));
+        assert_eq!((wrong.refused().code(), wrong.asked().to_string().as_str()), ("notAllowed", words));
     }
     let danger = "msg(luggageDanger,event,js,none,luggageDanger,1)";
     assert_eq!(asked(danger.as_bytes(), false), Ok(QakRequest::Command(DANGER)));
@@ -271,8 +271,8 @@ fn markdown() -> String {
     let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
     for Known { id, asks } in every() {
         let (content, what) = match asks {
-            Asks::Halt(command) => ("anything".to_owned(), in_words(command)),
-            Asks::For(command) => (format!("`{id}`"), in_words(command)),
+            Asks::Halt(command) => ("anything".to_owned(), command.to_string()),
+            Asks::For(command) => (format!("`{id}`"), command.to_string()),
             Asks::Goto => (format!("`{id}(X,Y)`"), "driving to the cell (X, Y), if old clients may drive".to_owned()),
             Asks::Move => {
                 let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` and `stop` are STOP, always";

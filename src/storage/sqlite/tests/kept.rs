@@ -7,7 +7,8 @@ use super::testing::*;
 use crate::api::journal::{Line, arbitrary};
 use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Span, Unreadable};
-use hallsweep_core::command::{CommandId, Strategy as Order, Verdict};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, CommandId, LuggageRef, Strategy as Order, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
 use hallsweep_core::snapshot::log::Tone;
@@ -262,25 +263,20 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep([begin(1), vec![found(1, Some(photo("bag"))), found(2, Some(photo("box")))]].concat());
-    let said = |words: &str, luggage| {
+    let said = |luggage, verdict: Verdict| {
         let Fact::Command { issuer, .. } = command(None) else { unreachable!("it is a command") };
-        let (command, luggage) = (words.to_owned(), Some(LuggageId(luggage)));
-        Fact::Command {
-            issuer,
-            id: CommandId::new(&format!("of-{luggage:?}-{}", words.len()).replace(['(', ')', ' '], "")),
-            command,
-            epoch: None,
-            luggage,
-            refused: None,
-        }
+        let id = CommandId::new(&format!("of-{luggage}-{}", verdict.name()));
+        let luggage = LuggageId(luggage);
+        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None });
+        Fact::Command { issuer, id, asked, epoch: None, luggage: Some(luggage), refused: None }
     };
-    scribe.keep(vec![said("safe #1", 1), verdict(1, Verdict::Safe)]);
-    scribe.keep(vec![said("danger #1", 1), verdict(1, Verdict::Danger)]);
-    scribe.keep(vec![said("safe #2", 2), verdict(2, Verdict::Safe)]);
+    scribe.keep(vec![said(1, Verdict::Safe), verdict(1, Verdict::Safe)]);
+    scribe.keep(vec![said(1, Verdict::Danger), verdict(1, Verdict::Danger)]);
+    scribe.keep(vec![said(2, Verdict::Safe), verdict(2, Verdict::Safe)]);
     let refusals = |facts: Vec<Fact>| -> Vec<(String, Option<&'static str>)> {
         let of = |fact| {
-            let Fact::Command { command, refused, luggage: Some(_), .. } = fact else { return None };
-            Some((command, refused.map(|refused| refused.code)))
+            let Fact::Command { asked, refused, luggage: Some(_), .. } = fact else { return None };
+            Some((asked.to_string(), refused.map(|refused| refused.code())))
         };
         facts.into_iter().filter_map(of).collect()
     };

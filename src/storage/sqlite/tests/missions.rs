@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::testing::*;
 use crate::runtime::archive::{Archive, At, PastMoment, Sound, Span};
-use hallsweep_core::command::Verdict;
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::Phase;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
@@ -154,7 +155,9 @@ fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_
         })
     };
     let Fact::Command { issuer, id, epoch, refused, .. } = command(None) else { unreachable!("it is a command") };
-    let safe = Fact::Command { issuer, id, command: "safe #1".to_owned(), epoch, luggage: Some(LuggageId(1)), refused };
+    let luggage = LuggageId(1);
+    let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict: Verdict::Safe, note: None });
+    let safe = Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused };
     let standing = |facts: &[Fact]| {
         let entries: Vec<Entry> = facts.iter().cloned().map(at_noon).collect();
         Fact::State(Box::new(fold(&entries)))

@@ -9,7 +9,8 @@ use super::super::{OpenError, Opened, ReadOnlyJournal, connect, folder::Folder, 
 use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
 use crate::storage::scratch;
-use hallsweep_core::command::{CommandId, Door, Issuer, Strategy, Verdict};
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, Strategy, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::{Inspection, PersistentState, Phase, Stage};
@@ -128,7 +129,7 @@ pub(super) fn command(id: Option<&str>) -> Fact {
     Fact::Command {
         issuer: Issuer::operator(Door("http")),
         id,
-        command: "START".to_owned(),
+        asked: Asked::Command(Command::Start),
         epoch: None,
         luggage: None,
         refused: None,

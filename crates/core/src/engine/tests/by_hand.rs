@@ -3,7 +3,6 @@
 //! a sentence below.
 
 use super::*;
-use crate::command::Refusal;
 use crate::world::hall_map::Mark;
 
 /// The commands whose cells are written out. The others are accepted in every phase and leave it as it is: OK, a
@@ -229,7 +228,7 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let mut engine = moment(name, table, holds);
     let before = engine.clone();
     let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::LOCAL));
-    let answer = engine.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
+    let answer = engine.handle_command(request, now(1)).map_err(|refused| refused.code());
     let moves = settle(&mut engine).into_iter().any(Action::is_motion);
     assert!(!moves || engine.state.holds.is_empty(), "{pair}: moved while held");
     let expected = expected(table, name, input, holds);

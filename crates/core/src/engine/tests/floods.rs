@@ -1,6 +1,7 @@
 //! STOPs without end: what they leave on record, and what not.
 
 use super::*;
+use crate::asked::Asked;
 use crate::command::CommandId;
 use crate::effect::{Entry, Fact};
 use crate::state::PersistentState;
@@ -68,7 +69,7 @@ impl Recorder {
         }
     }
 
-    fn by(&self, name: &str) -> Vec<&str> {
+    fn by(&self, name: &str) -> Vec<String> {
         self.entries.iter().filter_map(|entry| by(entry, name)).collect()
     }
 
@@ -81,9 +82,9 @@ impl Recorder {
 }
 
 /// The command of this entry, if it is this sender's.
-fn by<'a>(entry: &'a Entry, name: &str) -> Option<&'a str> {
-    let Fact::Command { issuer, command, .. } = &entry.fact else { return None };
-    (*issuer.who == *name || *issuer.from == *name).then_some(command)
+fn by(entry: &Entry, name: &str) -> Option<String> {
+    let Fact::Command { issuer, asked, .. } = &entry.fact else { return None };
+    (*issuer.who == *name || *issuer.from == *name).then(|| asked.to_string())
 }
 
 fn count(words: &str) -> u64 {
@@ -109,7 +110,7 @@ fn a_flood_of_stops_shares_an_entry_a_second_and_those_of_others_have_their_own(
     assert_eq!(recorder.answers, 3015, "every one is answered");
     recorder.wait_until(4200);
     recorder.stop("lobby", "192.0.2.7");
-    assert_eq!(recorder.by("lobby").last(), Some(&"STOP"), "after a while each has its own entry again");
+    assert_eq!(recorder.by("lobby").last().map(String::as_str), Some("STOP"), "after a while each has its own entry again");
 }
 
 /// Safety S4: its entry waits for others, and the epoch for no more than a second.
@@ -190,7 +191,7 @@ fn all_that_doors_refuse_is_on_record() {
         let issuer = Issuer { door, who: "lobby".into(), from: "192.0.2.7".into() };
         for _ in 0..100 {
             let refused = Refused::NotAllowed("lobby may only look".to_owned());
-            recorder.engine.note_refused(issuer.clone(), "RESET".to_owned(), &refused, 1, recorder.now());
+            recorder.engine.note_refused(issuer.clone(), Asked::Words("RESET".to_owned()), &refused, 1, recorder.now());
         }
     }
     recorder.drain();
@@ -219,7 +220,8 @@ fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_nam
     (0..100).for_each(|_| recorder.stop("operator", "127.0.0.7"));
     recorder.stop("operator", "127.0.0.1");
     recorder.stop("operator", "::1");
-    assert_eq!((recorder.by("127.0.0.1"), recorder.by("::1"), recorder.by("127.0.0.7").len()), (vec!["STOP"], vec!["STOP"], 20));
+    assert_eq!((recorder.by("127.0.0.1"), recorder.by("::1")), (vec!["STOP".to_owned()], vec!["STOP".to_owned()]));
+    assert_eq!(recorder.by("127.0.0.7").len(), 20);
     (0..100).for_each(|n| recorder.stop("lobby", &format!("192.0.2.{n}")));
     assert_eq!(recorder.by("lobby").len(), 20, "many addresses are no more than one");
 }

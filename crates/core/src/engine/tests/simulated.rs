@@ -1,6 +1,7 @@
 //! The core's part in the control of a simulator: time that stands still, and another hall.
 
 use super::*;
+use crate::simulated::{Change, Simulated};
 use crate::state::{Conditions, Venue};
 
 fn robot(engine: &mut Engine, report: RobotEvent, at: u64) {
@@ -16,7 +17,7 @@ fn venue(name: &str, cell_m: Option<f64>) -> Venue {
 }
 
 fn put_down(engine: &mut Engine) -> Result<Ticket, Refused> {
-    engine.put_down_in(venue("depot", Some(0.5)), &[RobotId::discovery()], &issuer(), now(2))
+    engine.put_down_in(venue("depot", Some(0.5)), &[RobotId::discovery()], issuer(), now(2))
 }
 
 fn recorded(engine: &mut Engine) -> Vec<String> {
@@ -68,7 +69,7 @@ fn put_down_in_another_hall_the_map_is_empty_who_asked_is_on_record_and_nothing_
     let mut engine = sweep_in(PhaseName::Explored, &[]);
     put_down(&mut engine).expect("nothing is under way");
     let words = recorded(&mut engine);
-    assert!(words.iter().any(|fact| fact.contains("put down in the hall depot") && fact.contains("operator")), "{words:?}");
+    assert!(words.iter().any(|fact| fact.contains("PutDown(\"depot\")") && fact.contains("operator")), "{words:?}");
     let state = engine.snapshot();
     assert_eq!((state.mission.phase, state.robot.pose), (PhaseName::Idle, Pose::START));
     assert!(state.mission.holds.contains(&Hold::RobotLink), "it is not there yet");
@@ -97,8 +98,9 @@ fn in_which_hall_it_is_goes_on_record_once_and_again_in_another() {
 #[test]
 fn what_was_done_to_the_simulator_is_in_log_and_journal() {
     let mut engine = sweep_in(PhaseName::Exploring, &[]);
-    engine.note_simulated(&issuer(), "simulator paused", now(1));
-    assert!(recorded(&mut engine).iter().any(|fact| fact.contains("simulator paused")));
+    let paused = Change { is_paused: Some(true), ..Change::default() };
+    engine.note_simulated(issuer(), Simulated::Changed(paused), now(1));
+    assert!(recorded(&mut engine).iter().any(|fact| fact.contains("is_paused: Some(true)")));
     let log: Vec<String> = engine.snapshot().log.iter().map(|line| line.said.to_string()).collect();
     assert!(log.contains(&"simulator paused, by operator (local)".to_owned()), "{log:?}");
 }

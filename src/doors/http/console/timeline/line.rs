@@ -10,7 +10,8 @@ use super::section::{Section, TemperaturePoint, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
-use hallsweep_core::command::Verdict;
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Command, Verdict};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::{Conditions, Phase, Speaking};
@@ -289,11 +290,9 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
         // The effect of a verdict is shown with the verdicts.
-        Fact::Command { command, refused: None, .. } if command.starts_with("safe") || command.starts_with("danger") => {
-            return None;
-        }
+        Fact::Command { asked: Asked::Command(Command::Verdict { .. }), refused: None, .. } => return None,
         Fact::Command { refused: Some(_), .. } => "refused",
-        Fact::Command { command, .. } if command.starts_with("STOP") => "stop",
+        Fact::Command { asked: Asked::Command(Command::Stop) | Asked::Stops { .. }, .. } => "stop",
         Fact::Command { .. } => "command",
         Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::ClockSet(_) | Fact::WrittenOut(_) | Fact::Unpacked(_) => {
             "program"
@@ -322,7 +321,7 @@ mod tests {
     use super::super::section::{FAR, THRESHOLD_Y};
     use super::*;
     use crate::api::fixture::{TEN, degrees, piece};
-    use hallsweep_core::command::Issuer;
+    use hallsweep_core::command::{Issuer, LuggageRef};
     use hallsweep_core::effect::Entry;
     use hallsweep_core::hold::Hold;
     use hallsweep_core::state::Venue;
@@ -348,9 +347,9 @@ mod tests {
         Fact::Temperature("hall".into(), degrees(celsius))
     }
 
-    fn command(words: &str) -> Fact {
+    fn command(command: Command) -> Fact {
         let issuer = Issuer { who: "<anna>".into(), ..Issuer::operator(crate::api::door::CONSOLE) };
-        Fact::Command { issuer, id: None, command: words.to_owned(), epoch: None, luggage: None, refused: None }
+        Fact::Command { issuer, id: None, asked: Asked::Command(command), epoch: None, luggage: None, refused: None }
     }
 
     #[test]
@@ -376,7 +375,7 @@ mod tests {
             Some(path.split('"').next()?.split_once('H')?.1.to_owned())
         };
         let silent = |source: &str| Fact::ThermometerSilent(source.into());
-        let stop = || (60, command("STOP"));
+        let stop = || (60, command(Command::Stop));
         assert_eq!(path(vec![read(), stop()]), Some(FAR.to_string()), "a temperature that stays is a line");
         assert_eq!(path(vec![read(), (20, silent("hall")), stop()]).as_deref(), Some("200"), "it ends with its source");
         assert_eq!(path(vec![read(), (20, silent("robot")), stop()]), Some(FAR.to_string()), "but not with another one");
@@ -391,13 +390,13 @@ mod tests {
         let found = Fact::Luggage { record: piece(3, Cell::new(1, 2), None), photo: None };
         let line = line([
             (0, Fact::Phase(Phase::Exploring)),
-            (1, command("START")),
+            (1, command(Command::Start)),
             (2, temperature(25.0)),
             (4, found),
-            (6, command("safe #3")),
+            (6, command(Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: None })),
             (6, verdict(Verdict::Safe)),
             (7, verdict(Verdict::Danger)),
-            (8, command("STOP")),
+            (8, command(Command::Stop)),
             (8, Fact::Holds(vec![Hold::Operator])),
         ]);
         let drawn = drawn(&line);
@@ -467,11 +466,11 @@ mod tests {
     #[test]
     fn while_the_program_was_off_no_time_passes_and_a_clock_set_back_does_not_go_back() {
         let line = line([
-            (0, command("START")),
+            (0, command(Command::Start)),
             (10, Fact::ProgramEnded("SIGTERM".to_owned())),
             (36_010, Fact::ProgramStarted("1".to_owned())),
-            (36_020, command("START")),
-            (30_000, command("RESET")),
+            (36_020, command(Command::Start)),
+            (30_000, command(Command::Reset)),
         ]);
         let at = |second: i64| line.x(TEN.unix_ms + second * 1000);
         assert_eq!((at(10), at(36_010), at(36_020)), (100, 150, 250));
@@ -482,13 +481,13 @@ mod tests {
     #[test]
     fn a_clock_that_is_set_neither_stretches_the_line_nor_folds_it() {
         let line = line([
-            (0, command("START")),
-            (100, command("STOP")),
+            (0, command(Command::Start)),
+            (100, command(Command::Stop)),
             (-3490, Fact::ClockSet(-3_600_000)),
-            (-3480, command("START")),
-            (-3400, command("STOP")),
+            (-3480, command(Command::Start)),
+            (-3400, command(Command::Stop)),
             (83_020, Fact::ClockSet(86_400_000)),
-            (83_030, command("RESET")),
+            (83_030, command(Command::Reset)),
         ]);
         let drawn = drawn(&line);
         let x_of = |words: &str| {
@@ -512,10 +511,14 @@ mod tests {
 
     #[test]
     fn it_ends_with_the_mission_and_before_it_is_too_much() {
-        let over = line([(0, command("START")), (1, Fact::MissionArchived(MissionId(1), Vec::new())), (2, command("START"))]);
+        let over = line([
+            (0, command(Command::Start)),
+            (1, Fact::MissionArchived(MissionId(1), Vec::new())),
+            (2, command(Command::Start)),
+        ]);
         assert!(over.is_complete() && !over.scale().open && !over.scale().cut);
         assert_eq!(over.scale().end, TEN.unix_ms + 1000);
-        let endless = line((0..MOST as i64 + 10).map(|second| (second, command("START"))));
+        let endless = line((0..MOST as i64 + 10).map(|second| (second, command(Command::Start))));
         assert!(endless.is_complete() && endless.scale().cut && !endless.scale().open);
         assert_eq!(endless.entries, MOST);
     }

@@ -1,0 +1,116 @@
+//! What can be done to the hall and the robots while both are simulated, for log and journal. How anything is simulated is not known here.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::units::Cell;
+
+/// What somebody did to what is simulated. `Display` is what the log says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Simulated {
+    /// Something is other than it was.
+    Changed(Change),
+    /// Every robot was taken to the end of what it had under way.
+    Step,
+    /// The robots were put down in the hall of this name.
+    PutDown(Arc<str>),
+    /// A hall was kept under this name.
+    Kept(String),
+    /// The hall that was kept under this name was discarded.
+    Discarded(String),
+}
+
+/// What is to be other than it is; what is not named stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// How fast time runs.
+    pub speed: Option<Pace>,
+    /// Whether time stands still.
+    pub is_paused: Option<bool>,
+    /// Whether the link to the robot that searches is lost.
+    pub link_lost: Option<bool>,
+    /// Whether it has no thermometer.
+    pub no_thermometer: Option<bool>,
+    /// Whether no photo of it succeeds.
+    pub camera_fails: Option<bool>,
+    /// The cells in which something stands that the hall does not have.
+    pub blocked: Option<BTreeSet<Cell>>,
+}
+
+/// How fast simulated time runs beside the real one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// So many times as fast.
+    Times(f64),
+    /// It jumps to the end of what is under way.
+    Max,
+}
+
+impl Pace {
+    /// The slowest pace that can be asked for.
+    pub const SLOWEST: f64 = 0.1;
+
+    /// The fastest, `Max` aside.
+    pub const FASTEST: f64 = 1000.0;
+}
+
+impl fmt::Display for Pace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Pace::Times(factor) => write!(f, "{factor}"),
+            Pace::Max => f.write_str("max"),
+        }
+    }
+}
+
+impl fmt::Display for Simulated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Simulated::Changed(change) => write!(f, "simulator {change}"),
+            Simulated::Step => f.write_str("simulator one step"),
+            Simulated::PutDown(hall) => write!(f, "put down in the hall {hall}"),
+            Simulated::Kept(hall) => write!(f, "simulator keeps the hall {hall}"),
+            Simulated::Discarded(hall) => write!(f, "simulator discards the hall {hall}"),
+        }
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fault = |name: &str, is_so: bool| format!("{name}: {}", if is_so { "yes" } else { "no" });
+        let cells = |cells: &BTreeSet<Cell>| match cells.len() {
+            0 => "no way blocked".to_owned(),
+            _ => format!("blocked {}", cells.iter().map(Cell::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        let words = [
+            self.is_paused.map(|is_paused| if is_paused { "paused" } else { "going on" }.to_owned()),
+            self.speed.map(|speed| format!("speed {speed}")),
+            self.link_lost.map(|is_so| fault("link lost", is_so)),
+            self.no_thermometer.map(|is_so| fault("no thermometer", is_so)),
+            self.camera_fails.map(|is_so| fault("camera fails", is_so)),
+            self.blocked.as_ref().map(cells),
+        ];
+        f.write_str(&words.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_said_in_words() {
+        let change = Change {
+            speed: Some(Pace::Times(2.5)),
+            is_paused: Some(true),
+            camera_fails: Some(false),
+            blocked: Some(BTreeSet::from([Cell::new(1, 2), Cell::new(3, 4)])),
+            ..Change::default()
+        };
+        let words = "simulator paused, speed 2.5, camera fails: no, blocked (1, 2), (3, 4)";
+        assert_eq!(Simulated::Changed(change).to_string(), words);
+        let free = Change { blocked: Some(BTreeSet::new()), is_paused: Some(false), ..Change::default() };
+        assert_eq!(free.to_string(), "going on, no way blocked");
+    }
+}

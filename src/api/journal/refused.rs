@@ -1,0 +1,98 @@
+//! Why a command was refused, as the journal keeps it. What a door refuses in its own words has these beside its code, in every version.
+
+use serde_json::{Value, json};
+
+use super::coded::{Coded, Form};
+use super::phase::CauseShape;
+use super::places::Point;
+use super::{Unparsed, earlier, names};
+use crate::api::problem::refusal;
+use hallsweep_core::command::{CommandId, Refused};
+use hallsweep_core::refused::OTHER_CONTENT;
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+
+pub(super) fn written(refused: &Refused, form: Form) -> Coded {
+    let fields = match refused {
+        _ if form == Form::Sentences => json!({ "words": refused.to_string() }),
+        Refused::Held(holds, store_failure) => {
+            json!({ "holds": holds.iter().map(|hold| hold.name()).collect::<Vec<_>>(), "storeFailure": store_failure })
+        }
+        Refused::Outdated { sent, now } => json!({ "sent": sent.0, "now": now.0 }),
+        Refused::NotInPhase(phase) => json!({ "phase": phase.name() }),
+        Refused::IntoObstacle(cell) => json!({ "cell": Point::from(*cell) }),
+        Refused::VerdictPending(id)
+        | Refused::BombUnfetched(id)
+        | Refused::UnknownLuggage(id)
+        | Refused::NoPhoto(id)
+        | Refused::NotInspected(id) => json!({ "luggage": id.0 }),
+        Refused::Decided { luggage, verdict } => json!({ "luggage": luggage.0, "verdict": verdict.name() }),
+        Refused::UnknownAlarm(id) => json!({ "alarm": id.0 }),
+        Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => json!({ "robot": robot.name() }),
+        Refused::FaultStands(fault) => json!({ "fault": CauseShape::of(fault, form) }),
+        Refused::OtherContent(id) => json!({ "id": id.text() }),
+        Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
+        Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
+        Refused::SentBefore
+        | Refused::Driving
+        | Refused::NotStopped
+        | Refused::NotCapable
+        | Refused::Moving
+        | Refused::Unrecorded
+        | Refused::NothingPending
+        | Refused::PhotoUnderWay
+        | Refused::NoRetrievalRobot
+        | Refused::StoreDown
+        | Refused::NotKept
+        | Refused::NotOnRecord => Value::Null,
+    };
+    Coded::new(refused.code(), fields)
+}
+
+/// A refusal with a sentence is one of a door, of an earlier version, or from an exported line.
+pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
+    let Some(words) = coded.field::<Option<String>>("words")? else { return value(coded) };
+    let earlier = earlier::refused(&coded.code, &words).and_then(|coded| value(&coded).ok());
+    Ok(earlier.unwrap_or_else(|| Refused::InWords(refusal(&coded.code, words))))
+}
+
+fn value(coded: &Coded) -> Result<Refused, Unparsed> {
+    let luggage = || coded.field("luggage").map(LuggageId);
+    let robot = || names::robot(&coded.field::<String>("robot")?);
+    let id = |text: String| CommandId::new(&text).ok_or_else(|| Unparsed("the id that was used before is none".to_owned()));
+    Ok(match &*coded.code {
+        "held" => {
+            let holds = coded.field::<Vec<String>>("holds")?;
+            let holds = holds.iter().map(|name| names::hold(name)).collect::<Result<_, _>>()?;
+            Refused::Held(holds, coded.field("storeFailure")?)
+        }
+        "outdated" => Refused::Outdated { sent: Epoch(coded.field("sent")?), now: Epoch(coded.field("now")?) },
+        "sentBefore" => Refused::SentBefore,
+        "notInPhase" => Refused::NotInPhase(names::phase(&coded.field::<String>("phase")?)?),
+        "verdictPending" => Refused::VerdictPending(luggage()?),
+        "driving" => Refused::Driving,
+        "notStopped" => Refused::NotStopped,
+        "intoObstacle" => Refused::IntoObstacle(coded.field::<Point>("cell")?.into()),
+        "notCapable" => Refused::NotCapable,
+        "moving" => Refused::Moving,
+        "unrecorded" => Refused::Unrecorded,
+        "bombUnfetched" => Refused::BombUnfetched(luggage()?),
+        "unknownLuggage" => Refused::UnknownLuggage(luggage()?),
+        "nothingPending" => Refused::NothingPending,
+        "decided" => Refused::Decided { luggage: luggage()?, verdict: names::verdict(&coded.field::<String>("verdict")?)? },
+        "noPhoto" => Refused::NoPhoto(luggage()?),
+        "notInspected" => Refused::NotInspected(luggage()?),
+        "photoUnderWay" => Refused::PhotoUnderWay,
+        "unknownAlarm" => Refused::UnknownAlarm(AlarmId(coded.field("alarm")?)),
+        "noRetrievalRobot" => Refused::NoRetrievalRobot,
+        "fetcherUnreached" => Refused::FetcherUnreached(robot()?),
+        "fetcherAbroad" => Refused::FetcherAbroad(robot()?),
+        "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
+        "storeDown" => Refused::StoreDown,
+        "notKept" => Refused::NotKept,
+        "notOnRecord" => Refused::NotOnRecord,
+        OTHER_CONTENT => Refused::OtherContent(id(coded.field("id")?)?),
+        "unknownSensor" => Refused::UnknownSensor(coded.field::<String>("sensor")?.into()),
+        "notAllowed" => Refused::NotAllowed(coded.field("words")?),
+        _ => return coded.unknown(),
+    })
+}

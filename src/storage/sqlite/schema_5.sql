@@ -1,0 +1,2 @@
+-- No table changes. From this format on entries say what was asked, refused and caused by a code with fields, and not in a sentence: a
+-- program that knows sentences alone must not read them, nor write behind them. Entries of before stay as they are.
