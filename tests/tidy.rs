@@ -77,6 +77,13 @@ fn the_clock_is_read_in_one_place() {
 }
 
 #[test]
+fn no_name_is_that_of_many_types() {
+    let sources: Vec<Source> = ["src", "crates"].iter().flat_map(|folder| sources(folder)).collect();
+    let findings = words::repeated_types(&sources);
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
 fn nothing_is_left_undone() {
     check(words::undone);
     sources("tests").iter().for_each(|source| assert_eq!(words::undone(source), Vec::<String>::new()));

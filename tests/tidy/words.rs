@@ -1,6 +1,11 @@
-//! Rules about words: the header of every file, the one clock, nothing left undone.
+//! Rules about words: the header of every file, the one clock, nothing left undone, names of types that say what they are.
+
+use std::collections::BTreeMap;
 
 use super::reading::Source;
+
+/// Types of one name: a name that more of them have says nothing where it is read.
+const TYPES_OF_ONE_NAME: usize = 4;
 
 /// Every file opens with what it is for.
 pub(crate) fn header(source: &Source) -> Vec<String> {
@@ -32,6 +37,37 @@ pub(crate) fn undone(source: &Source) -> Vec<String> {
         }
     }
     findings
+}
+
+/// Names that too many types have, with where these are declared.
+pub(crate) fn repeated_types(sources: &[Source]) -> Vec<String> {
+    let mut declarations: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for source in sources {
+        for (number, line) in source.code_without_tests().lines().enumerate() {
+            if let Some(name) = declared_type(line) {
+                declarations.entry(name.to_owned()).or_default().push(source.at(number + 1, "here"));
+            }
+        }
+    }
+    declarations.retain(|_, places| places.len() > TYPES_OF_ONE_NAME);
+    let words = |(name, places): (&String, &Vec<String>)| {
+        format!("{} types are called `{name}`, {TYPES_OF_ONE_NAME} are allowed: {}", places.len(), places.join(", "))
+    };
+    declarations.iter().map(words).collect()
+}
+
+/// The type that a line declares. The name of an associated type, whose line is indented, is its trait's.
+fn declared_type(line: &str) -> Option<&str> {
+    let code = line.trim_start();
+    let code = match code.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(')')?.1,
+        Some(rest) => rest,
+        None => code,
+    };
+    let (keyword, rest) = code.trim_start().split_once(' ')?;
+    let declares = ["struct", "enum", "trait", "union"].contains(&keyword) || keyword == "type" && !line.starts_with(' ');
+    let name = rest.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next()?;
+    Some(name).filter(|name| declares && !name.is_empty())
 }
 
 fn lines_with(source: &Source, needles: &[&str], what: &str) -> Vec<String> {
@@ -71,5 +107,15 @@ mod tests {
         assert_eq!(undone(&of(concat!("#[ig", "nore = \"slow\"]\nfn a() {}"))).len(), 1);
         assert_eq!(undone(&of(concat!("// TO", "DO: later"))).len(), 1);
         assert_eq!(undone(&of("let a = \"todo!\";")).len(), 0);
+    }
+
+    #[test]
+    fn a_name_that_too_many_types_have_is_found() {
+        let text = "//! A.\npub(super) struct Row {\n    type Row = u8;\nenum Row<'a> {\ntype Row = u8;\npub struct Other;\n";
+        let sources = ["src/a.rs", "src/b.rs"].map(|path| Source::new(path, text));
+        let at = |path| [2, 4, 5].map(|line| format!("{path}:{line}: here")).join(", ");
+        let all = format!("6 types are called `Row`, 4 are allowed: {}, {}", at("src/a.rs"), at("src/b.rs"));
+        assert_eq!(repeated_types(&sources), [all]);
+        assert_eq!(repeated_types(&sources[..1]), Vec::<String>::new());
     }
 }
