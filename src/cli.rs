@@ -190,7 +190,6 @@ impl Cli {
 }
 
 impl Serve {
-    /// Sources of the settings for this start.
     pub fn sources(&self) -> Sources {
         sources(self.config.clone(), self.flags())
     }
@@ -224,7 +223,6 @@ struct Folder {
 }
 
 impl Folder {
-    /// Sources of the settings, with one more flag if given.
     fn sources(&self, more: Option<Flag>) -> Sources {
         let data = self.data.clone().map(|value| Flag::given("--data", value));
         sources(self.config.clone(), data.into_iter().chain(more).collect())

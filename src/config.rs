@@ -32,7 +32,6 @@ pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};
 pub use robots::MOST_ROBOTS;
 
-/// All settings, with every value known to be usable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Name of a built-in hall, or path of a hall file.
@@ -91,7 +90,6 @@ pub struct TlsFiles {
     pub key: PathBuf,
 }
 
-/// The kind of a robot, its address, and its behaviour if it is simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSettings {
     pub kind: RobotKind,

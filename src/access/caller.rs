@@ -38,7 +38,6 @@ impl Access {
         }
     }
 
-    /// Whether an admitted caller would still be admitted.
     pub fn still_knows(&self, caller: &Caller, now: Moment) -> bool {
         match (self, caller) {
             (Access::Open, Caller::Here) => true,

@@ -19,11 +19,7 @@ pub enum AccessError {
         mode: u32,
     },
     #[error("{} does not hold keys: {problem}; mend it, or move it away and let hallsweep make a new one", .path.display())]
-    Malformed {
-        path: PathBuf,
-        /// The fault, with the line where there is one.
-        problem: String,
-    },
+    Malformed { path: PathBuf, problem: String },
     #[error(
         "the keys cannot be kept in {}: {error}; see that the user who runs hallsweep can write to that folder, or name another with \
          --data DIR", .path.display()

@@ -60,7 +60,6 @@ impl KeyFile {
         Ok(self.read_with_readers()?.map(|(keys, _)| keys))
     }
 
-    /// Like `read`, also returns who else may read them.
     pub(super) fn read_with_readers(&self) -> Result<Option<(Keys, Readers)>, AccessError> {
         let unreadable = |error| AccessError::Unreadable { path: self.path().to_owned(), error };
         let Some((bytes, readers)) = self.0.read(LARGEST).map_err(unreadable)? else { return Ok(None) };

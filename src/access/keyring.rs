@@ -98,7 +98,6 @@ impl Keyring {
         keys.named(&signed_in.name).ok().map(|key| session::sealed(key, &self.run, person, now))
     }
 
-    /// The owner of a session, by the value of its cookie.
     pub fn session(&self, cookie: &str, now: Moment) -> Option<SignedIn> {
         session::opened(&self.keys(), &self.run, cookie, now)
     }

@@ -53,7 +53,6 @@ impl Key {
         Ok(Key { name: Arc::from(name), role, token, print })
     }
 
-    /// Whether the key of this name still has the caller's token and role.
     pub(super) fn still_is(&self, signed_in: &SignedIn) -> bool {
         SignedIn { person: signed_in.person.clone(), ..self.holder(signed_in.end) } == *signed_in
     }

@@ -16,7 +16,6 @@ pub struct Moment {
     pub unix_s: i64,
 }
 
-/// When a session ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     /// Opened by this run: time since its start.

@@ -9,7 +9,6 @@ pub enum Role {
     Operator,
 }
 
-/// The right that a request needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
     /// Nothing: anybody who reaches the door.
@@ -43,7 +42,6 @@ impl Role {
 }
 
 impl Need {
-    /// Who has this right, in words for tables.
     pub const fn in_words(self) -> &'static str {
         match self {
             Need::Nothing => "anybody",

@@ -47,7 +47,6 @@ impl Person {
         (name.chars().count() <= Person::MOST && name.chars().all(is_sound)).then_some(Person(name))
     }
 
-    /// Decodes the name in a cookie.
     fn read(digits: &str) -> Option<Arc<str>> {
         let byte = |at| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
         let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
@@ -55,7 +54,6 @@ impl Person {
     }
 }
 
-/// The cookie of a new session with this key, opened `now` in this run of the program.
 pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment) -> String {
     let end_s = now.unix_s.saturating_add(SESSION_S);
     let person = if person.is_empty() { String::new() } else { format!(".{}", hexadecimal(person.as_bytes())) };
@@ -123,7 +121,6 @@ mod tests {
         sealed(keys.named("lobby").unwrap(), "run", &Person::default(), at(0, 0))
     }
 
-    /// A cookie in the form of earlier versions.
     fn cookie_before(keys: &Keys, end_s: i64) -> String {
         let key = keys.named("lobby").unwrap();
         format!("lobby.{end_s}.{}", seal(key, "hallsweep session 1", &format!("lobby\n{end_s}")))

@@ -80,7 +80,6 @@ pub struct StrategyBody {
 /// A pattern for texts whose characters are all visible, apart from blanks at both ends; the same as `is_visible`.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
 
-/// A reading, by the operator or a sensor, or a word.
 impl JsonSchema for TemperatureBody {
     fn schema_name() -> Cow<'static, str> {
         "TemperatureBody".into()
@@ -233,7 +232,6 @@ impl TemperatureBody {
 }
 
 impl StrategyBody {
-    /// The body with the value of a form's field.
     pub fn named(name: &str) -> StrategyBody {
         StrategyBody { name: name.to_owned() }
     }

@@ -24,10 +24,8 @@ pub enum CommandKind {
     Temperature,
 }
 
-/// Where the number of a command's subject comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// The command has no numbered subject.
     None,
     /// A piece: its number is in the path, or in the field `luggage` at doors without paths.
     Luggage,
@@ -35,7 +33,6 @@ pub enum Subject {
     Alarm,
 }
 
-/// The methods that send a command to its path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
     /// The command acts each time: POST.
@@ -63,7 +60,6 @@ pub struct CommandRow {
     pub is_word: bool,
 }
 
-/// Payload of a movement command.
 const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// All commands, in the order in which they are listed.
@@ -101,15 +97,12 @@ impl CommandKind {
     }
 }
 
-/// The payload of a command, as a door reads it.
 pub trait Payload {
     /// The door's error for a payload that cannot be read.
     type Problem: From<Unusable>;
 
-    /// Reads a required body.
     fn needed<T: Body>(&self) -> Result<T, Self::Problem>;
 
-    /// Reads a body that may be missing.
     fn optional<T: Body + Default>(&self) -> Result<T, Self::Problem>;
 }
 
@@ -134,7 +127,6 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
     }
 }
 
-/// A command for operators that needs no payload.
 const fn word(
     name: &'static str,
     path: &'static str,

@@ -44,7 +44,6 @@ enum ProblemEntry<'a> {
     Ours(Ours<'a>),
 }
 
-/// A problem, with the response code of the message that carries it.
 pub fn written(problem: &ProblemJson<'_>, response_code: u8) -> Vec<u8> {
     let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
     let entries = BTreeMap::from([

@@ -9,7 +9,6 @@ use super::commands::{CommandKind, CommandRow};
 /// Keeps two tests from writing to one page at once.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// The payloads of a command at a door where the number of its subject is in the path.
 pub(crate) fn bodies(command: &CommandRow) -> String {
     if command.kind == CommandKind::Stop {
         return "not read".to_owned();

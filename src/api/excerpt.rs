@@ -30,9 +30,7 @@ const MAP_BYTES: i64 = 2 * 1024 * 1024 - 1024;
 /// The part of the luggage that nobody may miss.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct LuggageExcerpt {
-    /// Number of all pieces.
     pieces: usize,
-    /// Number of pieces that wait for their verdict.
     pending: usize,
     /// Number of dangerous pieces, including those in the container.
     dangerous: usize,

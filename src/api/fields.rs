@@ -22,7 +22,6 @@ impl Unusable {
     }
 }
 
-/// Why a body cannot become a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
     /// The body is not valid in its format.
@@ -58,12 +57,10 @@ pub fn fields(bytes: &[u8]) -> Result<BodyFields, Unread> {
 }
 
 impl BodyFields {
-    /// An optional text.
     pub fn text(&self, name: &str) -> Result<Option<String>, Unusable> {
         self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
     }
 
-    /// An optional whole number.
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
         self.field(name, "a whole number, as 3,", integer)
     }
@@ -73,7 +70,6 @@ impl BodyFields {
         self.field(name, "a whole number from 0", integer)
     }
 
-    /// An optional number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
         self.field(name, "a number, as 21.5,", Value::as_f64)
     }
@@ -98,7 +94,6 @@ impl BodyFields {
         Ok(())
     }
 
-    /// Reads the body from these fields.
     pub fn read<T: Body>(&self) -> Result<T, Unusable> {
         self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
@@ -125,7 +120,6 @@ fn integer<N: FromStr>(value: &Value) -> Option<N> {
     number.to_string().parse().ok().or_else(whole)
 }
 
-/// The value of a required field.
 pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusable> {
     value.ok_or_else(|| Unusable(format!("`{name}` is missing: send {example}")))
 }

@@ -124,7 +124,6 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
     })
 }
 
-/// Marks these resources as changed at this revision.
 pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resource]) {
     snapshot.revision = Revision(revision);
     for resource in resources {
@@ -132,7 +131,6 @@ pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resourc
     }
 }
 
-/// Appends a line to the log.
 pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
     let number = snapshot.log.last().map_or(1, |line| line.number + 1);
     let line = Arc::new(LogLine { number, wall: TEN, tone, said: Said::Words(text.to_owned()) });

@@ -61,7 +61,6 @@ pub enum Found {
 }
 
 impl Found {
-    /// The code for programs.
     pub const fn code(&self) -> &'static str {
         match self {
             Found::PieceUnreached { .. } => "pieceUnreached",

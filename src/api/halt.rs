@@ -10,7 +10,6 @@ use super::{cbor, fields};
 /// people.
 const HALTS: [&str; 2] = ["h", "stop"];
 
-/// The field that holds the word of a move.
 const MOVE: &str = "move";
 
 /// The field name as a short text in CBOR; the text with the word follows it.

@@ -5,7 +5,6 @@ use super::command::move_word;
 use super::fields::Unusable;
 use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
 
-/// The meaning of an old word.
 #[derive(Debug)]
 pub enum Asks {
     For(Command),
@@ -21,7 +20,6 @@ pub enum Asks {
     Change,
 }
 
-/// One request of old clients, and the words for it.
 #[derive(Debug)]
 pub struct OldCommandRow {
     pub asks: Asks,

@@ -26,7 +26,6 @@ pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))
 }
 
-/// The number of the photo and whether it failed, the cell of the bag, and the time of the photo.
 pub fn luggage_state(luggage: &Luggage) -> String {
     let cell = luggage.cell;
     let failed = if matches!(luggage.photo, PhotoState::Failed(_)) { " failed" } else { "" };

@@ -93,7 +93,6 @@ impl ProblemKind {
         }
     }
 
-    /// Kind of the refusal in records.
     pub const fn refusal_kind(self) -> RefusalKind {
         match self {
             ProblemKind::Conflict => RefusalKind::Conflict,

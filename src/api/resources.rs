@@ -16,7 +16,6 @@ use hallsweep_core::world::resource::Resource;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ResourceKind {
-    /// Everything at one revision.
     State,
     /// The order of the search.
     Strategy,
@@ -26,7 +25,6 @@ pub enum ResourceKind {
     Photo,
 }
 
-/// A format of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     Json,
@@ -163,7 +161,6 @@ impl ResourceKind {
     }
 }
 
-/// A shape in CBOR or in JSON.
 pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
     match form {
         Form::Cbor => cbor::written(shape),

@@ -6,10 +6,8 @@ use serde::Serialize;
 /// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or a problem in the same way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultJson<'a, T> {
-    /// The command id, if the command had one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<&'a str>,
-    /// The answer, or the problem.
     #[serde(flatten)]
     pub said: T,
 }

@@ -24,7 +24,6 @@ pub struct ReplacedJson {
     pub by: &'static str,
 }
 
-/// The parts that a searching robot with these parts lacks, and their replacements.
 pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
     missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
 }

@@ -19,10 +19,8 @@ use super::state::StateJson;
 use super::temperature::TemperatureJson;
 use hallsweep_core::world::resource::Resource;
 
-/// Prefix of references between schemas.
 const PLACE: &str = "/components/schemas";
 
-/// The requested schemas, and those they refer to.
 pub struct Schemas {
     /// Schemas for sending: nullable fields are always present.
     sent: SchemaGenerator,
@@ -38,12 +36,10 @@ impl Default for Schemas {
 }
 
 impl Schemas {
-    /// The schema of something that a door sends.
     pub fn sent<T: JsonSchema>(&mut self) -> Value {
         plain(self.sent.subschema_for::<T>())
     }
 
-    /// The schema of something that a door receives.
     pub fn taken<T: JsonSchema>(&mut self) -> Value {
         plain(self.taken.subschema_for::<T>())
     }
@@ -84,7 +80,6 @@ impl Schemas {
         })
     }
 
-    /// All schemas that are referred to, by their names.
     pub fn shapes(mut self) -> Map<String, Value> {
         let all = self.taken.take_definitions(true).into_iter().chain(self.sent.take_definitions(true));
         all.map(|(name, schema)| (public(&name).to_owned(), renamed(schema))).collect()
@@ -95,7 +90,6 @@ fn plain(schema: Schema) -> Value {
     renamed(schema.into())
 }
 
-/// Renames references to the public names.
 fn renamed(mut schema: Value) -> Value {
     match &mut schema {
         Value::Object(fields) => {
@@ -128,7 +122,6 @@ mod tests {
     use crate::api::resources::RESOURCES;
     use crate::api::simulator::{ChangeBody, HallBody};
 
-    /// Names of all fields in a schema, including all its alternatives.
     fn fields(schema: &Value, shapes: &Map<String, Value>) -> BTreeSet<String> {
         let mut names = BTreeSet::new();
         if let Some(name) = schema["$ref"].as_str().and_then(|to| to.rsplit('/').next()) {

@@ -39,7 +39,6 @@ pub struct StateJson {
 }
 
 impl StateJson {
-    /// The state, with the luggage in the given shapes.
     pub fn new(snapshot: &Snapshot, luggage: Vec<LuggageJson>) -> StateJson {
         StateJson {
             run: snapshot.run.to_string(),

@@ -16,7 +16,6 @@ use hallsweep_core::units::Seq;
 /// Maximum wait for the disk. After it the program serves without a state file, and the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
 
-/// Moves the robot and stores what follows from it; returns whether that is stored.
 pub(super) async fn put_down(
     engine: &mut Engine,
     store: &mut dyn Store,
@@ -68,7 +67,6 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::Epoch;
 
-    /// Stores pages when the test says so.
     struct Slow {
         word: watch::Sender<StoreStatus>,
         pages: Vec<Page>,
@@ -84,7 +82,6 @@ mod tests {
         }
     }
 
-    /// An engine whose robot was moved, and the result when the store later reports this.
     async fn put_down_with(say: impl FnOnce(&mut StoreStatus) + Send + 'static) -> (bool, Engine, Slow) {
         let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());
         let mut store = Slow { word: watch::Sender::default(), pages: Vec::new() };

@@ -6,7 +6,6 @@ use crate::doors::http::{Front, Tls, TlsError};
 
 #[derive(Debug)]
 pub enum FirstAccess {
-    /// Everybody on this machine is admitted.
     Open,
     /// A key from an earlier start.
     Key,

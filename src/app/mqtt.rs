@@ -62,7 +62,6 @@ impl Mqtt {
         }
     }
 
-    /// Where web clients are sent, when the broker is our own.
     pub(super) fn hall(&self) -> Option<http::Hall> {
         self.hall.clone()
     }

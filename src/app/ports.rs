@@ -25,7 +25,6 @@ pub(super) fn raise_descriptors() -> u64 {
     }
 }
 
-/// The addresses of the doors, with their real ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
     pub http: BoundPort,

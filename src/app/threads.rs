@@ -62,7 +62,6 @@ mod tests {
     /// Safety S7.
     #[test]
     fn ordinary_threads_stand_back_behind_those_that_hear() {
-        /// The highest nice value of the system.
         const NICEST: i32 = 19;
         let threads = Threads::start().expect("the system gives threads");
         let ordinary = ordinary().expect("the system gives more");

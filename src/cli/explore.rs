@@ -125,7 +125,6 @@ fn for_people(figures: &Figures) -> String {
     format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
-/// The file for everything that is recorded.
 struct Log<'a> {
     path: &'a Path,
     /// An error after the first failed write.

@@ -59,7 +59,6 @@ struct Import {
     force: bool,
 }
 
-/// Whether both paths name the same existing file.
 fn is_same(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(|path| std::fs::canonicalize(path).ok());
     one.is_some() && one == other

@@ -9,7 +9,6 @@ pub(super) const fn scheme(http: &HttpSettings) -> &'static str {
     if http.tls.is_some() { "https" } else { "http" }
 }
 
-/// A link that fills in this token, for a door at `address`.
 pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -> String {
     format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
 }

@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use hallsweep_sim::{Export, Format};
 
-/// Where to write, and whether an existing file is replaced.
 pub(super) struct MapFile<'a> {
     path: &'a Path,
     format: Format,

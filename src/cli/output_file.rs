@@ -9,7 +9,6 @@ use super::Failure;
 use super::map_file::{begin, unfinished};
 use crate::storage::files;
 
-/// Means standard output in place of a file.
 pub(super) const STANDARD_OUTPUT: &str = "-";
 
 pub(super) struct OutputFile {
@@ -26,7 +25,6 @@ enum To {
 }
 
 impl OutputFile {
-    /// Opens the path, which may exist already, or standard output.
     pub(super) fn open(path: &Path) -> Result<OutputFile, Failure> {
         // A link stays, and leads to the new file.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -34,7 +32,6 @@ impl OutputFile {
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Writes the result, in parts, and puts it in place of the old file.
     pub(super) fn fill(mut self, write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>) -> Result<(), Failure> {
         match &mut self.to {
             To::StandardOutput => write(&mut io::stdout().lock()),

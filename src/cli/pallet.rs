@@ -47,7 +47,6 @@ pub fn run(flags: &Pallet) -> Result<(), Failure> {
     outcome(&flags.faults, &run, &figures)
 }
 
-/// A line for each event, and one for each figure.
 fn for_people(run: &PalletRun, figures: &Figures) -> String {
     let passed = run.entries().iter().map(|entry| {
         let at = entry.at.as_secs_f64();

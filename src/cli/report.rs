@@ -85,7 +85,6 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
     }
 }
 
-/// Says whether a report agrees with the journal, which was found sound.
 pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable = |error: io::Error| Failure::Run(format!("{shown} cannot be read: {error}"));

@@ -84,7 +84,6 @@ impl RobotEmulator {
         given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
     }
 
-    /// How a program can reach it.
     fn hint(&self, place: &str) -> String {
         if self.at.serial.is_some() {
             return "hallsweep serve --robot line=DEVICE, with the device at the other end of the cable".to_owned();

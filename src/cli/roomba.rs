@@ -67,7 +67,6 @@ fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
 }
 
-/// A line for each figure, with a column for each run, and whether the runs are the same.
 fn for_people(seed: u64, length: RunLength, runs: &Runs) -> String {
     let line = |name: &str, values: &[String]| {
         let columns: String = values.iter().map(|value| format!("{value:<16}")).collect();

@@ -33,7 +33,6 @@ fn without_effect(settings: &Settings) -> Option<String> {
     Some(settings.without_effect.join(", ")).filter(|idle| !idle.is_empty())
 }
 
-/// The broker with its topics, if there is one, and how to sign in when that takes a key.
 fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String> {
     let asks = match settings.mqtt.broker.as_ref()? {
         Broker::Own { asks_for_keys, .. } => *asks_for_keys,

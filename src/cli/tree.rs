@@ -98,7 +98,6 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
     }
 }
 
-/// Stands for standard input in place of a file.
 const STANDARD_INPUT: &str = "-";
 
 /// Nodes that a file may use: those it declares itself, and those of the files of `--model`. This program has no leaves of its
@@ -166,7 +165,6 @@ fn placed(file: &Path, error: &TreeError) -> String {
     format!("{}:{error}", file.display())
 }
 
-/// The contents of a file in one line.
 fn held(document: &Document) -> String {
     fn count(element: &Element) -> usize {
         1 + element.children.iter().map(count).sum::<usize>()
@@ -262,12 +260,10 @@ fn tick(flags: &RunTree) -> Result<(), Failure> {
     Err(Failure::Tree(format!("the tree is still running after {} ticks", flags.ticks), 2))
 }
 
-/// Advice about a leaf that has no mock.
 fn mock_it(name: &str) -> String {
     format!(": say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all")
 }
 
-/// The mocks, and the initial entries of the blackboard.
 fn scripted(flags: &RunTree) -> Result<(Mocks, Vec<(String, String)>), String> {
     let mut mocks = Mocks::default();
     for mock in &flags.mock {

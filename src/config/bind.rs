@@ -40,7 +40,6 @@ impl BindAddress {
         }
     }
 
-    /// The address shown to users.
     pub const fn first(self) -> SocketAddr {
         match self {
             BindAddress::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),

@@ -17,7 +17,6 @@ fn message(sources: &Sources) -> String {
     load(sources).expect_err("this setting is wrong").to_string()
 }
 
-/// A settings file that is removed when the test ends.
 struct File(PathBuf);
 
 impl File {
@@ -246,7 +245,6 @@ fn every_kind_of_wrong_value_is_refused() {
     }
 }
 
-/// An address that was set explicitly.
 fn chosen(address: &str) -> Option<Bind> {
     Some(Bind { at: BindAddress::read(address)?, is_chosen: true })
 }

@@ -28,7 +28,6 @@ pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 const BY_DEFAULT: &str = "config/default.toml";
 
 impl Flag {
-    /// The flag with this value; the table says which setting it sets.
     pub(crate) fn given(flag: &'static str, value: String) -> Flag {
         let key = Key::of_flag(flag)
             .expect("every flag that is given to a setting stands in the table, as a test of each command says");
@@ -46,7 +45,6 @@ impl Flag {
     }
 }
 
-/// All layers, merged.
 pub(super) struct Layers {
     merged: Figment,
     /// The further robots, and where each was first named.
@@ -107,7 +105,6 @@ impl Layers {
         self.wrong_with_advice(key, problem, advice)
     }
 
-    /// Like `wrong`, with advice of its own.
     pub(super) fn wrong_with_advice(&self, key: &str, problem: impl Into<String>, advice: &str) -> SettingsError {
         SettingsError::Wrong {
             key: self.as_written(key),
@@ -144,7 +141,6 @@ impl Layers {
         if origin.starts_with("file ") { format!("{} in {origin}", self.as_written(key)) } else { origin }
     }
 
-    /// The name under which the setting was given.
     fn as_written(&self, key: &str) -> String {
         let by_name = self.by_name.iter().any(|(origin, meant)| meant == key && *origin == self.origin(key));
         match key.split_once('.').filter(|_| by_name) {
@@ -204,7 +200,6 @@ impl Layer {
         Ok(Layer { place: LayerSource::File, origin: format!("file {}", path.display()), values })
     }
 
-    /// The setting in an environment variable, if it is one.
     fn variable(name: &str, value: &str) -> Result<Option<Layer>, SettingsError> {
         let origin = format!("environment variable {name}");
         if let Some(meant) = environment::nearly(name) {
@@ -229,7 +224,6 @@ impl Layer {
         self.values.get(ROBOTS).and_then(Value::as_dict).into_iter().flatten()
     }
 
-    /// The settings of the searching robot under its own name.
     fn discovery(&self) -> Option<&Dict> {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }

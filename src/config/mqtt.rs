@@ -11,7 +11,6 @@ use super::reading::{bind, read};
 
 const PLAIN: u16 = 1883;
 
-/// Usual port of a broker with TLS.
 const ENCRYPTED: u16 = 8883;
 
 /// Maximum length of a prefix: a longer one would leave too little of a topic.
@@ -41,7 +40,6 @@ pub enum Broker {
     Other(OtherBroker),
 }
 
-/// What routes messages to subscribers at our own broker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MqttRouter {
     Own,
@@ -55,7 +53,6 @@ pub struct OtherBroker {
     /// Whether to use MQTT 5 instead of 3.1.1.
     pub is_five: bool,
     pub is_encrypted: bool,
-    /// Name and password for a broker that requires them.
     pub login: Option<Login>,
     /// A PEM file of trusted certificates; `None` for those of the system.
     pub certificates: Option<PathBuf>,

@@ -44,7 +44,6 @@ pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
     Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 
-/// The value with this name.
 pub(super) fn one_of<T: Copy>(
     layers: &Layers,
     key: &str,

@@ -9,10 +9,8 @@ use super::host;
 use super::layers::Layers;
 use super::reading::read;
 
-/// The kind of a robot, which decides its adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobotKind {
-    /// The simulated robot of this program.
     Sim,
     /// The virtual robot of a browser's page, over TCP.
     VirtualTcp,
@@ -45,7 +43,6 @@ impl RobotKind {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RobotAddress {
-    /// The simulated robot is part of this program.
     Here,
     Network {
         host: String,

@@ -27,7 +27,6 @@ impl Settings {
     }
 }
 
-/// The further robots, by their names.
 pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, SettingsError> {
     let names = layers.further_robots();
     let count = names.len() + 1;

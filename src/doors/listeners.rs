@@ -37,7 +37,6 @@ impl Listeners {
         self.ports.iter().all(|port| port.local_addr().is_ok_and(|address| address.ip().to_canonical().is_loopback()))
     }
 
-    /// The next connection, and its address.
     pub async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
         let Listeners { ports, turn, .. } = self;
         std::future::poll_fn(|cx| {

@@ -39,17 +39,14 @@ impl Problem {
         Problem::new((refused.code(), refused.kind().into()), String::new()).with(refused.clone())
     }
 
-    /// The same in the words of a refusal of the core.
     fn with(self, refused: Refused) -> Problem {
         Problem { detail: refused.to_string(), refused: Some(refused), ..self }
     }
 
-    /// Says what was asked for, better than by method and path.
     pub(super) fn of(self, asked: Asked) -> Problem {
         Problem { asked: Some(asked), ..self }
     }
 
-    /// Replaces the sentence.
     pub(super) fn saying(self, detail: String) -> Problem {
         Problem { detail, refused: None, ..self }
     }
@@ -93,7 +90,6 @@ impl Problem {
         Problem::new(problem::UNSUPPORTED_FORMAT, detail)
     }
 
-    /// The program is ending.
     pub(super) fn closing() -> Problem {
         Problem::new(("shuttingDown", ProblemKind::Unavailable), Gone.to_string()).off_record()
     }
@@ -102,12 +98,10 @@ impl Problem {
         self.kind
     }
 
-    /// The code for programs.
     pub(super) const fn code(&self) -> &'static str {
         self.code
     }
 
-    /// The sentence for people.
     pub(super) fn detail(&self) -> &str {
         &self.detail
     }
@@ -121,19 +115,16 @@ impl Problem {
         self.asked.clone()
     }
 
-    /// Whether the door has to record it.
     pub(super) const fn is_for_record(&self) -> bool {
         self.is_for_record
     }
 
-    /// The form in records.
     pub(super) fn for_record(&self) -> Refused {
         let own = || Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() };
         let of_core = self.refused.clone().filter(|refused| refused.code() == self.code);
         of_core.unwrap_or_else(|| Refused::InWords(own()))
     }
 
-    /// The form for programs.
     pub(super) fn shape(&self) -> ProblemJson<'_> {
         let luggage = self.luggage.as_ref().map(|piece| LuggageJson::from(&**piece));
         ProblemJson { luggage, ..ProblemJson::new((self.code, self.kind), &self.detail) }

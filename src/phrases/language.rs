@@ -18,7 +18,6 @@ const MONTHS: [&str; 12] = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Au
 
 type Bundle = FluentBundle<FluentResource>;
 
-/// The files of a language.
 macro_rules! files {
     ($language:literal) => {
         [
@@ -66,7 +65,6 @@ impl Language {
         }
     }
 
-    /// Its own name.
     pub const fn name(self) -> &'static str {
         match self {
             Language::English => "English",
@@ -80,7 +78,6 @@ impl Language {
         Language::ALL.into_iter().find(|language| main.eq_ignore_ascii_case(language.tag()))
     }
 
-    /// The other languages.
     pub fn others(self) -> impl Iterator<Item = Language> {
         Language::ALL.into_iter().filter(move |other| *other != self)
     }

@@ -46,7 +46,6 @@ impl<'a> Phrase<'a> {
         self
     }
 
-    /// The phrase as markup.
     pub fn markup(self) -> Markup {
         let escaped =
             |text: &str| askama::filters::escape(text, askama::filters::Html).map(|safe| safe.to_string()).unwrap_or_default();

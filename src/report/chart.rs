@@ -17,9 +17,7 @@ const MARGIN: f64 = 2.0;
 
 #[derive(Debug)]
 pub(super) struct Chart {
-    /// The points of the polyline.
     pub(super) points: String,
-    /// Vertical position of the threshold, if it is in the picture.
     pub(super) threshold: Option<f64>,
     /// The degrees at the upper and at the lower edge.
     pub(super) most: f64,

@@ -20,14 +20,12 @@ pub struct Claim {
 #[error("it does not say in its head of which mission it is: it is no report of hallsweep, or its beginning was changed")]
 pub struct Unclear;
 
-/// The text around the claim in the page.
 const AROUND: [&str; 2] = ["<meta name=\"hallsweep-report\" content=\"", "\">"];
 
 impl Claim {
     /// Number of bytes from the beginning within which the claim stands.
     pub const WITHIN: usize = 1024;
 
-    /// Parses the claim in the beginning of a page.
     pub fn read(page: &[u8]) -> Result<Claim, Unclear> {
         let beginning = String::from_utf8_lossy(&page[..page.len().min(Claim::WITHIN)]);
         let claim = beginning.split_once(AROUND[0]).and_then(|(_, rest)| rest.split_once(AROUND[1]));

@@ -21,7 +21,6 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The phrases of a file, by their ids.
 fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
     let text = std::fs::read_to_string(root().join(format!("src/phrases/{language}/{file}.ftl"))).unwrap();
     let mut phrases = BTreeMap::new();

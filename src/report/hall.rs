@@ -8,7 +8,6 @@ use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The marks that are drawn, and the classes of their paths.
 const DRAWN: [(Mark, &str); 5] = [
     (Mark::Visited, "visited"),
     (Mark::Seen, "seen"),
@@ -63,7 +62,6 @@ fn middle(cell: Cell) -> (f64, f64) {
     (f64::from(cell.x) + 0.5, f64::from(cell.y) + 0.5)
 }
 
-/// The cells of a mark, row by row, with neighbours joined.
 fn runs(map: &HallMap, mark: Mark) -> String {
     let Bounds { least, most } = map.known_bounds();
     let mut path = String::new();

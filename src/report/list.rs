@@ -16,7 +16,6 @@ const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "doo
 /// Characters at the start of a cell that make a spreadsheet treat it as a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
-/// Writes every entry as a line of JSON.
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
     let (until, began) = (end(archive)?, first(archive, mission)?);
     let batch = |after| archive.lines(mission, Span { after, until }, BATCH);

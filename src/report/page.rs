@@ -58,12 +58,10 @@ impl Report<'_> {
     }
 }
 
-/// The searchable part of the hall, if it is on record.
 fn reach(state: &PersistentState) -> Option<Reach> {
     state.conditions.as_ref()?.venue.reach
 }
 
-/// Title, figures, hall.
 #[derive(Template)]
 #[template(path = "report/top.html")]
 struct Top<'r> {
@@ -86,7 +84,6 @@ impl Top<'_> {
         if self.report.claim.edition > 1 { self.language.headline(&came_to, state) } else { came_to }
     }
 
-    /// The figures with their labels.
     fn figures(&self) -> Vec<(Phrase<'static>, String)> {
         let say = |id| self.language.say(id);
         let (tally, report) = (&self.report.tally, self.report);
@@ -169,7 +166,6 @@ impl Top<'_> {
     }
 }
 
-/// One piece of luggage with all its photos.
 #[derive(Template)]
 #[template(path = "report/piece.html")]
 struct Piece<'r> {

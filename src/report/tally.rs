@@ -37,7 +37,6 @@ pub(super) struct Tally {
     pub(super) readings: u64,
     pub(super) coldest: Option<(Celsius, WallTime)>,
     pub(super) hottest: Option<(Celsius, WallTime)>,
-    /// Unreadable entries, with the reason.
     pub(super) damage: Vec<String>,
     pub(super) more_damage: u64,
 }
@@ -129,7 +128,6 @@ impl Tally {
     }
 }
 
-/// Number of STOPs in a recorded command.
 fn stops(asked: &Asked) -> u64 {
     match asked {
         Asked::Command(Command::Stop) => 1,

@@ -30,7 +30,6 @@ pub(super) const MISSION: MissionId = MissionId(1);
 pub(super) struct Mission {
     pub(super) entries: Vec<Entry>,
     photo: Result<&'static [u8], NoTake>,
-    /// Unreadable parts of what its hall follows from.
     damage: Vec<String>,
     lost_after: Option<Seq>,
 }
@@ -47,7 +46,6 @@ impl Mission {
         String::from_utf8(page).unwrap()
     }
 
-    /// The report in an earlier edition.
     pub(super) fn report_of(&self, edition: u32, language: Language) -> String {
         let claim = Claim { edition, ..Claim::read(self.report(language).as_bytes()).unwrap() };
         let mut page = Vec::new();

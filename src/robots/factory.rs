@@ -16,7 +16,6 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 
-/// All robots in their hall, before they are started.
 pub struct Robots {
     hall: Arc<Hall>,
     /// The searching robot first.
@@ -26,7 +25,6 @@ pub struct Robots {
     wants_pair: bool,
     seed: u64,
     speed: config::Speed,
-    /// Where a hall chosen at run time is stored.
     chosen: Option<ChosenHall>,
     /// Why the chosen hall cannot be used: then nobody knows in which hall the simulated robots are.
     no_hall: Option<String>,
@@ -185,7 +183,6 @@ impl Robots {
         })
     }
 
-    /// The adapters, and the simulator when the searching robot is simulated.
     pub fn adapters(self, clock: Clock) -> Adapters {
         let simulates = matches!(self.all.first(), Some((_, Robot::Sim(_))));
         let (controls, obeyed) = watch::channel(Controls::default());

@@ -23,7 +23,6 @@ pub(super) async fn done<T>(work: &mut Option<JoinHandle<T>>) -> Option<T> {
     done
 }
 
-/// Like `done`, for work that belongs to a key.
 pub(super) async fn done_for<K: Copy, T>(work: &mut Option<(K, JoinHandle<T>)>) -> (K, Option<T>) {
     let Some((whom, under_way)) = work else { return std::future::pending().await };
     let done = (*whom, under_way.await.ok());

@@ -15,7 +15,6 @@ use hallsweep_core::world::luggage::Luggage;
 #[error("the record cannot be read: {0}")]
 pub struct Unreadable(pub String);
 
-/// Why a recorded photo cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoTake {
     #[error(transparent)]
@@ -51,13 +50,11 @@ pub struct Span {
 }
 
 impl Span {
-    /// All entries after this one.
     pub const fn after(after: Seq) -> Span {
         Span { after, until: Seq(u64::MAX) }
     }
 }
 
-/// An entry of the journal with its place; or why it cannot be read.
 pub type Happened = (Seq, Result<Entry, Unreadable>);
 
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +87,6 @@ pub enum At {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PastMoment {
     pub past: Sound<Past>,
-    /// When the entry was written.
     pub wall: WallTime,
     /// The mission's entries before and after this one.
     pub earlier: Option<Seq>,
@@ -110,7 +106,6 @@ impl Head {
         hex(&self.digest)
     }
 
-    /// Reverses `hex`.
     pub fn read_digest(hex: &str) -> Option<[u8; 32]> {
         let is_written_so = hex.len() == 64 && hex.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
         let byte = |place: usize| u8::from_str_radix(hex.get(2 * place..2 * place + 2)?, 16).ok();

@@ -29,7 +29,6 @@ impl Clock {
         Clock::default().set_by(off_ms)
     }
 
-    /// The same clock after somebody has set it by `off_ms`.
     #[cfg(test)]
     pub(crate) fn set_by(self, off_ms: i64) -> Clock {
         Clock { off_ms, ..self }
@@ -52,7 +51,6 @@ impl Clock {
         self.start.elapsed()
     }
 
-    /// The instant at which `since_start` is reached, for timers.
     pub fn instant(&self, since_start: Duration) -> Instant {
         self.start + since_start
     }

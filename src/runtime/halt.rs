@@ -55,7 +55,6 @@ impl Halter {
         &self.figures
     }
 
-    /// A receiver of halts, for a robot writer or the core's loop.
     pub fn watch(&self) -> HaltWatch {
         HaltWatch { all: self.halts.subscribe(), own: None }
     }

@@ -29,7 +29,6 @@ pub enum Envelope {
     Command(Request, oneshot::Sender<Decision>),
     /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
     Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Decision>>),
-    /// What somebody did to the simulator, for the record.
     Simulated(Issuer, Simulated),
     /// A request to put these simulated robots into the hall of this name.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
@@ -42,7 +41,6 @@ pub struct Handle {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
     overflow: OverflowIn,
-    /// Number of commands sent so far that can release a halted robot.
     releases: Arc<AtomicU64>,
 }
 
@@ -66,7 +64,6 @@ impl Handle {
         Handle::with_overflow(commands, snapshots, halter).0
     }
 
-    /// A handle over the loop's channels, and over the place for what finds the queue full.
     pub(super) fn with_overflow(
         commands: mpsc::Sender<Envelope>,
         snapshots: watch::Receiver<Arc<Snapshot>>,
@@ -76,7 +73,6 @@ impl Handle {
         (Handle { commands, snapshots, halter, overflow, releases: Arc::default() }, out)
     }
 
-    /// For tests that raise halts themselves.
     #[cfg(test)]
     pub(super) const fn halter(&self) -> &Halter {
         &self.halter
@@ -126,7 +122,6 @@ impl Handle {
         }
     }
 
-    /// Records what somebody did to the simulator.
     pub async fn note_simulated(&self, issuer: Issuer, simulated: Simulated) -> Result<(), Gone> {
         self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }

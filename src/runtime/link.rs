@@ -54,7 +54,6 @@ pub struct RobotSide {
     pub halts: HaltWatch,
 }
 
-/// Both ends of a new link, halted with all robots by `halts`.
 pub fn link(halts: HaltWatch) -> (RobotLink, RobotSide) {
     let (orders, orders_in) = mpsc::channel(ORDERS);
     let (led, led_in) = watch::channel(false);

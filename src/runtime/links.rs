@@ -17,7 +17,6 @@ pub(super) struct Links {
 struct RobotEnd {
     robot: RobotId,
     ends: RobotLink,
-    /// Whether the adapter's end is gone for good.
     has_ended: bool,
 }
 

@@ -17,12 +17,9 @@ pub(crate) type Noted = (Issuer, Asked, Refused);
 
 #[derive(Clone)]
 pub(crate) struct Script {
-    /// State shown to the doors.
     pub(crate) publish: watch::Sender<Arc<Snapshot>>,
-    /// Refusal for every command from now on.
     pub(crate) refuse: Arc<Mutex<Option<Refused>>>,
     pub(crate) given: Arc<Mutex<Vec<Request>>>,
-    /// Refusals recorded by doors.
     pub(crate) noted: Arc<Mutex<Vec<Noted>>>,
 }
 

@@ -37,7 +37,6 @@ struct Inner {
 #[derive(Debug, Default)]
 pub(super) struct Overflow {
     pub(super) stops: Senders<Request>,
-    /// Who was refused, which command, and why.
     pub(super) refusals: Senders<(Issuer, Asked, Refused)>,
 }
 
@@ -149,7 +148,6 @@ mod tests {
         Request::new(Command::Stop, issuer(from))
     }
 
-    /// Refuses somebody's START.
     fn refuse(into: &OverflowIn, from: &str, n: usize) {
         into.put_refusal(issuer(from), Asked::Words(format!("START {n}")), Refused::NotAllowed("no".to_owned()));
     }

@@ -46,7 +46,6 @@ pub struct SimulatorState {
     pub faults: Faults,
 }
 
-/// Facts about the simulated hall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallFacts {
     pub name: Arc<str>,
@@ -54,7 +53,6 @@ pub struct HallFacts {
     pub size: (u32, u32),
     pub cell_m: f64,
     pub pieces: usize,
-    /// The whole hall, as a hall file.
     pub toml: Arc<str>,
 }
 
@@ -68,16 +66,13 @@ pub struct OtherHall {
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum HallSource {
-    /// An offered hall, by name.
     Named(String),
-    /// A complete hall file.
     Toml(String),
 }
 
 /// Why a request failed. `Display` is the message for a person.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotSimulated {
-    /// The core refused it.
     #[error(transparent)]
     Refused(#[from] Refused),
     #[error("the simulator runs: pause it first, then go on step by step")]
@@ -106,7 +101,6 @@ pub enum NotSimulated {
     NoDataFolder,
     #[error("no hall is kept as {0:?}")]
     NotThere(String),
-    /// Message of the disk.
     #[error("{0}")]
     CannotChangeKept(String),
     #[error(transparent)]
@@ -123,10 +117,8 @@ impl NotSimulated {
     }
 }
 
-/// Result of a change.
 pub type Changing = Pin<Box<dyn Future<Output = Result<Arc<SimulatorState>, NotSimulated>> + Send>>;
 
-/// The simulator as the doors see it.
 pub trait Simulator: Send + Sync {
     /// Always the newest state.
     fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
@@ -155,6 +147,5 @@ pub trait Simulator: Send + Sync {
     /// Stores the hall of a hall file under a name; replaces a stored one only if `may_replace`.
     fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing;
 
-    /// Deletes a stored hall.
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;
 }

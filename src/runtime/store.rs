@@ -7,7 +7,6 @@ use tokio::sync::watch;
 use hallsweep_core::effect::Page;
 use hallsweep_core::units::Seq;
 
-/// What the store reports about the pages it was given.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StoreStatus {
     /// The entry up to which everything is stored, apart from losses.

@@ -46,7 +46,6 @@ pub struct Task {
     store_failed: bool,
     /// Number of the store's losses that the core was told of.
     losses: u64,
-    /// Whether the core was told that the program ends.
     is_ending: bool,
     figures: Figures,
     /// Counts recorded entries once they are stored.
@@ -63,12 +62,10 @@ struct WaitingSender {
 pub struct Course {
     /// Why the loop was asked to end, if it was: the robot is halted then, and pending requests are still answered.
     pub ended_by: Option<&'static str>,
-    /// Whether no further requests can come.
     pub is_over: bool,
 }
 
 impl Task {
-    /// A loop round an engine, and the handle through which doors reach it.
     pub fn new(
         mut engine: Engine,
         links: impl IntoIterator<Item = (RobotId, RobotLink)>,

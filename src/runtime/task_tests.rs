@@ -48,7 +48,6 @@ fn give(handle: &Handle, command: Command) -> impl Future<Output = CommandOutcom
     async move { within(&format!("the answer to {command:?}"), answer).await }
 }
 
-/// Like `give`, in a task.
 fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<CommandOutcome> {
     let handle = handle.clone();
     tokio::spawn(async move { give(&handle, command).await })
@@ -63,7 +62,6 @@ async fn seen(handle: &Handle, what: &str, is_so: impl FnMut(&Arc<Snapshot>) -> 
     Arc::clone(&*within(what, handle.watch().wait_for(is_so)).await.expect("the loop runs"))
 }
 
-/// Whether the console's log has this line.
 fn says(words: &str) -> impl Fn(&Arc<Snapshot>) -> bool {
     move |state| state.log.iter().any(|line| line.said.to_string().contains(words))
 }

@@ -14,7 +14,6 @@ pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
 
-/// Like `check_plain`, for a folder.
 pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_dir()).then_some("it is not a folder"))
 }

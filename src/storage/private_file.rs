@@ -23,7 +23,6 @@ const GLANCES: u32 = 100;
 #[derive(Clone, Debug)]
 pub(crate) struct PrivateFile(PathBuf);
 
-/// Who may read a file, by its mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Readers {
     Owner,

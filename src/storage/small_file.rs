@@ -75,7 +75,6 @@ impl SmallFile {
         fs::rename(&unfinished, &self.path)
     }
 
-    /// Overwrites an existing file from offset `place`.
     pub(crate) fn write_at(&mut self, place: u64, bytes: &[u8]) -> io::Result<()> {
         let mut file = match self.open.take() {
             Some(file) => file,

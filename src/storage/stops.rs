@@ -38,7 +38,6 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 pub struct Stops {
     file: SmallFile,
     epoch: Epoch,
-    /// The line to write next.
     turn: usize,
     /// Whether the contents could not be read.
     was_damaged: bool,
@@ -46,7 +45,6 @@ pub struct Stops {
     was_set_aside: bool,
 }
 
-/// Result of parsing the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct FoundStop {
     epoch: Epoch,
@@ -188,7 +186,6 @@ fn understood(bytes: &[u8]) -> Option<FoundStop> {
     Some(FoundStop { epoch, line, is_sure: lines.len() == SIZE / LINE })
 }
 
-/// Epoch of a line that `line` wrote.
 fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
     let digits = std::str::from_utf8(bytes).ok()?.strip_prefix(BEGINS)?.get(..20)?;
     let epoch = digits.parse().ok().filter(|epoch| *epoch <= GREATEST).map(Epoch)?;

@@ -32,7 +32,6 @@ struct State {
 }
 
 impl Queue {
-    /// A queue that writes to this stream for as long as the program runs.
     pub(super) fn start(stream: impl Write + Send + 'static) -> io::Result<Arc<Queue>> {
         let queue = Arc::new(Queue::default());
         queue.state().text.reserve_exact(ROOM);
@@ -92,7 +91,6 @@ impl State {
     }
 }
 
-/// Logs the number of lost lines, if there are any and the stream accepts it.
 fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     if *lost == 0 {
         return;
@@ -118,7 +116,6 @@ fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     text
 }
 
-/// Counts the lines of a text as lost; returns their number.
 fn lose(text: &[u8]) -> u64 {
     let lines = text.iter().filter(|byte| **byte == b'\n').count() as u64;
     LOG_LINES_LOST.inc_by(lines);

@@ -7,7 +7,6 @@ use crate::api::time::rfc3339;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_sim::headless::Figures;
 
-/// The figures by their names for programs.
 #[derive(Serialize)]
 struct FiguresJson<'a> {
     hall: &'a str,

@@ -8,7 +8,6 @@ use behaviour_trees::{Catalogue, Document, Element, Tree, mock};
 /// Stands for all leaves without a mock of their own.
 const ALL_OTHERS: &str = "*";
 
-/// A leaf that a flag names, and perhaps one of its ports.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meant<'a> {
     pub(super) flag: &'static str,
@@ -52,7 +51,6 @@ fn one(meant: Meant<'_>, leaves: &[Leaf<'_>], catalogue: &Catalogue) -> Result<(
     Err(format!("{flag}: {leaf} has no port {port}: {}", listed(ports.into_iter())))
 }
 
-/// The existing names, for the message.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: BTreeSet<&str> = names.collect();
     match names.len() {
@@ -72,7 +70,6 @@ mod tests {
         <Find name=\"first\" at=\"{x}\"/><Find name=\"then\" of=\"{y}\"/><SubTree ID=\"B\" name=\"deep\"/></Sequence></BehaviorTree>\
         <BehaviorTree ID=\"B\"><Go name=\"home\"/></BehaviorTree><BehaviorTree ID=\"C\"><Wait/></BehaviorTree></root>";
 
-    /// The result for a leaf and a port of it.
     fn said(leaf: &str, port: Option<&str>) -> Result<(), String> {
         let document = xml::read(FILE).expect("it is well written");
         let mut mocks = Mocks::default();

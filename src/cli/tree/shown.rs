@@ -56,7 +56,6 @@ pub(super) fn json(tree: &Tree, status: Status, halted: &[NodeId], blackboard: &
     serde_json::to_string(&tick).expect("texts and numbers can be written")
 }
 
-/// A tick that failed.
 pub(super) fn json_fault(tick: u64, fault: &Fault) -> String {
     let faulted = Faulted { tick, path: &fault.path, line: fault.place.line, error: &fault.reason };
     serde_json::to_string(&faulted).expect("texts and numbers can be written")

@@ -57,7 +57,6 @@ impl ChangeFeed {
         }
     }
 
-    /// Passes the present representations of each subject to the endpoint.
     pub(super) fn tell(&mut self, endpoint: &mut Endpoint, application: &impl Application, now: Duration) {
         application::changed(application);
         let subjects = endpoint.subjects();
@@ -71,7 +70,6 @@ impl ChangeFeed {
 }
 
 impl<K: Copy + Ord> Paces<K> {
-    /// The subjects that may be shown now.
     fn due<T>(&mut self, subjects: Vec<(K, T)>, now: Duration) -> Vec<(K, T)> {
         // Subjects that nobody observes any more are dropped.
         let next = std::mem::take(&mut self.next);

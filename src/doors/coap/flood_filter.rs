@@ -52,7 +52,6 @@ impl FloodFilter {
         true
     }
 
-    /// When more may be let through again.
     pub(super) fn due(&self) -> Option<Duration> {
         (self.fine != [0; 3]).then(|| self.since + CALM)
     }
@@ -82,7 +81,6 @@ impl FloodFilter {
         searched.windows(4).any(|four| self.words.iter().any(|word| word == four))
     }
 
-    /// Installs the filter on the socket.
     #[cfg(target_os = "linux")]
     pub(super) fn fit(&self, socket: &socket2::SockRef<'_>) -> std::io::Result<()> {
         if self.fine == [0; 3] { socket.detach_filter() } else { socket.attach_filter(&program(self.words, self.fine)) }

@@ -25,7 +25,6 @@ const PATIENCE: Duration = Duration::from_secs(93);
 pub(super) enum RequestKind {
     /// Changes nothing, and does nothing before its future is polled.
     Read,
-    /// May have begun as soon as the application has received it.
     Command,
 }
 

@@ -82,7 +82,6 @@ impl Application for Obedient {
     }
 }
 
-/// A running door, and its controls.
 struct TestApp {
     address: SocketAddr,
     states: watch::Sender<Arc<Snapshot>>,
@@ -278,7 +277,6 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
 }
 
-/// A datagram with this request.
 fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
     let mut packet = Packet::new();
     packet.header.set_type(MessageType::Confirmable);
@@ -321,7 +319,6 @@ fn asked(driver: &Driver<Obedient>) -> Vec<String> {
     driver.application.asked.lock().unwrap().clone()
 }
 
-/// A door whose turns the test calls.
 fn driver() -> (Driver<Obedient>, SocketAddr) {
     let bound = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = bound.local_addr().unwrap();

@@ -20,7 +20,6 @@ pub(super) fn preferred<'a>(headers: &HeaderMap, offers: &[&'a str]) -> Option<&
     best.map(|(offer, _)| offer)
 }
 
-/// The named codings, each with its quality.
 pub(super) fn codings(headers: &HeaderMap) -> impl Iterator<Item = (&str, f32)> {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
     values.flat_map(|value| value.split(',')).filter_map(range)

@@ -46,7 +46,6 @@ mod tests {
     use hallsweep_core::command::{LuggageRef, Move, Note, Refused, TemperatureReport, Verdict};
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
-    /// Sends JSON and expects this status; checks that problems are complete.
     async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
         let (status, json) = app.json(method, &format!("/api/v1{path}"), body).await;
         assert_eq!(status, expect, "{method} {path} {body}: {json}");

@@ -17,10 +17,8 @@ use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{self, Command, CommandId, Request};
 use hallsweep_core::units::Epoch;
 
-/// The header with the command id.
 pub(super) const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
-/// The sender of a request, its door, and the headers that count for any command.
 pub(super) struct CommandSender {
     pub(super) door: HttpDoor,
     pub(super) caller: Caller,

@@ -6,7 +6,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-/// The tag of a resource at a revision of this run, in this format.
 pub(super) fn tag(run: &str, revision: impl std::fmt::Display, format: &str) -> String {
     format!("W/\"{run}-{revision}-{format}\"")
 }

@@ -19,14 +19,12 @@ use crate::api::fields::in_short;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{self, Issuer, Refused};
 
-/// A gate that requires this right.
 #[derive(Clone)]
 pub(super) struct Gate {
     door: HttpDoor,
     need: Need,
 }
 
-/// The credentials in a request.
 enum Shown {
     Nothing,
     Token(String),
@@ -39,7 +37,6 @@ impl Gate {
     }
 }
 
-/// The sender of a command, as named in records.
 pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer {
     Issuer { door, who: caller.signature(), from: peer.name() }
 }
@@ -55,13 +52,11 @@ impl HttpDoor {
         self.moment().unix_s >= 0
     }
 
-    /// The present time, for sessions.
     pub(super) fn moment(&self) -> Moment {
         let now = self.clock.now();
         Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) }
     }
 
-    /// Whether an admitted caller would still be admitted.
     pub(super) fn still_knows(&self, caller: &Caller) -> bool {
         self.access.still_knows(caller, self.moment())
     }
@@ -150,7 +145,6 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, Asked)> {
     Some((by_path(path), Asked::Words(format!("{} {}", request.method(), in_short(path)))))
 }
 
-/// The door of a path, as records name it.
 pub(super) fn by_path(path: &str) -> command::Door {
     if path.starts_with("/console/") || path.starts_with("/simulator/") { door::CONSOLE } else { door::HTTP }
 }

@@ -199,7 +199,6 @@ struct Astray<'a> {
     title: &'static str,
     detail: String,
     may_stop: bool,
-    /// Address of the page in another language.
     here: &'a str,
 }
 

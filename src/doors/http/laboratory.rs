@@ -99,7 +99,6 @@ struct Page {
     language: Language,
     asked: AskedPage,
     transitions: usize,
-    /// Where machine and tree differ, if they do.
     parting: Option<String>,
     names: Vec<&'static str>,
     drawings: Vec<String>,

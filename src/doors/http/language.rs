@@ -22,13 +22,11 @@ const COOKIE: &str = "hallsweep-language";
 /// Lifetime of the cookie in seconds: a year.
 const REMEMBERED_S: u32 = 365 * 24 * 3600;
 
-/// The language of the requested page.
 pub(super) struct Spoken(pub(super) Language);
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Choice {
     language: String,
-    /// Where to go afterwards.
     next: Option<String>,
 }
 
@@ -48,7 +46,6 @@ impl<S: Send + Sync> FromRequestParts<S> for PageReader {
 }
 
 impl PageReader {
-    /// The sender of a request with these headers.
     pub(super) fn new(caller: Caller, headers: &HeaderMap) -> PageReader {
         PageReader { caller, language: spoken(headers) }
     }

@@ -24,7 +24,6 @@ use hallsweep_core::units::Celsius;
 /// Media types of both formats, the default first.
 pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];
 
-/// Prefix of every name.
 const PREFIX: &str = "hallsweep";
 
 pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) -> Result<Response, Problem> {
@@ -69,7 +68,6 @@ fn written(figures: &Figures, snapshot: &Snapshot) -> Result<String, fmt::Error>
     Ok(text)
 }
 
-/// Figures of the present state.
 fn register_state(snapshot: &Snapshot, to: &mut Registry) {
     let mission = &snapshot.mission;
     let number = Gauge::<u64, AtomicU64>::default();

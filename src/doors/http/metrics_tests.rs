@@ -10,7 +10,6 @@ use crate::api::{documented, door};
 use crate::doors::http::testing::{app, text};
 use crate::runtime::figures::{self, OTHER};
 
-/// The text of one family, parsed.
 #[derive(Debug, Default)]
 struct Family {
     kind: String,
@@ -171,7 +170,6 @@ fn the_documentation_shows_the_figures_as_they_are() {
     documented::shows("metrics.md", "the table of figures", &table);
 }
 
-/// Every metric that a query names.
 fn named(query: &str) -> impl Iterator<Item = &str> {
     let is_of_name = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     query.split(move |letter| !is_of_name(letter)).filter(|word| word.starts_with("hallsweep_"))

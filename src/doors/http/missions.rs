@@ -70,7 +70,6 @@ pub(super) async fn moment(
     Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage))))
 }
 
-/// The entry of the requested moment.
 pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
     Ok(query.count("at", 1..=MOST)?.map(Seq))
 }
@@ -114,7 +113,6 @@ pub(super) async fn events(
     listed(&door, id, &query, &headers, ("events", entries)).await
 }
 
-/// Selects the entries of a list.
 pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
 
 fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
@@ -181,7 +179,6 @@ pub(super) fn before(query: &Query) -> Result<Option<MissionId>, Problem> {
     Ok(query.count("before", 1..=MOST)?.map(MissionId))
 }
 
-/// The entry after which a list begins.
 pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
     Ok(Seq(query.count("after", 0..=MOST)?.unwrap_or(0)))
 }
@@ -204,7 +201,6 @@ pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
     /// The state when it was put away, or its present state.
     pub(super) state: Option<PersistentState>,
-    /// Sentences about the parts that cannot be read.
     pub(super) damage: Vec<String>,
 }
 
@@ -222,7 +218,6 @@ pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -
     of_these(door, id, after, limit, entries).await
 }
 
-/// Like `happened`, for some kinds of entries.
 pub(super) async fn of_these(
     door: &HttpDoor,
     id: u64,
@@ -300,7 +295,6 @@ mod tests {
         json
     }
 
-    /// Expects a problem with these words.
     async fn check(app: &TestApp, path: &str, status: u16, words: &str) {
         let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
         assert_eq!(got.as_u16(), status, "{path}: {problem}");

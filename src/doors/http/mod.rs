@@ -184,7 +184,6 @@ impl HttpDoor {
         HttpDoor { robots, ..self }
     }
 
-    /// Sets the settings of the core behind this door.
     pub fn with_settings(self, settings: Settings) -> HttpDoor {
         HttpDoor { settings, ..self }
     }

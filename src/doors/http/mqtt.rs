@@ -49,12 +49,10 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// Maximum number of connections that are still closing after the broker, which bounds its own clients, has dropped them.
 const LEAVING: usize = 64;
 
-/// A web client that wants to speak MQTT.
 #[derive(Debug)]
 pub struct IncomingConnection {
     pub stream: CarriedConnection,
     pub from: IpAddr,
-    /// The client's identity, if it has signed in to the console.
     pub caller: Option<Caller>,
     pub access: Access,
 }
@@ -86,11 +84,9 @@ impl AsyncWrite for CarriedConnection {
     }
 }
 
-/// Where web clients are sent.
 #[derive(Clone)]
 pub struct Hall {
     receive: Arc<dyn Fn(IncomingConnection) + Send + Sync>,
-    /// Connections that the broker has dropped.
     leaving: PendingConnections,
 }
 

@@ -15,7 +15,6 @@ use crate::access::Caller;
 pub(super) struct Peer {
     /// Its address as the system reports it; headers written by a proxy are not trusted.
     pub(super) address: IpAddr,
-    /// Whether the connection is encrypted.
     pub(super) is_encrypted: bool,
 }
 

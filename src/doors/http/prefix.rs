@@ -13,7 +13,6 @@ const HEAD: &str = "<head>";
 /// Maximum length of a return path in bytes.
 pub(super) const LONGEST_PATH: usize = 512;
 
-/// Makes redirects and the addresses of a page relative to the requested path.
 pub(super) async fn relative(request: Request, next: Next) -> Response {
     let root = root(request.uri().path());
     let mut response = next.run(request).await;

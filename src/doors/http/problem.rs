@@ -125,7 +125,6 @@ impl IntoResponse for Problem {
     }
 }
 
-/// The answer to an unknown path.
 pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let halted = halted(pressed.as_deref());
     Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
@@ -153,7 +152,6 @@ mod tests {
     use hallsweep_core::phase::{FaultCause, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
-    /// The codes in the sources of this door, and those of every door.
     fn codes() -> std::collections::BTreeSet<String> {
         let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/doors/http")];
         let mut sources = vec![include_str!("../problem.rs").to_owned()];
@@ -275,7 +273,6 @@ mod tests {
         }
     }
 
-    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         let words = || "a sentence".to_owned();

@@ -54,7 +54,6 @@ impl Query {
         Ok(())
     }
 
-    /// All values of a name that may occur more than once.
     pub(super) fn every(&self, name: &str) -> &[String] {
         self.0.get(name).map_or(&[], Vec::as_slice)
     }
@@ -63,7 +62,6 @@ impl Query {
         self.every(name).first()
     }
 
-    /// An optional whole number within `range`.
     pub(super) fn count(&self, name: &str, range: RangeInclusive<u64>) -> Result<Option<u64>, Problem> {
         let Some(text) = self.first(name) else { return Ok(None) };
         let sound = text.parse().ok().filter(|number| range.contains(number));
@@ -74,7 +72,6 @@ impl Query {
         })
     }
 
-    /// An optional value out of these words.
     pub(super) fn word<'w>(&self, name: &str, words: &[&'w str]) -> Result<Option<&'w str>, Problem> {
         let Some(text) = self.first(name) else { return Ok(None) };
         let known = words.iter().find(|word| *word == text);

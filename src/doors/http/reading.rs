@@ -37,7 +37,6 @@ const BODY_BEGIN: Duration = Duration::from_secs(2);
 /// Minimum rate of a body after that, in bytes a second: the largest one is complete or refused within six seconds.
 const BODY_RATE: usize = 4 * 1024;
 
-/// The JSON of a command.
 pub(super) struct JsonPayload {
     headers: HeaderMap,
     body: Bytes,
@@ -57,10 +56,8 @@ pub(super) struct Form<T>(pub(super) T);
 /// The fields of a form, one of which may be as large as a hall.
 pub(super) struct HallForm<T>(pub(super) T);
 
-/// A name in the path.
 pub(super) struct Named(pub(super) String);
 
-/// A number in the path.
 pub(super) struct Number(pub(super) u64);
 
 impl<S: Send + Sync> FromRequest<S> for JsonPayload {
@@ -176,7 +173,6 @@ async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: B
     serde_json::from_value(fields.into()).map_err(|_| unreadable())
 }
 
-/// Makes a request from a form that was read already.
 fn whole(media: HeaderValue, body: Bytes) -> Request {
     let mut whole = Request::new(Body::from(body));
     *whole.method_mut() = axum::http::Method::POST;

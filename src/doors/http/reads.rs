@@ -86,7 +86,6 @@ pub(super) async fn photo(
     Ok(response)
 }
 
-/// The number of the requested photo.
 pub(super) fn asked_take(query: &Query) -> Result<Option<u64>, Problem> {
     query.only(&["take"])?;
     query.count("take", 1..=MOST)

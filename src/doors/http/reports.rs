@@ -36,7 +36,6 @@ const AHEAD: usize = 4;
 /// Maximum time for a download, however its reader behaves: a large one over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// Limits the downloads being written.
 #[derive(Clone, Debug)]
 pub(super) struct Reports(RequestQuota);
 
@@ -163,7 +162,6 @@ async fn next(written: &mut mpsc::Receiver<FilePart>) -> FilePart {
     written.recv().await.unwrap_or_else(|| Err(Failure::Unwritable(io::ErrorKind::TimedOut.into())))
 }
 
-/// The parts as they come.
 fn body(first: FilePart, written: mpsc::Receiver<FilePart>) -> Body {
     let first = stream::once(async { first });
     let further = stream::unfold(Some(written), |written| async move {
@@ -212,7 +210,6 @@ mod tests {
         send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write)
     }
 
-    /// A full part.
     static PART: [u8; CHUNK] = [b'x'; CHUNK];
 
     fn endless(_: &dyn Archive, _: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
@@ -232,7 +229,6 @@ mod tests {
         Ok((end, half(app, write).await?))
     }
 
-    /// Waits for a free place.
     async fn freed(app: &TestApp) {
         within("a place", async {
             while begun(app).await.is_err() {

@@ -80,7 +80,6 @@ fn for_anybody() -> Vec<RouteRow> {
     ]
 }
 
-/// The resources of their table.
 fn resources() -> Vec<RouteRow> {
     let row = |row: &'static resources::ResourceRow| {
         let path = format!("/api/v1{}", row.path);
@@ -95,7 +94,6 @@ fn resources() -> Vec<RouteRow> {
     RESOURCES.iter().map(row).collect()
 }
 
-/// The map in every file of its table.
 fn files_of_the_map() -> Vec<RouteRow> {
     let row = |row: &'static files::MapFileRow| {
         get(format!("/api/v1/map/{}", row.name), See, async move |State(door): State<HttpDoor>, headers: HeaderMap| {
@@ -132,7 +130,6 @@ fn laboratory() -> Vec<RouteRow> {
     ]
 }
 
-/// The simulator's controls, for programs and on its pages.
 #[rustfmt::skip]
 fn simulator() -> Vec<RouteRow> {
     vec![
@@ -153,7 +150,6 @@ fn simulator() -> Vec<RouteRow> {
     ]
 }
 
-/// The commands of their table.
 fn commands() -> Vec<RouteRow> {
     let row = |command: &'static commands::CommandRow| {
         let kind = command.kind;
@@ -215,7 +211,6 @@ fn old_console() -> Vec<RouteRow> {
     posts.map(|word| post(format!("/{word}"), need(word), old::give)).collect()
 }
 
-/// The router of the table, each row behind its gate.
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);

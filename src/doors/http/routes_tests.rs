@@ -10,7 +10,6 @@ use crate::api::resources::Form;
 use crate::doors::http::testing;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, read, text};
 
-/// Sends the request of a row with this token.
 async fn sent(app: &TestApp, row: &RouteRow, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
     let bearer = token.map(|token| format!("Bearer {token}"));
     let mut headers = vec![("accept", accept)];

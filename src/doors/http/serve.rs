@@ -37,7 +37,6 @@ const LINGERING: usize = 64;
 /// Number of connections accepted before the others get a turn.
 const NEWCOMERS: usize = 64;
 
-/// The surroundings of the door.
 #[derive(Clone, Default)]
 pub struct Front {
     /// Host names of the door, beside its addresses and this machine's own names.

@@ -175,7 +175,6 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
     let mut app = app(searching());
-    // A loop that answers when the test wants it to.
     let (commands, mut envelopes) = mpsc::channel(COMMANDS);
     app.door.handle = Loop::new(commands, app.publish.subscribe(), Halter::new(Epoch(1)));
     let address = served(&app, SLOTS).await;

@@ -40,7 +40,6 @@ async fn served(app: &TestApp, slots: usize) -> SocketAddr {
     serve_until(app, slots, std::future::pending()).await.0
 }
 
-/// An app with an open door, served as long as the test runs, and its address.
 async fn open_app(slots: usize) -> (TestApp, SocketAddr) {
     let app = app(searching());
     let address = served(&app, slots).await;
@@ -63,7 +62,6 @@ fn answered(client: &mut Client) -> String {
     }
 }
 
-/// Whether the other end has closed the connection.
 fn is_closed(client: &mut Client) -> bool {
     matches!(client.read(&mut [0]), Ok(0))
         || client.read(&mut [0]).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionReset)
@@ -83,7 +81,6 @@ async fn stops(app: &TestApp, expect: usize) {
     assert_eq!(count(), expect, "one press is one STOP");
 }
 
-/// A STOP by this route with these headers and this body.
 fn press(route: &str, headers: &str, body: &str) -> String {
     format!("POST {route} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n{body}")
 }

@@ -50,7 +50,6 @@ impl SignInQuery {
 pub(super) enum Undone {
     /// STOP, in the page's words or in an old client's.
     Stop,
-    /// Any other command.
     Command,
     /// No command: a page was open when its key was removed.
     Watching,
@@ -70,7 +69,6 @@ struct SignIn<'a> {
     language: Language,
     token: &'a str,
     next: &'a str,
-    /// Address of the page in another language.
     here: String,
     undone: Option<Undone>,
     why: String,
@@ -78,22 +76,18 @@ struct SignIn<'a> {
     name: &'a str,
     why_name: String,
     is_overheard: bool,
-    /// Somebody is signed in already, and may press STOP.
     is_in: bool,
 }
 
 impl Undone {
-    /// The command of a form that posts to this path.
     pub(super) fn of(path: &str) -> Undone {
         if names::stop(b"POST", path.as_bytes()).is_some() { Undone::Stop } else { Undone::Command }
     }
 
-    /// Address of the page that says so.
     pub(super) fn page(self) -> String {
         format!("/sign-in?undone={}", self.name())
     }
 
-    /// The name in addresses and phrases.
     const fn name(self) -> &'static str {
         match self {
             Undone::Stop => "stop",
@@ -159,7 +153,6 @@ pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Respon
     (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
-/// Address of the page, for somebody who wants to go to `next`.
 pub(super) fn sign_in_page(next: &str) -> String {
     let next = local(Some(next));
     match escaped(next) {

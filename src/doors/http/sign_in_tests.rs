@@ -18,7 +18,6 @@ fn guarded() -> (TestApp, String, String) {
     (guarded_app(searching(), Access::Keys(keyring)), tokens.operator, tokens.viewer)
 }
 
-/// The cookie that a browser would send from then on, and the whole header.
 fn cookie(response: &Response) -> (String, String) {
     let set = response.headers()["set-cookie"].to_str().unwrap().to_owned();
     (set.split(';').next().unwrap().to_owned(), set)

@@ -31,7 +31,6 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId};
 
-/// A door to a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) door: HttpDoor,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
@@ -40,7 +39,6 @@ pub(super) struct TestApp {
     pub(super) noted: Arc<Mutex<Vec<Noted>>>,
 }
 
-/// One picture for every piece, and the two missions of `past`.
 struct Pictures;
 
 impl PartialArchive for Pictures {
@@ -101,7 +99,6 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
     guarded_app(snapshot, Access::Open)
 }
 
-/// Like `app`, with this access.
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
     let door = HttpDoor::new(handle, ArchiveReader::new(Arc::new(Pictures)), "airport", access);
@@ -161,7 +158,6 @@ impl TestApp {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.refuse.lock().unwrap() = Some(refused);
     }
@@ -173,7 +169,6 @@ pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
 }
 
-/// Target of a redirect for a browser that asked for this path, as a path of this door.
 pub(super) fn leads(answer: &Response<Body>, asked: &str) -> String {
     let to = answer.headers().get("location").map_or("", |to| to.to_str().unwrap());
     let path = to.strip_prefix(&root(asked.split('?').next().unwrap_or_default()));

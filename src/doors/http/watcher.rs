@@ -24,7 +24,6 @@ pub(super) struct Watcher {
     _stream: OpenStream,
 }
 
-/// Why a stream wakes up.
 pub(super) enum Wake {
     Changed(Arc<Snapshot>),
     /// Nothing has changed for the requested time.
@@ -34,7 +33,6 @@ pub(super) enum Wake {
 }
 
 impl Watcher {
-    /// Opens a stream; also returns the state it begins with.
     pub(super) fn open(door: &HttpDoor, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
         let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();

@@ -26,7 +26,6 @@ pub(super) struct Name {
     pub(super) client: String,
 }
 
-/// What a client wants to be remembered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Memory {
     /// To resume its session.
@@ -70,7 +69,6 @@ struct Registry {
 #[derive(Debug)]
 struct Present {
     moment: u64,
-    /// Whether it resumes the session of its name.
     resumes: bool,
     leave: watch::Sender<bool>,
     gone: watch::Receiver<()>,
@@ -154,7 +152,6 @@ impl ClientIds {
         self.end(over.into_iter().map(|(_, remembered)| remembered));
     }
 
-    /// Ends forgotten sessions, which may leave wills.
     fn end(&self, forgotten: impl IntoIterator<Item = RememberedSession>) {
         let now = self.0.clock.since_start();
         forgotten.into_iter().filter_map(|remembered| remembered.session).for_each(|session| session.end(now));
@@ -193,7 +190,6 @@ impl Registry {
         gives_way.is_some()
     }
 
-    /// The remembered sessions of clients that are away.
     fn sessions(&self) -> impl Iterator<Item = &Session> {
         self.remembered.values().filter_map(|remembered| remembered.session.as_ref())
     }
@@ -232,7 +228,6 @@ impl ClientId {
         self.ids.0.has_gone.notify_one();
     }
 
-    /// Whether it will be remembered after it has left, if it wants to be.
     pub(super) const fn is_remembered(&self) -> bool {
         self.is_remembered
     }
@@ -257,7 +252,6 @@ mod tests {
     const ANEW: Memory = Memory { resumes: false, wants: false };
     const AGAIN: Memory = Memory { resumes: true, wants: true };
 
-    /// Whether a session is remembered for a client that returns with this name, which is remembered from now on.
     async fn is_remembered(ids: &ClientIds, client: &str) -> bool {
         let (id, session) = ids.take(name(client), AGAIN).await;
         id.remember(Some(Session::default()));

@@ -47,7 +47,6 @@ pub(super) type Running = watch::Receiver<()>;
 
 pub(super) struct ClientEnds {
     pub(super) client: Writer,
-    /// The client's input.
     pub(super) ahead: Taker,
     pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
@@ -92,14 +91,12 @@ impl Drop for OpenService {
     }
 }
 
-/// How long a thread serves a client before it does something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TurnLength {
     Short,
     Long,
 }
 
-/// Whether there was something to do.
 type Did = Result<bool, Ended>;
 
 /// Runs until it has to end, and returns the reason.
@@ -213,7 +210,6 @@ impl ClientIo {
         self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
     }
 
-    /// Does one step of each kind; returns whether there was any.
     fn step(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Did {
         let is_held_up = self.is_held_up(cx);
         let heard = !is_held_up && self.hear_client(length, cx)?;
@@ -247,7 +243,6 @@ impl ClientIo {
         Ok(true)
     }
 
-    /// Takes some of the client's input.
     fn hear_client(&mut self, length: TurnLength, cx: &Context<'_>) -> Did {
         if self.connection.is_unread() {
             let is_full = self.ahead.poll_full(cx).is_ready();
@@ -308,7 +303,6 @@ impl ClientIo {
         self.permit.note_unread(unread, self.read_at, || self.connection.beside());
     }
 
-    /// The client has sent or read something.
     fn moves(&self) {
         self.permit.note_progress(self.clock.since_start());
     }

@@ -42,7 +42,6 @@ thread_local! {
 pub(super) struct ClientService {
     /// `None` when it is not served any more.
     io: Mutex<Option<ClientIo>>,
-    /// Wakes the client's own task.
     task: AtomicWaker,
 }
 
@@ -83,7 +82,6 @@ impl ClientService {
         .await
     }
 
-    /// Ends the serving, and returns what served.
     pub(super) fn close(&self) -> Option<ClientIo> {
         self.io().take()
     }

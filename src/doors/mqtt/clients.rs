@@ -66,7 +66,6 @@ type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 struct IdentifiedClient {
     connect: Connect,
-    /// Whether its client id was assigned here.
     has_new_id: bool,
     identity: Identity,
     origin: Origin,
@@ -120,7 +119,6 @@ impl Clients {
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
-    /// Returns why it ended.
     async fn converse(
         &self,
         incoming: IncomingConnection,
@@ -259,7 +257,6 @@ impl Clients {
         }
     }
 
-    /// The fault in the CONNECT of a known client.
     fn refusal(&self, IdentifiedClient { connect, identity, .. }: &IdentifiedClient) -> Option<Welcome> {
         let is_nameless = connect.client_id.is_empty() && !connect.clean_start;
         if is_nameless || connect.client_id.len() > CLIENT_ID {

@@ -23,13 +23,10 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// Maximum time for the last messages to reach the clients when the program ends, which is to take less than two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
-/// How clients connect to our own broker.
 pub struct Ways {
-    /// The TCP ports.
     pub listeners: Listeners,
     /// Who is admitted over TCP.
     pub access: Access,
-    /// Clients over WebSocket.
     pub web_clients: mpsc::Receiver<IncomingConnection>,
     /// The runtime that reads input, and does nothing else (safety S7); the listeners wait there, too.
     pub hearing: Handle,
@@ -54,7 +51,6 @@ pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = 
     }
 }
 
-/// Accepts clients, on the receiving thread.
 struct Reception {
     clients: Clients,
     access: Access,

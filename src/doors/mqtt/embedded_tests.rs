@@ -24,7 +24,6 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 use mqtt_gate::Broker;
 
-/// A broker with our own session.
 struct TestBroker {
     address: SocketAddr,
     script: Script,

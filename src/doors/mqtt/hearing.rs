@@ -49,7 +49,6 @@ struct Read {
 }
 
 impl Hearing {
-    /// For a client with this version of the protocol.
     pub(super) fn new(version: Version, listener: Arc<dyn Listener>, feeder: Feeder, (clock, work): (Clock, Handle)) -> Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
@@ -121,7 +120,6 @@ impl Hearing {
         }
     }
 
-    /// Searches the rest, after other clients had a turn.
     async fn finish(&mut self, mut rest: Vec<u8>) {
         while !rest.is_empty() {
             tokio::task::yield_now().await;

@@ -17,14 +17,12 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::{Qos, write};
 
-/// A client's connection, in front of a loop that follows the test's script.
 struct Scene {
     hearing: Hearing,
     taker: Taker,
     script: Script,
 }
 
-/// Somebody who may look and stop.
 fn viewer() -> Caller {
     let token = || Token::draw().expect("the system gives chance");
     let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
@@ -68,7 +66,6 @@ fn publish(topic: &[u8], payload: &[u8]) -> BytesMut {
 
 const COMMAND: &str = "hallsweep/discovery/command";
 
-/// Every way to say STOP.
 const STOPS: [(&str, &[u8]); 9] = [
     ("hallsweep/discovery/command/stop", b""),
     ("hallsweep/discovery/command/stop", br#"{"id":"k7"}"#),
@@ -81,14 +78,12 @@ const STOPS: [(&str, &[u8]); 9] = [
     ("unibo/qak/robotmind", b"msg(userCmd,dispatch,js,robotmind,userCmd(h),1)"),
 ];
 
-/// A PUBLISH from arbitrary parts.
 fn raw(first: u8, topic: &[u8], id: Option<u16>, payload: &[u8]) -> Vec<u8> {
     let id = id.map(u16::to_be_bytes);
     let plain = publish(topic, &[id.as_ref().map_or(&[][..], |id| &id[..]), payload].concat());
     [&[first], &plain[1..]].concat()
 }
 
-/// A STOP with one fault.
 fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
     let junk = || prop::sample::select(vec![&b"\xff\xfe"[..], b"\0", b" ", b"!", b"}", b",", b"\r\n", b"\xc3"]);
     (0..STOPS.len(), 0_u8..16, any::<u16>(), 0..9_usize, junk()).prop_map(|(stop, flags, id, fault, junk)| {

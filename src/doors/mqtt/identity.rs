@@ -25,7 +25,6 @@ pub(super) enum Unknown {
 }
 
 impl Identity {
-    /// The identity for the name and the password in a CONNECT.
     pub(super) fn of(credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, Unknown> {
         if let Some(caller) = origin.caller.clone().or_else(|| origin.access.unasked(origin.from)) {
             return Ok(Identity(caller));
@@ -42,12 +41,10 @@ impl Identity {
         self.0.name()
     }
 
-    /// Whether its name is that of a key.
     pub(super) const fn has_key(&self) -> bool {
         matches!(self.0, Caller::Known(_))
     }
 
-    /// The holder of its session.
     pub(super) fn owner(&self) -> SessionOwner {
         SessionOwner { who: self.name(), is_viewer: self.0.may(Need::Act).is_err(), has_share: self.has_key() }
     }
@@ -56,7 +53,6 @@ impl Identity {
         rights::tier(self.0.role())
     }
 
-    /// Whether it would still be admitted.
     pub(super) fn is_known(&self, access: &Access, now: units::Now) -> bool {
         let now = Moment { elapsed: now.since_start, unix_s: now.wall.unix_ms.div_euclid(1000) };
         access.still_knows(&self.0, now)

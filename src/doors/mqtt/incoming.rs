@@ -19,13 +19,11 @@ pub struct IncomingConnection {
     pub origin: Origin,
 }
 
-/// How a client has connected, and what is known before it sends anything.
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub from: IpAddr,
     /// Its identity, if that is known from the connection.
     pub caller: Option<Caller>,
-    /// Who is admitted on this way.
     pub access: Access,
 }
 

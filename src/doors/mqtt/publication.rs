@@ -20,7 +20,6 @@ const JSON: &str = "application/json";
 pub struct Publication {
     pub topic: String,
     pub payload: Bytes,
-    /// Whether a broker retains it for later subscribers.
     pub retain: bool,
     /// Properties for clients of MQTT 5.
     pub beside: Beside,
@@ -30,11 +29,8 @@ pub struct Publication {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Beside {
     pub is_json: bool,
-    /// The revision of our state in it.
     pub revision: Option<u64>,
-    /// Who sent the command that it answers.
     pub by: Option<Arc<str>>,
-    /// Correlation data of the sender.
     pub correlation: Option<Bytes>,
 }
 
@@ -74,7 +70,6 @@ impl Publication {
         Publication { topic, payload: payload.into(), retain: false, beside: Beside::default() }
     }
 
-    /// Marks it as JSON, with this revision of our state.
     pub(super) fn json_of(self, revision: u64) -> Publication {
         Publication { beside: Beside { is_json: true, revision: Some(revision), ..Beside::default() }, ..self }
     }

@@ -62,7 +62,6 @@ struct State {
     held: usize,
     /// Whether the feeder waits for room. It is woken only then: waking its thread for each packet would delay every message.
     wants_room: bool,
-    /// The task to wake when something has come, or at the end.
     taker: Option<Waker>,
     has_ended: bool,
     left: Option<Left>,
@@ -225,7 +224,6 @@ impl Taker {
         self.0.room.notify_one();
     }
 
-    /// Waits for the end of the input.
     pub(super) async fn ended(&self) {
         poll_fn(|cx| self.poll(cx, |state| state.has_ended.then_some(()))).await;
     }
@@ -373,7 +371,6 @@ mod tests {
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART - 8 - 1000 * STOP_COST);
     }
 
-    /// Whether the polled task was woken.
     #[derive(Default)]
     struct Woken(AtomicBool);
 

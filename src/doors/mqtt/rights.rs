@@ -5,7 +5,6 @@ use crate::access::Role;
 use mqtt_gate::filter::overlap;
 use mqtt_gate::{Rights, Tier};
 
-/// The gate's tier for a role.
 pub(super) const fn tier(role: Role) -> Tier {
     match role {
         Role::Operator => Tier::Full,

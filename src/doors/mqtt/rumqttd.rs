@@ -52,7 +52,6 @@ const BATCH: u64 = 200;
 /// Prefix of every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
 const WORD: &str = "t/";
 
-/// A router that uses rumqttd, and replaces it when necessary.
 #[derive(Clone, Debug)]
 pub struct RumqttdRouter(Arc<Mutex<State>>);
 
@@ -81,7 +80,6 @@ struct RouterReader {
 #[derive(Debug)]
 struct Engine {
     orders: mpsc::SyncSender<Order>,
-    /// The number of this engine.
     number: u64,
 }
 
@@ -89,16 +87,13 @@ enum Order {
     Subscribe(String, Arc<Subscriber>),
     Unsubscribe(String, Arc<Subscriber>),
     Publish(String, u64),
-    /// Makes rumqttd's thread panic.
     #[cfg(test)]
     Panic,
-    /// Hangs for ever.
     #[cfg(test)]
     Hang,
 }
 
 impl RumqttdRouter {
-    /// Starts an engine, whose tasks run on `work`.
     pub fn start(work: Handle) -> RumqttdRouter {
         RumqttdRouter(Arc::new_cyclic(|state| {
             let engine = Engine::start(0, state, &work);
@@ -205,7 +200,6 @@ impl State {
         }
     }
 
-    /// A message has reached one of its subscribers.
     fn arrive(&mut self, number: u64, subscriber: &Arc<Subscriber>) {
         let place = number.checked_sub(self.first).and_then(|place| usize::try_from(place).ok());
         if let Some((delivery, _)) = place.and_then(|place| self.transit.get_mut(place)) {
@@ -217,7 +211,6 @@ impl State {
     }
 }
 
-/// Looks for late messages, for as long as the router exists.
 async fn look_after(state: Weak<Mutex<State>>) {
     loop {
         tokio::time::sleep(GLANCE).await;
@@ -251,7 +244,6 @@ struct Carrier {
     ordered: mpsc::Receiver<Order>,
 }
 
-/// A link to rumqttd, and its present subscriber.
 struct RouterLink {
     to: LinkTx,
     subscriber: Arc<Mutex<Arc<Subscriber>>>,
@@ -324,7 +316,6 @@ impl Carrier {
     }
 }
 
-/// Passes the messages of one link on to its subscriber.
 async fn come(mut from: LinkRx, whose: Arc<Mutex<Arc<Subscriber>>>, state: Weak<Mutex<State>>) {
     while let Ok(notification) = from.next().await {
         match notification {
@@ -399,7 +390,6 @@ mod tests {
         }
     }
 
-    /// No message is lost.
     #[tokio::test]
     async fn when_it_dies_or_hangs_everything_comes_and_another_takes_its_place() {
         for (deaths, last) in [(1, false), (2, true)] {

@@ -3,19 +3,14 @@
 use crate::api::resources::ResourceKind;
 use hallsweep_core::world::resource::Resource;
 
-/// The level before the name of a command.
 const COMMAND: &str = "command";
 
-/// The level after the name of a command, for its answer.
 const RESULT: &str = "result";
 
-/// The level of the original system's events.
 const EVENTS: &str = "events";
 
-/// Home Assistant's own status topic.
 pub const HOME_ASSISTANT_STATUS: &str = "homeassistant/status";
 
-/// The topics of one robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topics {
     /// Such as `hallsweep/discovery`.
@@ -26,14 +21,12 @@ pub struct Topics {
     id: String,
 }
 
-/// The use of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopicKind<'a> {
     /// `…/command/NAME`: a command of this name, in JSON.
     Command(&'a str),
     /// `…/command`: the bare name of a command without arguments.
     Word,
-    /// Messages of the original system.
     Old,
     /// Everything else under our prefix, and the messages for Home Assistant: only the program itself publishes there.
     Ours,
@@ -59,12 +52,10 @@ impl Topics {
         format!("{}/event", self.base)
     }
 
-    /// The topic that tells whether the program runs.
     pub fn availability(&self) -> String {
         format!("{}/availability", self.base)
     }
 
-    /// The topic for bare names of commands.
     pub fn word(&self) -> String {
         format!("{}/{COMMAND}", self.base)
     }
@@ -73,12 +64,10 @@ impl Topics {
         format!("{}/{COMMAND}/{name}", self.base)
     }
 
-    /// The topic with answers to the command of this name.
     pub fn result(&self, name: &str) -> String {
         format!("{}/{COMMAND}/{name}/{RESULT}", self.base)
     }
 
-    /// The robot's state in the terms of Home Assistant.
     pub fn home_assistant(&self) -> String {
         format!("{}/homeassistant", self.base)
     }
@@ -88,12 +77,10 @@ impl Topics {
         format!("{}/photo", self.base)
     }
 
-    /// The description of this robot for Home Assistant.
     pub fn discovery(&self) -> String {
         format!("homeassistant/device/{}/config", self.id)
     }
 
-    /// The original system's events.
     pub fn old_events(&self) -> String {
         format!("{}/{EVENTS}", self.old)
     }
@@ -124,7 +111,6 @@ impl Topics {
     }
 }
 
-/// The part of a topic below `above`.
 fn under<'a>(above: &str, topic: &'a str) -> Option<&'a str> {
     topic.strip_prefix(above)?.strip_prefix('/')
 }

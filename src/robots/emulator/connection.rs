@@ -40,7 +40,6 @@ impl Connection {
         Connection { reader, writer, faults, chance, clock, heard: Late::new(), said: Late::new(), writing: None, cut_at }
     }
 
-    /// Whether there is room for a line or a photo.
     pub(super) fn has_room(&self) -> bool {
         self.said.len() < WAITING
     }
@@ -84,7 +83,6 @@ fn arrived(late: &mut Late, now: Duration) -> Option<Vec<u8>> {
     late.front().is_some_and(|(at, _)| *at <= now).then(|| late.pop_front()).flatten().map(|(_, piece)| piece)
 }
 
-/// Writes as much as the socket accepts.
 async fn write(writer: &mut WriteHalf<Stream>, writing: &mut Option<(Vec<u8>, usize)>) -> std::io::Result<()> {
     let Some((piece, done)) = writing else { return Ok(()) };
     *done += writer.write(&piece[*done..]).await?;

@@ -4,21 +4,17 @@ use std::time::Duration;
 
 use hallsweep_core::rng::RandomStream;
 
-/// Faults in both directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
     /// Probability that a byte is lost, 0–1, in each line or in each 16 kB of a photo.
     pub lose: f64,
     /// Probability that a byte is changed, 0–1, in the same pieces.
     pub garble: f64,
-    /// Delay of every piece.
     pub delay: Duration,
-    /// Lifetime of each connection.
     pub cut_after: Option<Duration>,
 }
 
 impl Faults {
-    /// Applies the faults to a piece.
     pub(super) fn befall(&self, piece: &[u8], chance: &mut RandomStream) -> Vec<u8> {
         let mut piece = piece.to_vec();
         if chance.happens(self.garble) && !piece.is_empty() {

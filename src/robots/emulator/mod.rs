@@ -30,7 +30,6 @@ use hallsweep_drivers::line::{BodyRequest, LineRobot};
 pub use hallsweep_drivers::line::{MOST_BYTES, RobotName};
 use hallsweep_sim::Hall;
 
-/// The robot to play, beside the settings of the simulated robot.
 #[derive(Clone, Debug)]
 pub struct Emulation {
     pub name: RobotName,

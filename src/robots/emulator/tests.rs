@@ -68,7 +68,6 @@ impl Client {
         within(begins, coming).await
     }
 
-    /// Introduces itself; returns what the robot says about its position.
     async fn begin(&mut self, from: u32) -> String {
         loop {
             self.say(&format!("from {from}")).await;
@@ -180,7 +179,6 @@ fn program_action(id: u64) -> Action {
     }
 }
 
-/// The driver, on a connection that is made again when it was cut.
 struct Program<'t> {
     test: &'t Test,
     stream: TcpStream,

@@ -51,7 +51,6 @@ pub(super) enum Wire {
 }
 
 impl Wire {
-    /// Opens the end; also returns how a program can reach it.
     pub(super) async fn open(end: End) -> Result<(Wire, String), EmulatorError> {
         match end {
             End::Port(at) => {

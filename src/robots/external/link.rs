@@ -84,13 +84,11 @@ struct ExternalLink {
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The number of halts known to the last order that was begun.
     obeyed: u64,
-    /// Whether the driver knows the state of the LED.
     is_led_told: bool,
     /// The file, while it is not being written.
     file: Option<MemoryFile>,
     /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt.
     writing: Option<JoinHandle<MemoryFile>>,
-    /// When a failed write is retried.
     write_again: Option<Duration>,
 }
 
@@ -162,7 +160,6 @@ impl ExternalLink {
         }
     }
 
-    /// When the driver's next timer or the next retry is due.
     fn wake(&self) -> Instant {
         let now = self.clock.now().since_start;
         let at = [self.driver.poll_timeout(), self.write_again].into_iter().flatten().min();
@@ -201,7 +198,6 @@ impl ExternalLink {
         self.driver.handle_led(blinks, self.clock.now());
     }
 
-    /// Carries out what the driver wants.
     async fn perform(&mut self) {
         while let Some(output) = self.driver.poll_output() {
             match output {

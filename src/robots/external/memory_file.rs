@@ -137,7 +137,6 @@ fn mark(out_of_date: &Path, whose: &str) -> Mark {
     }
 }
 
-/// Splits the contents into the robot and its memory.
 fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is no text")?;
     let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {

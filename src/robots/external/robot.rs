@@ -18,7 +18,6 @@ pub(in crate::robots) struct ExternalRobot {
     id: RobotId,
     kind: ProtocolKind,
     address: Address,
-    /// The address as one name.
     place: String,
     step: Duration,
     /// From the scene file of its page.

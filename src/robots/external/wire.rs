@@ -50,7 +50,6 @@ pub(super) enum Wire {
 }
 
 impl Address {
-    /// Connects.
     pub(super) fn call(&self) -> Calling {
         let address = self.clone();
         if let Address::Serial(..) = address {

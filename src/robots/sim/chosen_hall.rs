@@ -18,7 +18,6 @@ const SEED: &str = "# seed ";
 #[derive(Clone, Debug)]
 pub(in crate::robots) struct ChosenHall {
     folder: PathBuf,
-    /// The hall of the settings.
     usual: String,
 }
 
@@ -38,7 +37,6 @@ impl ChosenHall {
         ChosenHall { folder: folder.to_owned(), usual: usual.to_owned() }
     }
 
-    /// The data folder.
     pub(super) fn folder(&self) -> &Path {
         &self.folder
     }

@@ -21,7 +21,6 @@ const MOST_BYTES: usize = 1 << 20;
 
 #[derive(Debug)]
 pub(super) struct KeptHalls {
-    /// The data folder, if there is one.
     data: Option<PathBuf>,
     names: Mutex<BTreeSet<String>>,
 }
@@ -126,7 +125,6 @@ fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     files::sync_folder(data)
 }
 
-/// The name of the hall in a file, if the file name is one of a stored hall.
 fn name_of(file: &Path) -> Option<String> {
     let name = file.file_name()?.to_str()?.strip_suffix(".toml")?;
     is_hall_name(name).then(|| name.to_owned())

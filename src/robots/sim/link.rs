@@ -228,7 +228,6 @@ impl SimLink {
         }
     }
 
-    /// Applies the controls.
     fn obey_controls(&mut self) {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let wanted = if self.has_faults { wanted } else { Controls { is_link_lost: false, faults: Faults::default(), ..wanted } };
@@ -249,7 +248,6 @@ impl SimLink {
         }
     }
 
-    /// Removes lifted pieces from the simulated hall.
     fn look_at_floor(&mut self) {
         let moved = self.floor.moved.borrow_and_update().clone();
         let hall = self.floor.hall.rearranged(&moved);
@@ -270,7 +268,6 @@ impl SimLink {
         }
     }
 
-    /// Moves the robot to another hall, or lets it go on in this one.
     fn move_to(&mut self, decided: Option<(SimulatedHall, oneshot::Sender<()>)>) {
         let Some((SimulatedHall { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;

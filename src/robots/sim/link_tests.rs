@@ -155,7 +155,6 @@ fn hall() -> Arc<Hall> {
     Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
 }
 
-/// Starts with what the state file in this folder remembers.
 async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
     let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap();
     let settings = SimSettings::new(1, Camera::Stub);

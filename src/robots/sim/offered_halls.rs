@@ -14,18 +14,15 @@ pub(super) struct Offered {
     kept: KeptHalls,
 }
 
-/// A hall that is offered whatever is stored.
 #[derive(Debug)]
 struct Always {
     name: String,
     /// A built-in name, or a path.
     hall: String,
-    /// Where the robot starts, if the settings say so.
     start: Option<(u32, u32)>,
 }
 
 impl Offered {
-    /// The halls offered with this hall of the settings, this start, and the stored halls of this data folder.
     pub(super) fn with(usual: &str, start: Option<(u32, u32)>, data: Option<&Path>) -> Offered {
         let built_in = |name: &str| {
             let start = start.filter(|_| name == usual);

@@ -72,7 +72,6 @@ impl SimPair {
         Arc::new(self.hall.rearranged(&self.taken_away()))
     }
 
-    /// The pieces it had lifted when it was left.
     pub(in crate::robots) fn taken_away(&self) -> Moved {
         let PairRecollection::Here(_, Some(memory)) = &self.remembered else { return Moved::new() };
         Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default()).moved()
@@ -87,7 +86,6 @@ impl SimPair {
         self.remembered = PairRecollection::Lost(why.to_owned());
     }
 
-    /// Puts it at this hall when it was left at another.
     pub(in crate::robots) fn put_down(&mut self) {
         if let PairRecollection::Elsewhere(folder) = &self.remembered {
             self.remembered = PairRecollection::Here(PairStateFile::begin_anew(folder, &self.hall), None);

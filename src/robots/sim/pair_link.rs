@@ -31,7 +31,6 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 pub(in crate::robots) type Moved = BTreeMap<Piece, Option<Cell>>;
 
 pub(super) struct Begin<P> {
-    /// Creates the pair at a given time.
     pub(super) pair: P,
     /// Used to make a new pair at another hall.
     pub(super) settings: PairSettings,
@@ -105,7 +104,6 @@ struct PairLink {
     remote: Remote,
     /// The controls that have been applied.
     controls: Controls,
-    /// Whether every requested obstacle is in place.
     is_all_blocked: bool,
 }
 
@@ -198,7 +196,6 @@ impl PairLink {
         self.is_all_blocked = self.pair.handle_blocked(&self.controls.blocked);
     }
 
-    /// Moves the pair to another hall, or lets it go on at this one.
     fn move_to(&mut self, decided: Option<(SimulatedHall, oneshot::Sender<()>)>) {
         let Some((SimulatedHall { hall, seed }, put_down)) = decided else { return };
         self.settings.seed = seed;

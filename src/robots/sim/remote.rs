@@ -22,22 +22,18 @@ pub(in crate::robots) struct Controls {
     /// As set for each robot, unless somebody chose a speed.
     pub(super) speed: Option<Speed>,
     pub(super) is_paused: bool,
-    /// Number of single steps requested.
     pub(super) steps: u64,
-    /// Whether the searching robot's link is lost.
     pub(super) is_link_lost: bool,
     pub(super) faults: Faults,
     pub(super) blocked: Arc<BTreeSet<Cell>>,
 }
 
-/// A hall, and the seed of the noise in it.
 #[derive(Clone, Debug)]
 pub(in crate::robots) struct SimulatedHall {
     pub(in crate::robots) hall: Arc<Hall>,
     pub(in crate::robots) seed: u64,
 }
 
-/// A possible move to another hall.
 #[derive(Debug)]
 pub(in crate::robots) struct Move {
     pub(super) ready: Option<oneshot::Sender<()>>,
@@ -45,12 +41,10 @@ pub(in crate::robots) struct Move {
     pub(super) put_down: oneshot::Sender<()>,
 }
 
-/// The end of the controls that a link holds.
 #[derive(Debug)]
 pub(in crate::robots) struct Remote {
     pub(super) controls: watch::Receiver<Controls>,
     pub(super) moves: mpsc::Receiver<Move>,
-    /// The move that is under way.
     under_way: Option<Move>,
 }
 
@@ -101,10 +95,8 @@ impl Remote {
     }
 }
 
-/// What a link learns from the simulator.
 #[derive(Debug)]
 pub(super) enum News {
-    /// The controls have changed.
     Controls,
     /// A move to another hall may follow: nothing more may be begun.
     Asked,

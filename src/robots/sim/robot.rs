@@ -66,7 +66,6 @@ impl SimRobot {
         if let SimRecollection::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }
 
-    /// Puts it at home when it was left in another hall.
     pub(in crate::robots) fn put_down(&mut self) {
         if let SimRecollection::Elsewhere(folder, _) = &self.remembered {
             self.remembered = SimRecollection::PutDown(Box::new(SimStateFile::begin_anew(folder, &self.id, &self.hall)));

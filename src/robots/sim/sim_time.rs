@@ -23,7 +23,6 @@ pub(super) struct SimTime {
 }
 
 impl SimTime {
-    /// Starts at this real time.
     pub(super) const fn begin(speed: Speed, real: Duration) -> SimTime {
         SimTime { usual_speed: speed, speed, is_paused: false, is_stepping: false, real, simulated: Duration::ZERO }
     }
@@ -55,7 +54,6 @@ impl SimTime {
         is_news
     }
 
-    /// Whether time jumps to the end of what is under way.
     pub(super) fn jumps(&self) -> bool {
         self.is_stepping || self.speed == Speed::Max && !self.is_paused
     }

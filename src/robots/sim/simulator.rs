@@ -31,7 +31,6 @@ use hallsweep_sim::{Hall, Speed, Truth};
 /// first.
 const READY_WITHIN: Duration = Duration::from_secs(5);
 
-/// What the factory knows of the simulator before the loop runs.
 pub(in crate::robots) struct Parts {
     pub(in crate::robots) ground: SimulatedHall,
     pub(in crate::robots) speed: Speed,
@@ -40,9 +39,7 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) robots: Vec<RobotId>,
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
-    /// The hall of the settings, and the robot's start, if they name one.
     pub(in crate::robots) usual: (String, Option<(u32, u32)>),
-    /// All robots, as in the settings.
     pub(in crate::robots) team: Arc<[Participant]>,
 }
 
@@ -174,7 +171,6 @@ impl Simulator for InHand {
 }
 
 impl InHand {
-    /// Runs disk work on a thread that may block.
     async fn on_disk<T: Send + 'static>(
         &self,
         act: impl FnOnce(&Offered) -> Result<T, NotSimulated> + Send + 'static,
@@ -285,7 +281,6 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
 }
 
-/// A hall that is known in advance.
 pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Arc<[Participant]>) -> Venue {
     let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
     Venue { name, cell_m, is_reckoned: false, reach, robots: Arc::clone(team), seed: Some(seed) }

@@ -42,7 +42,6 @@ enum CountedFact {
     Pose(Pose),
     /// Name of the command, number of commands that share the entry, and the code of the refusal.
     Command(&'static str, u64, Option<&'static str>),
-    /// The piece, and whether there is a new photo.
     Luggage(LuggageId, bool),
     Verdict(Verdict),
     Alarm,
@@ -56,7 +55,6 @@ impl HandedPages {
         HandedPages { figures, pages: VecDeque::new(), counted: VecDeque::new(), phase, left: phase, pose, luggage }
     }
 
-    /// A page is being handed to the store.
     pub fn hand(&mut self, page: &Page, now: Duration) {
         if self.pages.len().max(self.counted.len()) >= WAITING {
             return;
@@ -66,7 +64,6 @@ impl HandedPages {
         self.counted.extend(entries.filter_map(|(seq, entry)| Some((seq, CountedFact::of(&entry.fact)?))));
     }
 
-    /// Everything up to this entry is stored.
     pub fn keep(&mut self, kept: Seq, now: Duration) {
         while let Some((_, handed)) = self.pages.front().copied().filter(|(last, _)| *last <= kept) {
             self.pages.pop_front();
@@ -171,7 +168,6 @@ impl CountedFact {
     }
 }
 
-/// Name of a command, as in `COMMANDS`.
 const fn name(asked: &Asked) -> &'static str {
     match asked {
         Asked::Stops { .. } => "stop",
@@ -221,7 +217,6 @@ mod tests {
         Page { first: Seq(first), entries: facts.into_iter().map(entry).collect() }
     }
 
-    /// Figures after storing these facts one by one.
     fn counted(facts: Vec<Fact>) -> Figures {
         let (mut handed, figures) = handed();
         let kept = Seq(facts.len() as u64);

@@ -160,7 +160,6 @@ impl Figures {
         self.0.store_losses.inc_by(losses);
     }
 
-    /// Registers every figure with its help text.
     pub fn register(&self, registry: &mut Registry) {
         self.register_program(registry);
         self.register_mission(registry);
@@ -219,7 +218,6 @@ impl Figures {
 
 #[cfg(test)]
 impl Figures {
-    /// All figures in the text format.
     pub(crate) fn text(&self) -> String {
         let mut registry = Registry::default();
         self.register(&mut registry);

@@ -19,19 +19,16 @@ pub struct Series<const N: usize, M> {
 }
 
 impl<const N: usize, M: Default> Series<N, M> {
-    /// All series, at zero.
     pub fn new<'a>(labels: [&'static str; N], values: impl IntoIterator<Item = [&'a str; N]>) -> Series<N, M> {
         Series::of(labels, values.into_iter().map(|values| (values, M::default())))
     }
 }
 
 impl<const N: usize, M> Series<N, M> {
-    /// Existing metrics as series.
     pub fn of<'a>(labels: [&'static str; N], all: impl IntoIterator<Item = ([&'a str; N], M)>) -> Series<N, M> {
         Series { labels, all: all.into_iter().map(|(values, metric)| (values.map(str::to_owned), metric)).collect() }
     }
 
-    /// The series with these values, if it was among those of the start.
     pub(super) fn at(&self, values: [&str; N]) -> Option<&M> {
         self.all.iter().find(|(known, _)| *known == values).map(|(_, metric)| metric)
     }

@@ -89,7 +89,6 @@ impl SqliteArchive {
     }
 }
 
-/// Runs a query on an idle connection or a new one.
 fn ask_folder<T: Default>(
     folder: &Folder,
     idle: &Mutex<Vec<JournalReader>>,

@@ -21,7 +21,6 @@ use super::{chain, connect};
 use crate::runtime::archive::{Head, Unreadable};
 use hallsweep_core::units::Seq;
 
-/// Result of comparing a journal with archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArchiveCheck {
     /// Number of archives; one that was named twice counts once.
@@ -40,7 +39,6 @@ struct OpenArchive {
     connection: Connection,
 }
 
-/// Compares archives with the journal of this folder and with each other.
 pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if let Format::Older(version) = schema::format(journal).map_err(words)? {

@@ -66,7 +66,6 @@ pub(super) fn page_of(connection: &Connection, seq: Seq) -> Result<Option<Head>,
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page before the one that contains the entry `seq`.
 pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
     let sql = "SELECT last, digest FROM pages WHERE last < ?1 ORDER BY last DESC LIMIT 1";
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
@@ -84,7 +83,6 @@ pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault>
     Ok(())
 }
 
-/// Recomputes every digest and reports each mismatch with its place.
 pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM events ORDER BY seq"))?;
     let mut entries = statement.query([])?;
@@ -117,7 +115,6 @@ pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Res
     Ok(())
 }
 
-/// A page to which entries can still be added.
 struct OpenPage {
     last: Seq,
     hasher: Sha256,

@@ -97,7 +97,6 @@ fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Fold
     }
 }
 
-/// Runs SQLite's own check.
 fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare(&format!("PRAGMA integrity_check({LISTED})"))?;
     let mut rows = statement.query([])?;
@@ -110,7 +109,6 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
     Ok(())
 }
 
-/// Whether tables, indices and triggers are the ones that this program creates.
 fn as_made(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&expected(folder)?)? {
         findings.fault("its tables, indices and triggers are not those that hallsweep makes".to_owned());
@@ -164,7 +162,6 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
     Ok((anew, unclear))
 }
 
-/// The entry after which the journal begins, when earlier ones were archived.
 fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<Seq, Fault> {
     if schema::format(connection)? != schema::Format::Current {
         return Ok(Seq(0));
@@ -229,7 +226,6 @@ fn losses(connection: &Connection) -> Result<Vec<Seq>, Fault> {
     Ok(kept.map(|kept| kept.map(|kept| Seq(count(kept)))).collect::<Result<_, _>>()?)
 }
 
-/// Compares the stored tables with those rebuilt from the entries.
 fn projections(connection: &Connection, anew: &Connection, findings: &mut Findings) -> Result<(), Fault> {
     for table in ["missions", "photos", "luggage", "takes"] {
         let (there, expected) = (rows_of(connection, table)?, rows_of(anew, table)?);
@@ -255,7 +251,6 @@ fn rows_of(connection: &Connection, table: &str) -> Result<std::collections::BTr
     Ok(rows.collect::<Result<_, _>>()?)
 }
 
-/// Whether every photo is present and unchanged.
 fn pictures(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
     let pictures = statement.query_map([], |row| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? }))?;

@@ -30,7 +30,6 @@ pub(super) enum Fault {
     Damaged(String),
     /// The journal is missing or empty, but its write-ahead log is not.
     OnlyLog,
-    /// The journal has no entry, but there are photos.
     OnlyPhotos,
     /// The path cannot be the file of this name; with the reason.
     Unusable(Name, String),
@@ -66,7 +65,6 @@ pub(super) enum Fault {
     Gone,
 }
 
-/// What happens once the cause of a fault is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     GoesOn,
@@ -114,7 +112,6 @@ impl Fault {
         }
     }
 
-    /// What a reader of entries is told in place of one that cannot be read.
     pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
         if let Fault::Unparsed(seq, why) = self {
             return format!("entry {seq} of the journal cannot be understood ({})", one_line(why));
@@ -246,7 +243,6 @@ impl Trouble {
     }
 }
 
-/// Advice about a path that cannot be the file of its name.
 fn unusable(name: Name, why: &str, folder: &Path) -> String {
     let what = if [names::JOURNAL, names::LOG, names::LOG_INDEX, names::PHOTOS].contains(&name) {
         format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
@@ -258,7 +254,6 @@ fn unusable(name: Name, why: &str, folder: &Path) -> String {
     format!("{} cannot be used ({why}): {what}, then start hallsweep again", name.within(folder).display())
 }
 
-/// Shortens SQLite's message of several lines.
 pub(super) fn one_line(detail: &dyn Display) -> String {
     let text = detail.to_string().replace("*** in database main ***", " ");
     text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(SHOWN).collect()

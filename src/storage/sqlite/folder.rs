@@ -214,7 +214,6 @@ fn extension(media_type: &str) -> &'static str {
     }
 }
 
-/// Flushes the name of a file or folder to disk.
 pub(super) fn sync_parent(path: &Path) -> io::Result<()> {
     files::sync_folder(path.parent().unwrap_or(Path::new(".")))
 }

@@ -26,7 +26,6 @@ pub(super) struct HeadFile {
     done: Receiver<()>,
 }
 
-/// The next head to write.
 #[derive(Debug, Default)]
 struct Slot {
     next: Mutex<Next>,
@@ -63,7 +62,6 @@ impl HeadFile {
         Ok(HeadFile { slot, done })
     }
 
-    /// Queues the head for writing.
     pub(super) fn put(&self, head: Head) {
         self.slot.change(|next| next.head = Some(head));
     }

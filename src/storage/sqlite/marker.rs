@@ -20,7 +20,6 @@ use hallsweep_core::units::Seq;
 /// Time for which an announcement waits for the file: a disk that hangs even on these few bytes must not delay it longer.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Words around the number of the entry.
 const WORDS: [&str; 2] = ["everything after entry ", " was said to be lost\n"];
 
 /// Contents when nothing is lost.
@@ -32,7 +31,6 @@ pub(super) struct Marker {
     folder: Folder,
     /// Lock of the original folder: a folder that replaced it must not get this program's losses.
     lock: Option<Identity>,
-    /// Number of threads that are writing the mark.
     putting: Arc<AtomicUsize>,
 }
 

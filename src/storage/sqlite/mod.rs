@@ -78,7 +78,6 @@ pub enum OpenError {
 }
 
 pub struct Opened {
-    /// Stores pages, and reports in its status when it cannot.
     pub store: Box<dyn Store>,
     /// Reads what was stored, even while nothing can be written.
     pub archive: Arc<dyn Archive>,

@@ -45,7 +45,6 @@ impl Records {
         self.written_out.iter().find(|record| (record.missions.0..=record.missions.1).contains(&mission))
     }
 
-    /// The unpacked archive, if it begins here.
     pub(super) fn unpacked(&self, begins: Head) -> Option<&Unpacked> {
         self.unpacked.iter().rfind(|record| record.behind == begins.seq && record.page == begins.hex())
     }

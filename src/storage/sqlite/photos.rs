@@ -15,7 +15,6 @@ use crate::runtime::archive::hex;
 use crate::storage::files;
 use hallsweep_core::event::Photo;
 
-/// Media types accepted for stored photos.
 const MEDIA_TYPES: [&str; 2] = ["image/png", "image/jpeg"];
 
 /// Maximum size of a photo in bytes; a larger file was not written by this program.
@@ -54,7 +53,6 @@ impl Pictures<'_> {
         Ok(picture)
     }
 
-    /// Reads a photo and checks its digest.
     pub(super) fn read(self, connection: &Connection, picture: &Picture) -> Result<Photo, Fault> {
         if !picture.is_sound() {
             return Err(Fault::Photo("a photo has no digest on record".to_owned()));
@@ -81,7 +79,6 @@ impl Pictures<'_> {
         Ok(Photo { bytes: Arc::from(bytes), media_type })
     }
 
-    /// Where a photo is, for messages.
     fn place(self, picture: &Picture) -> String {
         match self {
             Pictures::Files(folder) => folder.photo(picture).display().to_string(),

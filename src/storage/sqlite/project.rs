@@ -62,7 +62,6 @@ pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     Ok(entries)
 }
 
-/// Parses the column with the numbers of the bombs left in place.
 pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
     let numbers = text.trim_matches(['[', ']']).split(',');
     numbers.filter_map(|number| number.trim().parse().ok()).map(LuggageId).collect()

@@ -55,12 +55,10 @@ impl ReadOnlyJournal {
         }
     }
 
-    /// The same journal, for queries about missions.
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::new(self.folder.clone()))
     }
 
-    /// Checks these archives against the journal and against each other.
     pub fn check_archives(&self, archives: &[PathBuf]) -> Result<ArchiveCheck, Unreadable> {
         archive_check::check_archives(&self.connection, &self.folder, archives)
     }

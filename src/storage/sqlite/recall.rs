@@ -52,7 +52,6 @@ pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<Rememb
     Ok(latest.iter().map(remembered).collect())
 }
 
-/// A command or finding as a line of the log.
 fn remembered(entry: &Entry) -> RememberedLine {
     let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
     let quiet = if is_refused { Tone::Warning } else { Tone::Info };
@@ -60,7 +59,6 @@ fn remembered(entry: &Entry) -> RememberedLine {
     RememberedLine { wall: entry.wall, tone, said: Said::fact(&entry.fact) }
 }
 
-/// The state after all entries up to `written`.
 fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
     let mut state = PersistentState::first(Strategy::default());
     let before = Some(written.next());

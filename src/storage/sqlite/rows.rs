@@ -33,21 +33,15 @@ pub(super) struct EntryFilter {
 pub(super) enum Kinds {
     #[default]
     All,
-    /// Commands that carry an id.
     Named,
     /// Entries from which the projections follow.
     Milestones,
-    /// Verdicts about pieces.
     Verdicts,
-    /// Entries of a retrieval.
     Retrieval,
-    /// Entries shown on the timeline.
     Timeline,
     /// Commands and findings.
     Told,
-    /// Entries about archives.
     OfArchives,
-    /// Entries that tell the temperature, and its age.
     Temperatures,
     /// Entries that tell the path behind the robot: its positions, and where a new path begins.
     Way,

@@ -35,7 +35,6 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
     };
     place.check()?;
     let entries = built(&from, &Folder::new(&place.build), Entry { wall: now, fact: Fact::Unpacked(record) });
-    // A folder that cannot be used is removed.
     let entries = entries.inspect_err(|_| drop(fs::remove_dir_all(&place.build)));
     let placed = entries.and_then(|entries| Ok(place.take().map(|()| entries)?));
     placed.map_err(|fault| Unreadable(fault.words(data, Then::StartAgain)))

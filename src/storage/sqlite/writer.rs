@@ -28,7 +28,6 @@ const BATCH: usize = 256;
 /// next few entries, fail, take some more, and so on.
 const MARGIN: usize = 256 * 1024;
 
-/// How long things may take before the writer acts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patience {
     /// Pause between two attempts after a failure.
@@ -48,14 +47,12 @@ impl Patience {
         Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
 }
 
-/// A page, and the number of losses that its sender knew of.
 #[derive(Debug)]
 pub(super) struct Handed {
     pub(super) page: Page,
     pub(super) losses: u64,
 }
 
-/// The journal, or why it cannot be written.
 #[derive(Debug)]
 pub(super) enum Hand {
     Writing(Pages),

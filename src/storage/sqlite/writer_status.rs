@@ -21,11 +21,9 @@ pub(super) struct WriterStatus {
 #[derive(Debug, Default)]
 struct Work {
     batches: u64,
-    /// Whether a batch is being written.
     busy: bool,
     /// Whether a loss is decided but not announced yet: it is being written to where it outlives a kill.
     losing: bool,
-    /// Whether pages were dropped during a failure.
     overflowed: bool,
 }
 
@@ -36,7 +34,6 @@ impl WriterStatus {
         WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
-    /// Receives the present status and every later one.
     pub(super) fn word(&self) -> watch::Receiver<StoreStatus> {
         let mut word = self.word.subscribe();
         word.mark_changed();
@@ -52,13 +49,11 @@ impl WriterStatus {
         self.fails(&self.work())
     }
 
-    /// Whether the failure was announced.
     pub(super) fn is_announced(&self) -> bool {
         let work = self.work();
         self.fails(&work) && !work.losing
     }
 
-    /// Whether a batch begun after `losses` losses is still wanted.
     pub(super) fn wants(&self, losses: u64) -> bool {
         let work = self.work();
         !work.losing && self.losses() == losses
@@ -129,7 +124,6 @@ impl WriterStatus {
         });
     }
 
-    /// The batch being written, if there is one.
     pub(super) fn at_work(&self) -> Option<u64> {
         let work = self.work();
         work.busy.then_some(work.batches)

@@ -16,19 +16,15 @@ use coap_endpoint::{Code, Format, Request, Response};
 use hallsweep_core::command::{Command, CommandId};
 use hallsweep_core::units::Epoch;
 
-/// Parameters of a command beside its payload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Terms {
-    /// The command id.
     pub(super) id: Option<CommandId>,
     /// The format of the answer; `None` when only a problem's format is accepted, so that success has no body.
     pub(super) form: Option<Format>,
 }
 
-/// The formats of a command's answer.
 const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 
-/// The query parameter with the command id.
 const ID: &str = "id";
 
 impl Action {
@@ -46,7 +42,6 @@ impl Action {
 }
 
 impl Terms {
-    /// The parameters of a STOP whose request is faulty.
     pub(super) fn plain(act: Action) -> Terms {
         Terms { id: None, form: act.answers().first().copied() }
     }
@@ -65,7 +60,6 @@ pub(super) fn command(
     }
 }
 
-/// A request as the payload of a command.
 struct CarriedRequest<'a>(&'a Request);
 
 impl Payload for CarriedRequest<'_> {

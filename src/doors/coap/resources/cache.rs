@@ -36,7 +36,6 @@ impl Copies {
         Copies { plain: Arc::new(plain), watched: Arc::new(response) }
     }
 
-    /// The answer for readers and observers.
     pub(super) fn answer(self) -> Answer {
         Answer { response: self.plain, observed: vec![self.watched] }
     }

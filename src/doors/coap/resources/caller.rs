@@ -9,9 +9,7 @@ use hallsweep_core::command::{Issuer, Refused};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Caller {
-    /// Somebody on this machine.
     Here,
-    /// Somebody on another machine.
     Beyond,
 }
 
@@ -32,12 +30,10 @@ impl Caller {
     }
 }
 
-/// The sender of a command, as named in records.
 pub(super) fn issuer(peer: SocketAddr) -> Issuer {
     Issuer { door: door::COAP, who: OPERATOR.into(), from: peer.ip().to_canonical().to_string().into() }
 }
 
-/// Who has this right, as in the documentation.
 #[cfg(test)]
 pub(super) const fn in_words(need: Need) -> &'static str {
     match need {

@@ -9,13 +9,10 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
 
-/// Interface of readable resources.
 const SEE: &str = "hallsweep.see";
 
-/// Interface of resources that accept commands.
 const ACT: &str = "hallsweep.act";
 
-/// The links that match the queries, as an answer.
 pub(super) fn filtered(snapshot: &Snapshot, queries: &[String]) -> Response {
     let list = listing(snapshot, queries);
     Response { tag: Some(tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }

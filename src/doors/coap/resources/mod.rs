@@ -167,7 +167,6 @@ impl Resources {
     }
 }
 
-/// The request for records.
 fn asked_of(request: &Request) -> Asked {
     Asked::Words(format!("{} {}", request.method.name(), in_short(&request.path_text())))
 }

@@ -62,7 +62,6 @@ fn own_revision(number: u64, snapshot: &Snapshot) -> Revision {
     if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(Show::OldItems, number, snapshot) }
 }
 
-/// Whether an item differs between two states.
 fn differs(number: u64, older: &Snapshot, newer: &Snapshot) -> bool {
     match number {
         ROBOT => old_items::robot(&older.robot) != old_items::robot(&newer.robot),

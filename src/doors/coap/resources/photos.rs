@@ -48,7 +48,6 @@ impl Photos {
     }
 }
 
-/// The tag of a piece's photo, from its present record.
 pub(super) fn tag(piece: &Luggage) -> ETag {
     let take = piece.take().unwrap_or(0);
     etag::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])

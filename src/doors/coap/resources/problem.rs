@@ -49,7 +49,6 @@ impl Problem {
         Response { max_age, ..response }
     }
 
-    /// The problem with the words and paths of this door.
     fn here(&self) -> ProblemJson<'_> {
         let mut shape = self.shape();
         if self.kind() == ProblemKind::UnsupportedFormat {
@@ -80,7 +79,6 @@ const fn code_of(kind: ProblemKind) -> Code {
     }
 }
 
-/// The endpoint's reason for refusing a request.
 pub(super) fn words(said: &Response) -> String {
     String::from_utf8_lossy(&said.body).into_owned()
 }
@@ -120,7 +118,6 @@ mod tests {
         }
     }
 
-    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         let words = || "a sentence".to_owned();

@@ -38,7 +38,6 @@ impl Resources {
         }
     }
 
-    /// The present representations for an observer.
     pub(super) fn seen(&self, request: &Request) -> Result<Vec<Arc<Response>>, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let shown = found.row.shows.as_ref().filter(|shown| shown.is_observable);
@@ -54,7 +53,6 @@ impl Resources {
         Ok(self.at_hand(shown.show, found.number, format, &snapshot, request).observed)
     }
 
-    /// The tags of the present representations in all formats.
     pub(super) fn tags(&self, row: &PathRow, number: u64) -> Vec<ETag> {
         let Some(Representations { show, formats, .. }) = &row.shows else { return Vec::new() };
         let snapshot = self.handle.snapshot();

@@ -67,7 +67,6 @@ impl Door {
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
     }
 
-    /// Somebody releases the robot at another door.
     fn start(&self) {
         let start = command::Request::new(Command::Start, caller::issuer(here()));
         assert!(self.runtime.block_on(async { self.app.resources.handle.give(start).await }).is_ok());
@@ -77,7 +76,6 @@ impl Door {
         self.app.given.lock().unwrap().iter().map(|request| request.command.clone()).collect()
     }
 
-    /// Number of recorded refusals, by the endpoint or by the resources.
     fn refusals(&mut self) -> usize {
         let by_endpoint = std::iter::from_fn(|| self.endpoint.poll_refused()).count();
         by_endpoint + self.runtime.block_on(async { usize::from(self.app.noted().await.is_some()) })
@@ -135,7 +133,6 @@ fn here() -> SocketAddr {
     "127.0.0.1:40000".parse().unwrap()
 }
 
-/// Every way to press STOP.
 fn stops() -> Vec<Message> {
     vec![
         Message::new(2, &["commands", "stop"], b""),
@@ -152,7 +149,6 @@ fn stops() -> Vec<Message> {
     ]
 }
 
-/// A fault of a message.
 #[derive(Clone, Debug)]
 enum Fault {
     /// An option of any number and value, repeated this often.

@@ -13,9 +13,7 @@ pub(super) struct Table {
 pub(super) struct PathRow {
     /// Such as `/luggage/{id}/photo`; `{id}` stands for a number.
     pub(super) path: &'static str,
-    /// Resource type, for discovery.
     pub(super) rt: String,
-    /// Title for people.
     pub(super) title: String,
     /// The result of a GET.
     pub(super) shows: Option<Representations>,
@@ -33,23 +31,17 @@ pub(super) struct Representations {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Show {
-    /// A resource of the common table.
     Resource(ResourceKind),
-    /// The three items of old clients.
     OldItems,
-    /// The list of all paths.
     Links,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
-    /// A command of the common table.
     Command(CommandKind),
-    /// A bare word of an old client.
     OldWord,
 }
 
-/// The row of a path.
 pub(super) struct FoundPath<'a> {
     pub(super) row: &'a PathRow,
     /// The number in the path; 0 where there is none.
@@ -101,7 +93,6 @@ fn plain_number(segment: &str) -> Option<u64> {
     segment.parse().ok().filter(|number: &u64| number.to_string() == segment)
 }
 
-/// Paths that no other door has.
 fn only_here() -> [PathRow; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
@@ -152,7 +143,6 @@ fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<For
     PathRow { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
-/// The row of a command whose path has no representation.
 fn done(command: &'static commands::CommandRow, actions: Vec<(Method, Action)>) -> PathRow {
     let title = command.title[..1].to_uppercase() + &command.title[1..];
     PathRow { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }

@@ -24,10 +24,8 @@ use hallsweep_core::world::luggage::Luggage;
 /// A piece of a past mission.
 pub(super) const PAST: u64 = 70;
 
-/// A piece that cannot be read.
 pub(super) const UNREADABLE: u64 = 99;
 
-/// Resources in front of a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) resources: Resources,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
@@ -37,7 +35,6 @@ pub(super) struct TestApp {
     pub(super) photos_read: Arc<AtomicUsize>,
 }
 
-/// One picture for every piece.
 struct Pictures(Arc<AtomicUsize>);
 
 impl PartialArchive for Pictures {
@@ -62,7 +59,6 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
 
-/// Like `app`, with a choice whether old clients may drive.
 pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let photos_read = Arc::new(AtomicUsize::new(0));
@@ -79,7 +75,6 @@ impl TestApp {
         }
     }
 
-    /// Code and payload of the answer, as text.
     pub(super) async fn said(&self, request: Request) -> (String, String) {
         let response = self.ask(request).await.response;
         (response.code.to_string(), String::from_utf8_lossy(&response.body).into_owned())
@@ -97,7 +92,6 @@ impl TestApp {
         self.noted.lock().unwrap().pop()
     }
 
-    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.refuse.lock().unwrap() = Some(refused);
     }
@@ -116,7 +110,6 @@ pub(super) fn post(path: &str, payload: &str) -> Request {
     request(Method::Post, path, payload)
 }
 
-/// A request from this machine.
 pub(super) fn request(method: Method, path: &str, payload: &str) -> Request {
     let (path, query) = path.split_once('?').unwrap_or((path, ""));
     Request {

@@ -25,11 +25,9 @@ pub(super) struct EvictionQueues {
     networks: HashMap<Network, EvictionQueue>,
 }
 
-/// Connections that have something in common.
 #[derive(Default)]
 struct EvictionQueue {
     many: usize,
-    /// Those that can give way at all.
     yielding: BTreeSet<EvictionTurn>,
 }
 

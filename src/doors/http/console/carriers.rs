@@ -15,7 +15,6 @@ pub(super) fn has_entrance(snapshot: &Snapshot) -> bool {
     snapshot.robots.len() > 1 || snapshot.luggage.secured().next().is_some()
 }
 
-/// The area before the entrance, the fetching robots, and the piece in their grip.
 pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-carriers\">");
     if has_entrance(snapshot) {
@@ -30,7 +29,6 @@ pub(super) fn carriers(language: Language, snapshot: &Snapshot) -> String {
     group
 }
 
-/// Where the searching robot is drawn.
 pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
     match snapshot.robot.outside {
         0 => middle(snapshot.robot.pose.cell),
@@ -63,7 +61,6 @@ pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
     }
 }
 
-/// The place over which this piece is held, while it is fetched.
 pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
     fetched(snapshot).filter(|fetched| fetched.id == piece.id)?;
     snapshot.robots.iter().find_map(|robot| robot.arm?.holds).map(|parcel| parcel.place)
@@ -146,7 +143,6 @@ impl Scene {
     }
 }
 
-/// The place of the piece that the robot's arm reaches.
 fn reaches(robot: &RobotShown) -> Option<Place> {
     let arm = robot.arm?;
     arm.holds.map(|parcel| parcel.place).or(arm.aligned)

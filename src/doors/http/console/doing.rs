@@ -26,7 +26,6 @@ impl View<'_> {
         }
     }
 
-    /// Why the searching robot cannot be reached, if it cannot.
     pub(super) fn unreached(&self) -> Option<Cow<'_, str>> {
         let why = self.snapshot.robots.first()?.unreached.as_deref()?;
         Some(self.language.robot_said(why))
@@ -37,7 +36,6 @@ impl View<'_> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }
 
-    /// The state of the LED in words.
     pub(super) fn led_words(&self) -> Phrase<'static> {
         self.say_of("led", self.led())
     }
@@ -57,7 +55,6 @@ impl View<'_> {
         }
     }
 
-    /// Like `as_known`, for the searching robot.
     pub(super) fn known(&self, last: &impl Display) -> String {
         self.snapshot.robots.first().map_or_else(|| last.to_string(), |robot| self.as_known(robot, last))
     }
@@ -91,7 +88,6 @@ impl View<'_> {
         self.does_itself(&self.snapshot.robot)
     }
 
-    /// The robots beside the searching one.
     pub(super) fn others(&self) -> &[RobotShown] {
         self.snapshot.robots.get(1..).unwrap_or_default()
     }

@@ -61,7 +61,6 @@ pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Lugga
     );
 }
 
-/// The label of a piece in the picture.
 pub(super) fn said(language: Language, piece: &Luggage) -> String {
     language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
 }

@@ -25,7 +25,6 @@ const END: i32 = FIRST + 2 * COLUMN + 12;
 /// Maximum number of pieces drawn in the container; of more only their number.
 const SEEN: usize = 4;
 
-/// The column in which something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     /// On the way out, north of home.
@@ -34,7 +33,6 @@ pub(super) enum Column {
     Waiting(i32),
 }
 
-/// The area before the entrance of a hall as it is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entrance {
     /// A tenth of a cell as drawn here, in the picture's units.
@@ -61,7 +59,6 @@ impl Entrance {
         self.home + END * self.tenth
     }
 
-    /// The middle of a place this many steps from home.
     pub(super) const fn middle(self, steps: u8, column: Column) -> (i32, i32) {
         let east = match column {
             Column::WayOut => 0,
@@ -71,7 +68,6 @@ impl Entrance {
         (self.home + east * self.tenth, self.south + (ROW / 2 - row * ROW) * self.tenth)
     }
 
-    /// The ground, the way out from home, and the container with its contents.
     pub(super) fn draw(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let Entrance { tenth, south, home } = self;
         let (west, width, height) = (home - 8 * tenth, (END + 8) * tenth, ROWS * ROW * tenth);
@@ -121,7 +117,6 @@ impl Entrance {
     }
 }
 
-/// The contents of the container, in words.
 fn held(language: Language, secured: &[LuggageId]) -> Phrase<'static> {
     let pieces: Vec<String> = secured.iter().map(|id| language.say("luggage-number").with("id", id).to_string()).collect();
     if pieces.is_empty() {

@@ -37,7 +37,6 @@ pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
     corners.into_iter().all(|(x, y)| distance(Cell::new(x, y), bomb) * cell_m <= v.hall.evacuation_m)
 }
 
-/// The position of a cell as seen from home.
 pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> String {
     let (east, south) = (cell.x - Cell::HOME.x, cell.y - Cell::HOME.y);
     let sides = [(east, "east", "west"), (south, "south", "north")];

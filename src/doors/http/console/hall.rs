@@ -15,7 +15,6 @@ use hallsweep_core::world::luggage::Luggage;
 /// Length of the trail behind the robot, in cells.
 const TRAIL: usize = 48;
 
-/// Number of parts in which the trail fades.
 const FADES: usize = 4;
 
 /// Maximum number of labels at an edge: each cell has one while they fit, then every fifth, tenth and so on.
@@ -27,7 +26,6 @@ const RAY: i32 = 8;
 /// Maximum number of frontier cells drawn: more would be most of what is sent with every step.
 const FRONTIER: usize = 2000;
 
-/// The `viewBox` of the hall now, including whatever waits before its entrance.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
     view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)))
 }
@@ -65,7 +63,6 @@ pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     group
 }
 
-/// Row and column numbers along the upper and left edges, and the lines between the cells.
 pub(super) fn labels(map: &HallMap) -> String {
     let shown = shown(map);
     let mut group = String::from("<g id=\"hall-labels\">");

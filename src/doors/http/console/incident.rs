@@ -62,7 +62,6 @@ impl Incident<'_> {
         self.v.place(bomb.cell)
     }
 
-    /// Where the bomb is while it is carried.
     fn held(&self, bomb: &Luggage) -> Option<String> {
         let place = held_at(self.v.snapshot, bomb)?;
         Some(place.cell().map_or_else(|| self.v.say("before-entrance").to_string(), |cell| self.v.place(cell)))
@@ -72,7 +71,6 @@ impl Incident<'_> {
         from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
-    /// The evacuation distance, and which part of it is drawn.
     fn evacuation(&self) -> Phrase<'static> {
         let metres = self.v.language.number(&self.v.hall.evacuation_m.to_string());
         if self.v.hall.cell_m.is_none() {
@@ -84,7 +82,6 @@ impl Incident<'_> {
         self.v.say("evacuate-circle").with("metres", metres)
     }
 
-    /// What is happening or halted, and what an operator does next.
     fn next(&self) -> String {
         let mission = &self.v.snapshot.mission;
         let moving = match mission.phase {

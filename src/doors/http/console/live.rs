@@ -29,7 +29,6 @@ use hallsweep_core::units::Cell;
 /// Minimum time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// The changes for a page.
 #[derive(Debug, Serialize)]
 pub(in crate::doors::http) struct Message {
     run: String,
@@ -39,17 +38,13 @@ pub(in crate::doors::http) struct Message {
     title: String,
     /// Whether all parts are included: any other part of the page can be removed.
     whole: bool,
-    /// The `viewBox` of the hall.
     view: String,
-    /// The shown moment, if it is in the past.
     then: Option<Then>,
-    /// The scale of the timeline.
     line: Option<Scale>,
     /// Markup by element id; empty for a removed tile, group of luggage or section of the timeline.
     parts: BTreeMap<String, String>,
 }
 
-/// The present contents of a page.
 #[derive(Default)]
 pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
@@ -60,7 +55,6 @@ pub(super) struct Shown {
     line: ShownLine,
 }
 
-/// The sent part of a timeline.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct ShownLine {
     mission: u64,
@@ -116,7 +110,6 @@ fn message(message: &Message) -> Event {
 }
 
 impl Shown {
-    /// The contents of a page that was rendered from this snapshot.
     pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
         let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
         let line = view.line.map(ShownLine::of).unwrap_or_default();

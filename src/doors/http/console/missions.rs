@@ -59,13 +59,10 @@ pub(in crate::doors::http) async fn one(
     Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
 }
 
-/// Which events are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Show {
-    /// Commands and findings.
     Main,
     Commands,
-    /// Every step.
     All,
 }
 
@@ -115,7 +112,6 @@ struct One {
     language: Language,
     record: MissionRecord,
     state: Option<PersistentState>,
-    /// Sentences about unreadable parts.
     damage: Vec<String>,
     show: Show,
     after: Seq,
@@ -173,7 +169,6 @@ impl One {
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
     }
 
-    /// The hall at its end, and the threshold, if they are on record.
     fn conditions(&self) -> Option<String> {
         let conditions = self.state.as_ref()?.conditions.clone()?;
         Some(self.language.fact(&Fact::Conditions(conditions)))
@@ -192,7 +187,6 @@ impl One {
         fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
     }
 
-    /// Address of the console at the moment after this entry.
     fn at(&self, seq: &Seq) -> String {
         format!("/missions/{}/moment?at={seq}", self.record.id)
     }
@@ -296,7 +290,6 @@ mod tests {
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
 
-    /// A time as a page of this machine shows it.
     fn here(wall: WallTime) -> String {
         Zone::of(Clock::default().now().wall).date_and_time(wall)
     }

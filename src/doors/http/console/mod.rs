@@ -49,7 +49,6 @@ pub(super) use live::live;
 pub(super) use retrieval::{TreeRow, rows, sign};
 pub(super) use timeline::Timelines;
 
-/// Shows the page again, with the reason beside the pressed button.
 pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, &problem.in_words(to.language));
     let mut response = (problem.status(), whole(door, to, Some(why)).await).into_response();

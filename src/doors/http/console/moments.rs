@@ -124,12 +124,10 @@ impl About {
     }
 }
 
-/// A moment as a page shows it.
 struct Looked {
     snapshot: Arc<Snapshot>,
     then: Then,
     wall: WallTime,
-    /// If they are on record.
     conditions: Option<Conditions>,
 }
 

@@ -46,12 +46,10 @@ impl<'a> ConsolePage<'a> {
         pieces::all_pins(self.v.language, self.v.snapshot)
     }
 
-    /// The scale of the timeline, as JSON for the script.
     fn scale(&self) -> String {
         json(&self.v.line.filter(|line| !line.is_empty()).map(Timeline::scale))
     }
 
-    /// The shown moment of the past, as JSON for the script.
     fn then(&self) -> String {
         json(&self.v.then)
     }
@@ -77,7 +75,6 @@ impl<'a> ConsolePage<'a> {
         THRESHOLD_Y
     }
 
-    /// Position of the shown moment in the timeline.
     fn cursor(&self) -> i64 {
         self.v.line.map_or(0, |line| self.v.then.map_or(line.width(), |then| line.x(then.time)))
     }
@@ -94,7 +91,6 @@ impl<'a> ConsolePage<'a> {
 }
 
 impl View<'_> {
-    /// Address of the page.
     pub(super) fn here(&self) -> String {
         self.then.map_or_else(|| "/".to_owned(), |then| format!("/missions/{}/moment?at={}", then.mission, then.seq))
     }

@@ -213,7 +213,6 @@ impl Inspect<'_> {
             .to_string()
     }
 
-    /// Why the piece cannot be declared safe.
     fn no_photo(&self, luggage: &Luggage) -> String {
         self.v.language.refused(&Refused::NoPhoto(luggage.id))
     }
@@ -269,7 +268,6 @@ impl Robot<'_> {
         self.v.say_of("part", part.name())
     }
 
-    /// The missing parts, and their replacements.
     fn missing(&self) -> Vec<(Phrase<'static>, Phrase<'static>)> {
         let missing = self.v.parts().into_iter().flat_map(robot_parts::missing);
         missing.map(|(part, _)| (self.part(part), self.v.say_of("instead", part.name()))).collect()
@@ -370,7 +368,6 @@ impl Blackboard<'_> {
         self.v.language
     }
 
-    /// The trees, once they have been ticked.
     fn ticked(&self) -> Option<&TreesView> {
         self.v.snapshot.retrieval.as_deref().map(|retrieval| &*retrieval.trees).filter(|trees| trees.ticks > 0)
     }

@@ -64,7 +64,6 @@ impl PhotoPage<'_> {
         take_url(self.luggage.id, *take)
     }
 
-    /// The description for screen readers.
     fn alt(&self, take: &u32) -> Phrase<'static> {
         let newest = self.luggage.take().unwrap_or(*take);
         let said = match (newest, *take) {
@@ -83,7 +82,6 @@ impl PhotoPage<'_> {
         self.take == Some(take.take)
     }
 
-    /// Where the piece is, when it was found, who decided and when.
     fn found(&self) -> Phrase<'static> {
         let Luggage { cell, taken, verdict, .. } = self.luggage;
         let said = match verdict {

@@ -13,12 +13,10 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
-/// All groups of pieces.
 pub(super) fn all(language: Language, snapshot: &Snapshot) -> String {
     groups(language, snapshot).map(|(_, markup)| markup).collect()
 }
 
-/// All rows of pins.
 pub(super) fn all_pins(language: Language, snapshot: &Snapshot) -> String {
     pins(language, snapshot).into_values().collect()
 }
@@ -109,7 +107,6 @@ fn rows<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size:
     rows.into_iter().map(|(row, pins)| (format!("pins_{row}"), format!("<g id=\"pins_{row}\">{pins}</g>"))).collect()
 }
 
-/// The pieces in a square of cells.
 #[derive(Default)]
 struct Square<'a> {
     danger: usize,

@@ -41,7 +41,6 @@ struct ReplayPage {
     language: Language,
     mission: u64,
     record: RetrievalRecordJson,
-    /// The trees at the shown moment.
     shown: TreesView,
     /// Number of the shown moment, counted from 1, the number of all moments, and its time.
     moment: usize,

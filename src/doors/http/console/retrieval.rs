@@ -21,12 +21,10 @@ pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     }
 }
 
-/// A stage in words, by fetcher.
 pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase<'_> {
     if fetcher == Fetcher::Pair { language.say_of("stage-pair", stage) } else { language.say_of("stage-discovery", stage) }
 }
 
-/// A node among the rows of its tree.
 pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
     /// Whether its children follow.
@@ -57,7 +55,6 @@ pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     }
 }
 
-/// The robots that have an arm, with its reported state.
 pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJson)> {
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }

@@ -27,7 +27,6 @@ use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::temperature::SourceReading;
 
-/// A snapshot, and the message for somebody who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: HallInfo,
@@ -35,7 +34,6 @@ pub(super) struct View<'a> {
     pub(super) began: Option<WallTime>,
     /// The reader; `None` where no key is required.
     pub(super) who: Option<Who>,
-    /// The reader's language.
     pub(super) language: Language,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
@@ -45,7 +43,6 @@ pub(super) struct View<'a> {
     pub(super) then: Option<Then>,
 }
 
-/// A moment of the past.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Then {
     pub(super) mission: u64,
@@ -56,7 +53,6 @@ pub(super) struct Then {
     pub(super) later: Option<u64>,
 }
 
-/// What is known in advance about the hall and its searching robot.
 #[derive(Clone, Debug)]
 pub(super) struct HallInfo {
     pub(super) name: Arc<str>,
@@ -66,9 +62,7 @@ pub(super) struct HallInfo {
     pub(super) is_reckoned: bool,
     /// Distance from a bomb that people must keep, in metres.
     pub(super) evacuation_m: f64,
-    /// Whether the simulator is paused.
     pub(super) is_paused: bool,
-    /// The searching robot, if it is known.
     pub(super) robot: Option<Participant>,
 }
 
@@ -113,7 +107,6 @@ impl Why {
     }
 }
 
-/// Severity of the banner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mood {
     Calm,
@@ -125,7 +118,6 @@ pub(super) enum Mood {
 }
 
 impl Mood {
-    /// The class of the banner.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Mood::Calm => "calm",
@@ -137,12 +129,10 @@ impl Mood {
 }
 
 impl View<'_> {
-    /// The phrase with this id, in the reader's language.
     pub(super) const fn say<'p>(&self, id: &'p str) -> Phrase<'p> {
         self.language.say(id)
     }
 
-    /// A phrase of a family, in the reader's language.
     pub(super) const fn say_of<'p>(&self, family: &'p str, member: &'p str) -> Phrase<'p> {
         self.language.say_of(family, member)
     }
@@ -206,7 +196,6 @@ impl View<'_> {
         }
     }
 
-    /// What makes a halted retrieval go on.
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
         let goes_on = self.snapshot.mission.phase == PhaseName::Retrieving && self.then.is_none();
         goes_on.then(|| wanted_of_the_operator(&self.snapshot.mission.holds)).flatten().map(|id| self.say_of("wanted", id))
@@ -227,7 +216,6 @@ impl View<'_> {
         stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))
     }
 
-    /// Time of the shown moment of the past.
     pub(super) fn then_at(&self) -> Option<String> {
         self.then.map(|_| self.zone().clock_time(self.now))
     }
@@ -236,12 +224,10 @@ impl View<'_> {
         self.language.date(&self.zone().date_and_time(wall))
     }
 
-    /// The zone of every time on the page.
     pub(super) const fn zone(&self) -> Zone {
         Zone::of(self.now)
     }
 
-    /// Each hold in words, with what to do about it.
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
         let words = |hold: &Hold| match (hold, self.snapshot.mission.phase) {
@@ -331,7 +317,6 @@ impl View<'_> {
         format!("{sign}{} · hallsweep", self.phase_in_full())
     }
 
-    /// The piece that waits for its verdict.
     pub(super) fn waiting(&self) -> Option<&Luggage> {
         self.snapshot.pending().map(|luggage| &**luggage)
     }
@@ -376,7 +361,6 @@ impl View<'_> {
     }
 }
 
-/// Why there is no photo.
 pub(super) fn failure(language: Language, luggage: &Luggage) -> Cow<'_, str> {
     match &luggage.photo {
         PhotoState::Taken { .. } => Cow::Borrowed(""),

@@ -64,7 +64,6 @@ fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
     assert_eq!(view.why("reset").text, "");
 }
 
-/// A reading taken at ten o'clock.
 fn reading(celsius: f64) -> SourceReading {
     SourceReading { celsius: degrees(celsius), read: Some(TEN), silent_since: None }
 }
@@ -348,7 +347,6 @@ type Case<'c> = (&'c str, Snapshot, [&'c str; 5], &'c [&'c str], &'c [&'c str]);
 
 const KNOWN: [&str; 5] = ["21.4 °C", "stands still", "42 cm", "(2, 2)", "blinking"];
 
-/// The lamp of the LED is lit.
 const LIT: &str = "lamp led on";
 
 const FETCHED: &str = "The piece is being fetched";
@@ -358,7 +356,6 @@ fn changed(mut snapshot: Snapshot, change: impl FnOnce(&mut Snapshot)) -> Snapsh
     snapshot
 }
 
-/// The searching robot lost its link while moving, at ten o'clock.
 fn unlinked() -> Snapshot {
     changed(searching(), |snapshot| {
         snapshot.robot.state = RobotState::MovingForward;

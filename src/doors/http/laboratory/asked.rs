@@ -37,11 +37,9 @@ pub(super) struct AskedPallet {
     asked: Asked,
 }
 
-/// Both runs, in the address of the page.
 pub(super) struct AskedPage {
     pub(super) roomba: AskedRoomba,
     pub(super) pallet: AskedPallet,
-    /// The parcel at which the mishaps are to happen.
     pub(super) at: u64,
 }
 
@@ -86,12 +84,10 @@ impl AskedPallet {
             .map_err(|error| Problem::unusable(error.to_string()))
     }
 
-    /// Whether this mishap is requested, at any parcel.
     pub(super) fn has(&self, mishap: Mishap) -> bool {
         self.faults.iter().any(|fault| fault.mishap == mishap)
     }
 
-    /// The run as a query of the interface.
     pub(super) fn query(&self) -> String {
         let mut query = format!("parcels={}&seed={}", self.parcels, self.seed);
         for fault in &self.faults {

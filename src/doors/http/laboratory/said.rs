@@ -8,12 +8,10 @@ use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, 
 /// A figure: its name, and its value in each run.
 pub(super) type Row = (String, Vec<String>);
 
-/// Something that happens to a parcel.
 pub(super) struct Event {
     /// Seconds since the run began, as programs write them.
     pub(super) t: String,
     pub(super) parcel: u32,
-    /// A fixed name.
     pub(super) kind: &'static str,
     pub(super) words: String,
     /// Text beside the picture until the next such event.
@@ -39,7 +37,6 @@ pub(super) fn figures(language: Language, roomba: &Roomba) -> Vec<Row> {
     rows
 }
 
-/// Where machine and tree differ.
 pub(super) fn parting(language: Language, parting: &Parting) -> String {
     let goes = |change: &Transition| {
         let seconds = language.number(&format!("{:.2}", change.seconds()));
@@ -107,7 +104,6 @@ fn event(language: Language, entry: &Entry) -> Event {
     Event { t: format!("{:.1}", entry.at.as_secs_f64()), parcel: entry.parcel, kind, words, while_it_lasts }
 }
 
-/// The result of a pallet run.
 pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, String)> {
     let decimal = |number: f64, places: usize| language.number(&format!("{number:.places$}"));
     let error = |spread: &Spread, scale: f64, unit: &str| {

@@ -10,7 +10,6 @@ use flate2::write::GzEncoder;
 
 use super::super::accept::codings;
 
-/// A text, plain and compressed.
 pub(super) struct Kept {
     media_type: &'static str,
     plain: Bytes,
@@ -24,7 +23,6 @@ impl Kept {
         Kept { media_type, packed: written.expect("a list takes all that is written").into(), plain: text.into() }
     }
 
-    /// The answer in a coding that these headers accept.
     pub(super) fn sent(&self, accepted: &HeaderMap) -> Response {
         let head = [(header::CONTENT_TYPE, self.media_type), (header::VARY, "accept-encoding")];
         if codings(accepted).any(|(name, quality)| quality > 0.0 && name.eq_ignore_ascii_case("gzip")) {

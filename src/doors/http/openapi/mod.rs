@@ -25,12 +25,10 @@ use crate::api::schemas::Schemas;
 
 pub(super) use page::page;
 
-/// What a client is told of this program.
 const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous luggage; an operator watches, decides and can always stop it. \
     The same state and the same commands are there over CoAP and MQTT. STOP (`POST /api/v1/commands/stop`) halts the robot before anything \
     else of a request is looked at.";
 
-/// A description in the form in which it is sent.
 struct Description {
     json: Kept,
     tag: String,

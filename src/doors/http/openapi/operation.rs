@@ -35,7 +35,6 @@ impl Subject {
         Subject::OldClients,
     ];
 
-    /// Its word, and its explanation.
     pub(super) const fn named(self) -> (&'static str, &'static str) {
         match self {
             Subject::Commands => ("commands", "What can be asked for. An answer comes when it is carried out or refused."),
@@ -57,12 +56,9 @@ pub(super) struct Operation {
     pub(super) id: Cow<'static, str>,
     pub(super) subject: Subject,
     pub(super) summary: Cow<'static, str>,
-    /// Parameters of the query.
     pub(super) query: Vec<Parameter>,
-    /// Further headers of the request.
     pub(super) headers: Vec<Parameter>,
     pub(super) body: Option<Body>,
-    /// Contents of a successful answer, by media type.
     pub(super) answers: Vec<Media>,
     /// Whether a version that the client has already is not sent again.
     pub(super) is_tagged: bool,
@@ -144,7 +140,6 @@ impl Operation {
         self
     }
 
-    /// Possible problems, for senders who need this right.
     pub(super) fn problems(&self, need: Need) -> BTreeSet<(u16, &'static str)> {
         use ProblemKind::{
             Conflict, Forbidden, Internal, Malformed, Misdirected, NotAcceptable, NotFound, NotSignedIn, TooLarge, TooSlow,
@@ -239,7 +234,6 @@ pub(super) fn name(title: &str) -> String {
     title.split(' ').collect()
 }
 
-/// One possible problem, as an answer.
 pub(super) fn problem(kind: ProblemKind, shape: &Value) -> (String, Value) {
     let (_, title) = kind.status();
     let mut answer = json!({"description": title, "content": {"application/problem+json": {"schema": shape}}});

@@ -19,7 +19,6 @@ use crate::api::problem::ProblemJson;
 use crate::api::schemas::Schemas;
 use crate::phrases::Language;
 
-/// The page in each language.
 static PAGES: LazyLock<Vec<(Language, Kept)>> = LazyLock::new(|| {
     let contents = &Contents::new();
     let page = |language| html(&OpenApiPage { language, contents }).0;
@@ -44,14 +43,12 @@ struct Contents {
     shapes: Vec<Shape>,
 }
 
-/// The operations of one subject.
 struct About {
     name: &'static str,
     what: &'static str,
     operations: Vec<Shown>,
 }
 
-/// An operation as it is shown.
 struct Shown {
     method: String,
     path: String,
@@ -64,7 +61,6 @@ struct Shown {
     problems: Vec<(u16, &'static str)>,
 }
 
-/// Something with a name and a type.
 struct Field {
     name: String,
     /// Where it is sent, if that is not obvious.
@@ -73,7 +69,6 @@ struct Field {
     what: String,
 }
 
-/// A media type, and its contents.
 struct MediaContent {
     media_type: &'static str,
     kind: Vec<Word>,
@@ -88,7 +83,6 @@ struct Word {
 struct Shape {
     name: String,
     what: String,
-    /// Its type, if it has no fields.
     kind: Vec<Word>,
     fields: Vec<Field>,
 }
@@ -149,7 +143,6 @@ fn said(schema: &Value) -> String {
     schema["description"].as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// The type of a schema, in words.
 fn words(schema: &Value) -> Vec<Word> {
     let plain = |text: String| vec![Word { text, is_shape: false }];
     let Some(fields) = schema.as_object() else { return Vec::new() };

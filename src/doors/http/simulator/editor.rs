@@ -27,7 +27,6 @@ struct EditorPage {
     /// The halls that are always offered, and the stored ones.
     halls: Vec<String>,
     kept: Vec<String>,
-    /// The name for storing this hall.
     name: String,
     /// The name under which it is stored.
     opened: Option<String>,
@@ -37,7 +36,6 @@ struct EditorPage {
     discards: Option<String>,
     bound: Option<String>,
     may_act: bool,
-    /// The success message.
     done: Option<Markup>,
     /// The error message.
     why: Option<String>,
@@ -65,7 +63,6 @@ impl EditorPage {
         }
     }
 
-    /// Opens the stored hall of this name, if there is one.
     fn opened(self, name: &str) -> EditorPage {
         if !self.kept.iter().any(|kept| kept == name) {
             return self;
@@ -121,14 +118,11 @@ pub(in crate::doors::http) struct Fields {
     discard_for_good: Option<String>,
 }
 
-/// The result of a button.
 enum Done {
     Checked(Vec<Finding>),
     Used,
     Kept(String),
-    /// Whether another hall may be replaced.
     AsksToReplace(String),
-    /// Whether a hall may be deleted.
     AsksToDiscard(String),
     Discarded(String),
 }

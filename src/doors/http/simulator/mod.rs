@@ -40,7 +40,6 @@ const NOT_IN_PHASE: &str = "notInPhase";
 /// Code of the refusal to replace a stored hall without confirmation.
 const ANOTHER_KEPT: &str = "anotherKept";
 
-/// Somebody who asks for a change of the simulator.
 pub(super) struct Asker {
     door: HttpDoor,
     simulator: Arc<dyn Simulator>,
@@ -100,7 +99,6 @@ impl Asker {
     }
 }
 
-/// Why the robots stay in their hall, and what to do.
 fn bound(refused: &Refused) -> Problem {
     let problem = Problem::refused(refused);
     if problem.code() == NOT_IN_PHASE {

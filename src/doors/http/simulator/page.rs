@@ -23,7 +23,6 @@ use hallsweep_core::units::Cell;
 /// The offered speeds; the interface accepts any in between.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
 
-/// One fault of the robot, and whether it is switched on.
 struct Fault {
     name: &'static str,
     is_there: bool,
@@ -37,7 +36,6 @@ struct SimulatorPage {
     halls: Vec<String>,
     bound: Option<String>,
     may_act: bool,
-    /// The refusal, and its button.
     why: Option<(&'static str, String)>,
 }
 
@@ -149,7 +147,6 @@ fn answer(asker: &Asker, place: &'static str, problem: Option<Problem>) -> Respo
 }
 
 impl Fields {
-    /// The part of the page where its result is shown.
     fn place(&self) -> &'static str {
         match self.act.as_str() {
             "block" | "blockAhead" | "free" | "freeAll" => "way",

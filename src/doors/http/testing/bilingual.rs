@@ -6,7 +6,6 @@ use super::{TestApp, text};
 
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-/// Names on every page that are the same in every language.
 const NAMES: [&str; 3] = ["hallsweep", "STOP", "· Esc"];
 
 impl TestApp {

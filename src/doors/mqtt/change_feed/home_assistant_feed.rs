@@ -65,7 +65,6 @@ impl HomeAssistantFeed {
         self.state.map(|state| Publication::kept(topics.home_assistant(), state.json().to_string()))
     }
 
-    /// Publishes everything again.
     pub(super) fn renew(&mut self) {
         self.is_introduced = false;
         self.said = None;

@@ -45,7 +45,6 @@ pub struct ChangeFeed {
     home_assistant_feed: Option<HomeAssistantFeed>,
 }
 
-/// A source of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Source {
     Availability,

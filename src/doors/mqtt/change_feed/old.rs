@@ -140,7 +140,6 @@ impl Item {
     }
 }
 
-/// Contents of a message about the robot.
 fn robot_of(snapshot: &Snapshot) -> (RobotState, Pose) {
     (snapshot.robot.state, snapshot.robot.pose)
 }

@@ -26,7 +26,6 @@ pub(super) struct Photos {
     asked: Option<Picture>,
     /// The last photo that was read.
     shown: Option<(Picture, Bytes)>,
-    /// Whether it is still to be published.
     pub(super) is_due: bool,
 }
 

@@ -22,7 +22,6 @@ pub(super) struct States([Said; Resource::COUNT]);
 struct Said {
     /// The published revision; `None` when a broker may have none.
     revision: Option<Revision>,
-    /// Earliest time of the next one.
     next: Duration,
 }
 
@@ -33,7 +32,6 @@ impl States {
         (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)
     }
 
-    /// The state of a resource in JSON, or an excerpt of it.
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
         let shown = ResourceKind::Of(resource);
         let state = excerpt(resource, snapshot).unwrap_or_else(|| shown.written(0, Form::Json, snapshot, identity));

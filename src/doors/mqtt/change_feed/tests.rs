@@ -29,12 +29,10 @@ const fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// All messages due at one time.
 fn all(feed: &mut ChangeFeed, now: Duration) -> Vec<Publication> {
     std::iter::from_fn(|| feed.poll_publication(now)).collect()
 }
 
-/// Passes a state, and returns all messages due at that time.
 fn show(feed: &mut ChangeFeed, snapshot: &Snapshot, now: Duration) -> Vec<Publication> {
     feed.handle_state(Arc::new(snapshot.clone()));
     all(feed, now)
@@ -50,7 +48,6 @@ fn on<'a>(publications: &'a [Publication], topic: &str) -> Vec<&'a str> {
     of_topic.map(|publication| std::str::from_utf8(&publication.payload).unwrap()).collect()
 }
 
-/// The contents of the old messages.
 fn old(publications: &[Publication]) -> Vec<String> {
     let content = |message: &str| {
         let rest = message.strip_prefix("msg(modelContent,event,resourcemodel,none,content(").expect("the head of the message");
@@ -59,7 +56,6 @@ fn old(publications: &[Publication]) -> Vec<String> {
     on(publications, "unibo/qak/events").into_iter().map(content).collect()
 }
 
-/// The numbers of the old messages.
 fn numbers(publications: &[Publication]) -> Vec<u64> {
     let number = |message: &str| message.rsplit_once(',').unwrap().1.trim_end_matches(')').parse().unwrap();
     on(publications, "unibo/qak/events").into_iter().map(number).collect()
@@ -76,7 +72,6 @@ fn found(id: u64, seconds: i64) -> Arc<Luggage> {
     Arc::new(luggage)
 }
 
-/// Replaces the record with this number, or appends it.
 fn put(snapshot: &mut Snapshot, luggage: Arc<Luggage>) {
     let mut all: Vec<Arc<Luggage>> = snapshot.luggage.iter().filter(|other| other.id != luggage.id).cloned().collect();
     all.push(luggage);
@@ -204,7 +199,6 @@ fn said_of_maps(side: i32) -> usize {
     bytes
 }
 
-/// The beginning of an old message with a map.
 const MAP: &str = "msg(modelContent,event,resourcemodel,none,content(roomMap(";
 
 #[test]

@@ -33,12 +33,10 @@ use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
 use mqtt_gate::{AnswerTo, filter};
 
-/// A message that was just published.
 #[derive(Clone, Copy, Debug)]
 pub struct IncomingMessage<'a> {
     pub topic: &'a str,
     pub payload: &'a [u8],
-    /// The epoch of stops in which it came, if known.
     pub arrived: Option<Epoch>,
     /// Whether its sender marks it as sent before.
     pub is_again: bool,
@@ -49,7 +47,6 @@ pub struct IncomingMessage<'a> {
 /// Maximum length of correlation data in bytes.
 const CORRELATION: usize = 1024;
 
-/// What is done with a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
     /// It asks for nothing: its topic or its words are for something else.

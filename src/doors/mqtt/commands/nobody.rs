@@ -30,7 +30,6 @@ struct Counted {
 }
 
 impl Nobody {
-    /// Counts one, and logs it when it is time.
     pub(super) fn heard(&self, id: &str, payload: &[u8], now: Now) {
         let count = self.0.lock().unwrap_or_else(PoisonError::into_inner).one_more(id, now.since_start);
         if let Some(not_understood) = count {

@@ -15,13 +15,10 @@ use crate::api::halt::{is_halt, says_halt};
 use hallsweep_core::asked as recorded;
 use hallsweep_core::command::Command;
 
-/// The name of the command that halts.
 const STOP: &str = "stop";
 
-/// The name of the command that may be a STOP.
 const MOVE: &str = "move";
 
-/// Which topics carry commands, and in which form.
 #[derive(Debug)]
 pub(super) struct CommandParser {
     topics: Topics,
@@ -29,7 +26,6 @@ pub(super) struct CommandParser {
     unknown: Unknown,
 }
 
-/// The command of a message, and where it is answered.
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
     pub(super) asked: AskedCommand,
@@ -91,7 +87,6 @@ impl CommandParser {
         }
     }
 
-    /// Whether this topic carries messages of the original system.
     pub(super) fn is_old(&self, topic: &str) -> bool {
         self.topics.kind_of(topic) == TopicKind::Old
     }
@@ -140,7 +135,6 @@ impl CommandParser {
         Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { explained, ..Reply::default() } })
     }
 
-    /// The answer that there is no such command, for anybody who may publish here.
     fn unknown(&self, answered_as: &str, name: &str, problem: Problem) -> ParsedCommand {
         let reply = self.reply(answered_as);
         ParsedCommand { asked: Err(problem), need: Need::See, unread: unread(name), goes_on: false, reply }

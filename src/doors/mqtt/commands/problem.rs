@@ -59,7 +59,6 @@ mod tests {
         }
     }
 
-    /// A refusal by this door is read back from the journal as it was written.
     #[test]
     fn what_the_door_refuses_is_known_again_after_a_restart() {
         for (problem, status) in [

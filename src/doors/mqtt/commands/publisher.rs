@@ -11,17 +11,13 @@ const NOBODY_KNOWN: &str = "mqtt";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Publisher {
-    /// A client of our own broker.
     Known {
         caller: Caller,
         /// The address, such as `192.0.2.7`.
         from: Arc<str>,
     },
     /// A client of another broker, which alone knows who it is, and decides by its own rights who may publish commands.
-    Unknown {
-        /// That broker's host.
-        broker: Arc<str>,
-    },
+    Unknown { broker: Arc<str> },
 }
 
 impl Publisher {

@@ -12,7 +12,6 @@ use hallsweep_core::units::Epoch;
 /// Maximum size of a payload in bytes: a command is a few dozen bytes.
 pub(super) const LARGEST: usize = 4 * 1024;
 
-/// The command, and the epoch that its sender saw.
 pub(super) type AskedCommand = Result<(Command, Option<Epoch>), Problem>;
 
 pub(super) struct Read {

@@ -53,21 +53,17 @@ pub struct ResultMessage {
     _permit: Permit,
 }
 
-/// Where one result is published.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
     /// The topic; `None` for messages of the original system, whose senders are only told why they are refused.
     pub(super) topic: Option<String>,
-    /// Correlation data of its sender.
     pub(super) correlation: Option<Bytes>,
-    /// The command id.
     pub(super) id: Option<CommandId>,
     /// The topic on which an old client is told the reason of a refusal.
     pub(super) explained: Option<String>,
 }
 
 impl Reply {
-    /// Uses the topic that the sender wants, if it wants one.
     pub(super) fn is_wanted(&mut self, wanted: Option<AnswerTo<'_>>) {
         if let (Some(topic), Some(wanted)) = (&mut self.topic, wanted) {
             wanted.topic.clone_into(topic);

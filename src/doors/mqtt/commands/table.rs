@@ -2,7 +2,6 @@
 
 use crate::api::commands::COMMANDS;
 
-/// The names of all commands, or of those that can come as a bare word, for sentences.
 pub(super) fn names(bare: bool) -> String {
     let names: Vec<&str> = COMMANDS.iter().filter(|row| row.is_word || !bare).map(|row| row.name).collect();
     names.join(", ")
@@ -13,7 +12,6 @@ mod tests {
     use super::*;
     use crate::api::commands::{CommandKind, CommandRow};
 
-    /// The table of the documentation, in lines of markdown.
     fn markdown() -> String {
         let lines: Vec<String> = COMMANDS.iter().map(|row| format!("{}\n", line(row))).collect();
         format!("| name | what | payload | bare word | for |\n|---|---|---|---|---|\n{}", lines.concat())

@@ -16,10 +16,8 @@ use hallsweep_core::snapshot::Snapshot;
 /// More results than any test leaves unread.
 const ROOM: usize = 1024;
 
-/// Prefix of all JSON topics in tests.
 const BASE: &str = "hallsweep/discovery/";
 
-/// Commands in front of a loop that follows the test's script.
 pub(super) struct TestApp {
     pub(super) commands: Commands,
     pub(super) script: Script,
@@ -36,30 +34,25 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
 
-/// Like `app`, with a choice whether old clients may drive.
 pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let (commands, results) = commands_of(handle, manual_driving);
     TestApp { commands, script, results }
 }
 
-/// Commands in front of this loop, and their results.
 pub(super) fn commands_of(handle: Handle, manual_driving: bool) -> (Commands, mpsc::Receiver<ResultMessage>) {
     let (answers, results) = mpsc::channel(ROOM);
     (Commands::new(handle, topics(), manual_driving, answers), results)
 }
 
-/// Somebody on this machine.
 pub(super) fn here() -> Publisher {
     Publisher::Known { caller: Caller::Here, from: "127.0.0.1".into() }
 }
 
-/// Somebody who may see and stop.
 pub(super) fn viewer() -> Publisher {
     with_key("wall", Role::Viewer)
 }
 
-/// Somebody with an operator's key of this name.
 pub(super) fn operator(name: &str) -> Publisher {
     with_key(name, Role::Operator)
 }
@@ -90,7 +83,6 @@ pub(super) async fn next(results: &mut mpsc::Receiver<ResultMessage>) -> (String
 }
 
 impl TestApp {
-    /// A message of the operator.
     pub(super) fn say(&self, topic: &str, payload: impl AsRef<[u8]>) -> Taken {
         say(&self.commands, topic, payload, &here())
     }
@@ -109,7 +101,6 @@ impl TestApp {
         within("a message", self.results.recv()).await.expect("somebody may still answer").taken()
     }
 
-    /// Whether no unread message was published.
     pub(super) async fn is_silent(&mut self) -> bool {
         self.settled().await;
         self.results.try_recv().is_err()
@@ -132,7 +123,6 @@ impl TestApp {
         self.script.noted.lock().unwrap().pop()
     }
 
-    /// Refuses everything from now on.
     pub(super) fn refuse(&self, refused: Refused) {
         *self.script.refuse.lock().unwrap() = Some(refused);
     }

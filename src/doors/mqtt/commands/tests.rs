@@ -16,7 +16,6 @@ fn event(id: &str) -> String {
     format!("msg({id},event,js,none,{id},1)")
 }
 
-/// A payload for each command of the table, and the resulting command.
 fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
     let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
     let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
@@ -198,7 +197,6 @@ async fn verdicts_come_back_with_the_record() {
     assert_eq!((&json["status"], json.get("luggage")), (&404.into(), None));
 }
 
-/// Every way to say STOP, with anything else wrong.
 fn stops() -> Vec<(&'static str, Vec<u8>)> {
     let huge = vec![b'x'; 100_000];
     let huge_move = format!(r#"{{"move":"h","why":"{}"}}"#, "x".repeat(5000)).into_bytes();

@@ -13,12 +13,10 @@ const LONGEST: usize = 32;
 /// Name for the answers to all others.
 pub(super) const UNKNOWN: &str = "unknown";
 
-/// The unknown names seen so far.
 #[derive(Debug, Default)]
 pub(super) struct Unknown(Mutex<BTreeSet<String>>);
 
 impl Unknown {
-    /// The name under which an unknown name is answered.
     pub(super) fn answered_as<'a>(&self, name: &'a str) -> &'a str {
         let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
         if !(1..=LONGEST).contains(&name.len()) || !name.bytes().all(is_plain) {

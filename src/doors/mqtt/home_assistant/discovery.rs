@@ -154,7 +154,6 @@ fn unique(topics: &Topics) -> String {
     format!("hallsweep_{}", topics.id())
 }
 
-/// The template that extracts these fields of a message.
 fn attributes(fields: &[&str]) -> String {
     let taken: Vec<String> = fields.iter().map(|field| format!("'{field}': value_json.{field}")).collect();
     format!("{{{{ {{{}}} | tojson }}}}", taken.join(", "))

@@ -22,7 +22,6 @@ pub struct State {
     pub alarm: bool,
 }
 
-/// The activities of a vacuum cleaner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
     Cleaning,

@@ -19,7 +19,6 @@ fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
-/// The entities by name.
 fn components(topics: &Topics) -> BTreeMap<String, Value> {
     let config = discovery::config(topics, "1.2.3");
     config["components"].as_object().unwrap().clone().into_iter().collect()
@@ -84,7 +83,6 @@ fn everything_a_template_takes_is_in_the_message_it_is_given() {
     }
 }
 
-/// The paths after each `value_json` of a template, as JSON pointers.
 fn paths(template: &str) -> Vec<String> {
     let is_of_path = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '.';
     let path = |rest: &str| rest.split(|letter| !is_of_path(letter)).next().unwrap_or_default().replace('.', "/");

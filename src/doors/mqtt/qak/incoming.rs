@@ -28,16 +28,11 @@ pub enum QakRequest {
 /// Why a message is not carried out. `Display` is the sentence for log and record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
-    /// It is no message, or an incomplete one.
     #[error(transparent)]
     NoMessage(#[from] NoMessage),
     /// Its MSGID is known, but its CONTENT makes no sense.
     #[error("the CONTENT of {id} is wrong: {words}")]
-    Content {
-        id: &'static str,
-        /// The text that is there, and the expected one.
-        words: String,
-    },
+    Content { id: &'static str, words: String },
     /// An old client may not ask for that here.
     #[error("{refused}")]
     Refused { command: Command, refused: Refused },
@@ -95,7 +90,6 @@ pub fn is_stop(payload: &[u8]) -> bool {
 }
 
 impl Wrong {
-    /// The request, for the record.
     pub fn asked(&self) -> asked::Asked {
         match self {
             Wrong::NoMessage(_) => asked::Asked::Words("a message".to_owned()),
@@ -104,7 +98,6 @@ impl Wrong {
         }
     }
 
-    /// The refusal for the record.
     pub fn refused(&self) -> Refused {
         match self {
             Wrong::NoMessage(_) => Refused::InWords(refusal("malformed", self.to_string())),
@@ -120,7 +113,6 @@ struct Known {
     asks: &'static Asks,
 }
 
-/// How the contents of moves begin.
 static MOVES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let beginning = |Known { id, asks }: Known| match asks {
         Asks::Move => Some(format!("{id}(")),
@@ -139,7 +131,6 @@ fn known(id: &str) -> Option<Known> {
 }
 
 impl Known {
-    /// The command of a CONTENT, or what is wrong with it.
     fn command(&self, content: &Term) -> Result<Command, String> {
         let content = unquoted(content);
         match (self.asks, parts_of(self.id, &content)) {
@@ -196,7 +187,6 @@ fn beginning(payload: &[u8]) -> Option<String> {
     (letters(payload).nth(OPENING.len() + id.len()) == Some(b',')).then_some(id)
 }
 
-/// How every message begins.
 const OPENING: &[u8] = b"msg(";
 
 /// Number of bytes of a word that are compared: more than the longest known MSGID has.

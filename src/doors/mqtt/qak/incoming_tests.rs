@@ -266,7 +266,6 @@ fn whatever_message_can_be_a_move_halts_although_its_end_is_missing() {
     }
 }
 
-/// The table for the documentation, with one row for each message.
 fn markdown() -> String {
     let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
     for Known { id, asks } in every() {

@@ -32,7 +32,6 @@ pub enum MessageKind {
     Request,
     /// To one receiver, who may answer.
     Invitation,
-    /// The answer to a request.
     Reply,
 }
 
@@ -42,15 +41,12 @@ pub enum NoMessage {
     /// It is not even a term.
     #[error("it is no message: {0}")]
     Unreadable(#[from] Unreadable),
-    /// It is another term.
     #[error("it is no message: {0} stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs")]
     OtherTerm(String),
-    /// One of its parts is wrong.
     #[error("its {part} is {found}: {expected} belongs there")]
     Part {
         /// The part, such as `SENDER`.
         part: &'static str,
-        /// A short form of what is there.
         found: String,
         expected: &'static str,
     },
@@ -98,7 +94,6 @@ impl MessageKind {
     pub const ALL: [MessageKind; 5] =
         [MessageKind::Event, MessageKind::Dispatch, MessageKind::Request, MessageKind::Invitation, MessageKind::Reply];
 
-    /// The word in a message.
     pub const fn name(self) -> &'static str {
         match self {
             MessageKind::Event => "event",

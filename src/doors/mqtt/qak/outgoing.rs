@@ -7,7 +7,6 @@ use crate::api::{map_text, old_items};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 
-/// MSGID of every message of the resource model.
 pub(super) const MODEL_CONTENT: &str = "modelContent";
 
 /// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.

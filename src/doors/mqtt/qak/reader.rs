@@ -11,7 +11,6 @@ pub const DEPTH: usize = 32;
 /// Why a text is no term. `Display` is a sentence for the log; `at` counts bytes from the beginning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unreadable {
-    /// It is too long to be parsed at all.
     #[error("it has {0} bytes: at most {LENGTH} are read")]
     TooLong(usize),
     #[error("it is no UTF-8 from byte {at} on")]
@@ -43,14 +42,12 @@ impl Term {
     }
 }
 
-/// A text, and how far it was parsed.
 pub(super) struct TermReader<'a> {
     text: &'a str,
     at: usize,
 }
 
 impl<'a> TermReader<'a> {
-    /// The single term of `text`.
     pub(super) fn whole(text: &'a str) -> Result<Term, Unreadable> {
         if text.len() > LENGTH {
             return Err(Unreadable::TooLong(text.len()));
@@ -77,7 +74,6 @@ impl<'a> TermReader<'a> {
         if self.next() == Some('(') { self.parts(name, depth) } else { Ok(Term::Atom(name)) }
     }
 
-    /// The parts in the parentheses, from the opening one on.
     fn parts(&mut self, name: String, depth: usize) -> Result<Term, Unreadable> {
         self.at += 1;
         let mut parts = Vec::new();

@@ -50,7 +50,6 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Sends what is due, then waits for the next event.
     async fn step(&mut self) -> Result<(), Lost> {
         self.speak();
         let due = self.poll_timeout();

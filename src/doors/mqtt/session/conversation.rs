@@ -28,7 +28,6 @@ enum ConversationStage {
 }
 
 impl Conversation {
-    /// A connection that is about to be made.
     pub(super) fn new(times: &Times, now: Duration) -> Conversation {
         Conversation {
             stage: ConversationStage::Greeting(now + times.greeting),

@@ -4,7 +4,6 @@ use bytes::Bytes;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Event {
-    /// The broker has accepted us.
     Greeted {
         /// Maximum packet size of the broker in bytes, if it says so.
         largest: Option<u32>,
@@ -13,15 +12,12 @@ pub(super) enum Event {
     },
     /// Whether each of our filters was granted.
     Subscribed(Vec<bool>),
-    /// The broker has acknowledged the publication of this id.
     Acknowledged {
         id: u16,
         /// Whether it refuses the publication.
         is_refused: bool,
     },
-    /// A message was received.
     Heard(Heard),
-    /// A publication was sent under this id.
     Sent(u16),
     /// Our DISCONNECT was sent.
     HungUp,

@@ -35,7 +35,6 @@ fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions 
 }
 
 impl Five {
-    /// Creates a client, and the stream of its events.
     pub(super) fn begin(
         link: &SessionLink,
         will: Publication,
@@ -69,7 +68,6 @@ impl Five {
     }
 }
 
-/// The properties of a message, in rumqttc's form.
 fn properties(properties: &[Property<'_>]) -> PublishProperties {
     let mut said = PublishProperties::default();
     for property in properties {

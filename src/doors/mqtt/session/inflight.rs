@@ -7,7 +7,6 @@ use std::time::Duration;
 use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
 
-/// The unacknowledged publications of one connection.
 #[derive(Debug, Default)]
 pub(super) struct Inflight {
     /// In the order in which they were passed, with the packet id once it was sent.
@@ -27,7 +26,6 @@ impl Inflight {
         self.open.is_empty()
     }
 
-    /// The broker has told how many messages it leaves unacknowledged.
     pub(super) fn handle_greeted(&mut self, receive_maximum: Option<u16>) {
         self.most = receive_maximum.map(usize::from);
     }
@@ -40,7 +38,6 @@ impl Inflight {
         self.open.push_back((None, publication));
     }
 
-    /// The next of the passed publications was sent under this packet id.
     pub(super) fn handle_sent(&mut self, id: u16) {
         if let Some((under, _)) = self.open.iter_mut().find(|(under, _)| under.is_none()) {
             *under = Some(id);

@@ -12,7 +12,6 @@ use crate::doors::update_interval;
 /// Minimum time between two repetitions on one topic: two programs that fight over it must not fill the broker.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// The subscribed topics.
 #[derive(Debug)]
 pub(super) struct Kept {
     topics: HashMap<String, Option<Topic>>,
@@ -21,7 +20,6 @@ pub(super) struct Kept {
     marks: RandomState,
 }
 
-/// Our publication on a topic.
 #[derive(Debug)]
 struct Topic {
     ours: Publication,

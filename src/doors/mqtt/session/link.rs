@@ -24,7 +24,6 @@ pub struct SessionLink {
     pub host: String,
     pub port: u16,
     pub tls: Option<Arc<ClientConfig>>,
-    /// Name and password, if the broker requires them.
     pub login: Option<(String, String)>,
     /// Our client id; no other client of the broker may have it.
     pub client_id: String,

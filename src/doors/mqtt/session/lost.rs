@@ -9,7 +9,6 @@ use rumqttc::{ConnectReturnCode, ConnectionError, v5};
 pub(super) enum Lost {
     #[error("it refuses us: {0}")]
     Refused(&'static str),
-    /// A fault of the network, or of the protocol.
     #[error("{0}")]
     Broken(String),
     #[error("it has not answered within {} s", .0.as_secs_f32())]

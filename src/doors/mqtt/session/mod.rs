@@ -55,16 +55,13 @@ pub struct Parts {
     pub states: watch::Receiver<Arc<Snapshot>>,
     pub answers: mpsc::Receiver<ResultMessage>,
     pub archive: ArchiveReader,
-    /// Seed of the random pauses.
     pub seed: u64,
     pub times: Times,
 }
 
-/// A client that keeps its connection to another broker.
 pub struct Session {
     link: SessionLink,
     commands: Commands,
-    /// The sender of the messages received there.
     publisher: Publisher,
     topics: Topics,
     home_assistant: bool,
@@ -80,7 +77,6 @@ pub struct Session {
     clock: Clock,
     times: Times,
     is_lost: bool,
-    /// Counts messages that the broker refused.
     refused: LogThrottle,
 }
 

@@ -28,7 +28,6 @@ pub struct OwnSession {
     reading: PhotoReading,
     /// The subscription to Home Assistant's status; without filters when Home Assistant is not served.
     home_assistant_status: OwnSubscription,
-    /// Counts messages that were too large.
     left_out: LogThrottle,
     clock: Clock,
 }

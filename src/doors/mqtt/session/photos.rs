@@ -7,10 +7,8 @@ use super::super::change_feed::{ChangeFeed, PHOTO_MOST, Picture};
 use crate::runtime::archive_reader::ArchiveReader;
 use hallsweep_core::event::Photo;
 
-/// The photo that was read, if it is readable.
 type Looked = (Picture, Option<Photo>);
 
-/// The photo being read, if one is.
 #[derive(Default)]
 pub(super) struct PhotoReading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 

@@ -28,14 +28,12 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use mqtt_gate::packet::Version;
 
-/// A running session with the test's controls.
 pub(super) struct TestApp {
     pub(super) script: Script,
     shutdown: Option<oneshot::Sender<()>>,
     session: JoinHandle<()>,
 }
 
-/// The port of a broker.
 pub(super) struct TestBroker(TcpListener);
 
 pub(in super::super) struct Peer {
@@ -47,7 +45,6 @@ pub(in super::super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
-/// A publication by somebody, with a packet id.
 pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
     let mut publish = Publish::new(topic, QoS::AtLeastOnce, payload);
     publish.pkid = id;
@@ -109,7 +106,6 @@ impl TestBroker {
         Peer { stream, buffer: BytesMut::new() }
     }
 
-    /// The next connection, greeted and subscribed; and its filters.
     pub(super) async fn principal(&self) -> (Peer, Connect, Vec<String>) {
         let mut peer = self.peer().await;
         let (connect, filters) = peer.greet().await;
@@ -118,7 +114,6 @@ impl TestBroker {
 }
 
 impl Peer {
-    /// A client's end of a connection to this broker.
     pub(in super::super) async fn come(broker: SocketAddr) -> Peer {
         let stream = within("the broker", TcpStream::connect(broker)).await.expect("the broker listens");
         Peer { stream, buffer: BytesMut::new() }
@@ -133,7 +128,6 @@ impl Peer {
         }
     }
 
-    /// Subscribes a client, and expects the grant.
     pub(in super::super) async fn asks_for(&mut self, filters: impl IntoIterator<Item = &str>) {
         let filters = filters.into_iter().map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtMostOnce));
         let mut asked = Subscribe::new_many(filters);
@@ -142,7 +136,6 @@ impl Peer {
         while !matches!(within("an answer", self.hears()).await.expect("it is answered"), Packet::SubAck(_)) {}
     }
 
-    /// The next message to a client.
     pub(in super::super) async fn hears_message(&mut self) -> Publish {
         self.unacknowledged(|_| true).await
     }
@@ -174,7 +167,6 @@ impl Peer {
         connect
     }
 
-    /// Greets, and grants the subscription.
     pub(super) async fn greet(&mut self) -> (Connect, Vec<String>) {
         let connect = self.answers(ConnectReturnCode::Success).await;
         let Some(Packet::Subscribe(asked)) = self.hears().await else { panic!("it subscribes before it says anything") };
@@ -211,7 +203,6 @@ impl Peer {
     }
 }
 
-/// One picture for every piece.
 pub(in super::super) struct Album;
 
 impl PartialArchive for Album {

@@ -97,7 +97,6 @@ async fn an_answer_that_may_not_have_arrived_is_said_again_and_old_messages_keep
     assert_eq!((number(&first.payload), numbered), (1, Some(1)), "it was never acknowledged");
 }
 
-/// The number at the end of an old message.
 fn number(message: &[u8]) -> u64 {
     let text = String::from_utf8_lossy(message);
     text.trim_end_matches(')').rsplit(',').next().and_then(|number| number.trim().parse().ok()).expect("it is numbered")

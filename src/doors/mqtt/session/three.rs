@@ -29,7 +29,6 @@ fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions 
 }
 
 impl Three {
-    /// Creates a client, and the stream of its events.
     pub(super) fn begin(
         link: &SessionLink,
         will: Publication,

@@ -58,7 +58,6 @@ impl Transport {
         Ok(event)
     }
 
-    /// Subscribes to commands, and to the topics of our retained messages; returns whether that is sent.
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         match &self.client {
             Client::Three(client) => client.subscribe(filters, kept),

@@ -3,7 +3,6 @@
 
 use std::path::PathBuf;
 
-/// Why a file in the data folder is no memory of a robot in this hall.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum StateFileError {
     #[error(

@@ -22,7 +22,6 @@ fn some_journal() -> Scratch {
     scratch
 }
 
-/// SQL that swaps the contents of two entries.
 fn exchange(one: u64, other: u64) -> String {
     let take = |column: &str, seq: u64| format!("(SELECT {column} FROM events WHERE seq = {seq})");
     let set = |seq: u64| format!("kind = {}, body = {}", take("kind", seq), take("body", seq));
@@ -44,7 +43,6 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
         ("UPDATE events SET offset_s = 0 WHERE seq = 10".to_owned(), vec![changed(10, 10)]),
         ("UPDATE events SET mission = NULL WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
         ("UPDATE events SET body = replace(body, '3', '4') WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
-        // A space in the JSON.
         ("UPDATE events SET body = replace(body, ',', ', ') WHERE seq = 7".to_owned(), vec![changed(7, 7)]),
         (exchange(8, 10), vec![changed(8, 9), changed(10, 10)]),
         ("DELETE FROM events WHERE seq = 8".to_owned(), vec![missing(8, 8), changed(8, 9)]),

@@ -15,7 +15,6 @@ const FOLDER: &str = "HALLSWEEP_CRASH_FOLDER";
 /// The child prints this before the number of each stored page.
 const KEPT: &str = "kept ";
 
-/// Number of kills.
 const KILLS: usize = 12;
 
 /// Writes until it is killed, some pages with a photo, and reports what is stored.

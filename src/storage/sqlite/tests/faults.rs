@@ -212,7 +212,6 @@ fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     (Opened { store, archive: Arc::new(SqliteArchive::new(folder.clone())), recalled, failure }, status)
 }
 
-/// A writer whose steps the test calls.
 fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let folder = Folder::new(&scratch.data());
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();

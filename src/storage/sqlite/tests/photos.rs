@@ -88,7 +88,6 @@ fn what_stands_in_the_place_of_a_photo_gives_way_or_is_named() {
     assert!(words.contains("room.unfinished: it is a folder"), "{words}");
 }
 
-/// A photo that is lost for good is told from one that may be readable later.
 #[test]
 fn a_photo_that_is_missing_or_another_is_spoilt_and_one_that_cannot_be_opened_is_not() {
     let scratch = Scratch::new();

@@ -55,7 +55,6 @@ impl Scratch {
     }
 }
 
-/// Hands pages over, one after the other, and numbers them.
 pub(super) struct Scribe {
     pub(super) opened: Opened,
     written: Seq,
@@ -172,7 +171,6 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
     Fact::Luggage { record: Arc::new(record), photo }
 }
 
-/// The piece after its photo number `take`.
 pub(super) fn taken(id: u64, take: u32, photo: Photo) -> Fact {
     let Fact::Luggage { record, photo } = found(id, Some(photo)) else { panic!("it is a piece of luggage") };
     let state = PhotoState::Taken { bytes: 1, take };
@@ -201,7 +199,6 @@ pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// State after these entries.
 pub(super) fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
     let mut state = PersistentState::first(Strategy::default());
     entries.into_iter().for_each(|entry| state.apply(entry));

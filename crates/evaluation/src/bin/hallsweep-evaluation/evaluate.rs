@@ -75,7 +75,6 @@ pub(crate) struct Evaluate {
     tours: Option<PathBuf>,
 }
 
-/// A comparison, and its criterion.
 struct Question {
     contest: Contest,
     measure: Measure,
@@ -233,7 +232,6 @@ fn timings() -> Timings {
     Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }
 }
 
-/// The index of the strategy among the entrants.
 fn place_of(strategy: Strategy, entrants: &[Entrant]) -> Result<usize, Failure> {
     entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy)).ok_or_else(|| {
         Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", strategy.name()))

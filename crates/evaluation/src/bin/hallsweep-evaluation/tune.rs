@@ -107,7 +107,6 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
 }
 
 impl Tune {
-    /// The origin of the weights, as written to their file.
     fn origin(&self) -> String {
         let from = self.from.as_ref().map_or_else(String::new, |path| format!(" --from {}", path.display()));
         let families: Vec<String> = self.halls_of.iter().map(Family::to_string).collect();

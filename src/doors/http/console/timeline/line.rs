@@ -17,7 +17,6 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::{Conditions, Phase, Speaking};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
-/// Entries in a section of the picture.
 const SECTION: usize = 64;
 
 /// Milliseconds per unit to the right.
@@ -32,7 +31,6 @@ const LEAST_MS: i64 = 60_000;
 /// Time that passes in the picture while the program is off, in milliseconds.
 const OFF_MS: i64 = 5_000;
 
-/// After all entries.
 pub(in super::super) const LAST: Seq = Seq(u64::MAX);
 
 /// What a page must know to move along a timeline.
@@ -61,16 +59,13 @@ pub(in super::super) struct Timeline {
     language: Language,
     zone: Zone,
     threshold: Celsius,
-    /// Complete sections.
     full: Vec<Arc<str>>,
     /// The last section, which grows.
     growing: Section,
-    /// The state at the end of the complete sections.
     carried: OpenSpans,
     began: Option<i64>,
     end: i64,
     last: Seq,
-    /// Jumps of the clock, with the entries that record them.
     leaps: Vec<(Seq, [i64; 3])>,
     entries: usize,
     is_over: bool,
@@ -116,7 +111,6 @@ impl Timeline {
         self.language
     }
 
-    /// Whether no more entries will follow.
     pub(super) const fn is_complete(&self) -> bool {
         self.is_over || self.is_cut()
     }
@@ -148,7 +142,6 @@ impl Timeline {
         self.x(self.end).max(LEAST_MS / UNIT_MS)
     }
 
-    /// Position of a moment in the picture.
     pub(in super::super) fn x(&self, unix_ms: i64) -> i64 {
         let (_, shown, off) = self.stretch(unix_ms);
         shown.saturating_sub(self.began.unwrap_or(shown)).saturating_sub(off).max(0) / UNIT_MS
@@ -195,12 +188,10 @@ impl Timeline {
         (from..).zip(sections).map(|(place, markup)| (id(place), markup))
     }
 
-    /// Everything from here on happens under these conditions.
     pub(super) const fn under(&mut self, conditions: &Conditions) {
         self.threshold = conditions.threshold;
     }
 
-    /// Adds the next entries.
     pub(super) fn extend(&mut self, happened: &[Happened]) {
         for (seq, entry) in happened {
             self.last = *seq;

@@ -21,14 +21,11 @@ pub(super) const FAR: i64 = 1_000_000_000;
 const BELOW: f64 = 12.0;
 const ABOVE: f64 = 8.0;
 
-/// Vertical range of the temperatures.
 const COLD: f64 = 42.0;
 const HOT: f64 = 18.0;
 
-/// Vertical position of the threshold.
 pub(in super::super) const THRESHOLD_Y: f64 = COLD - BELOW / (ABOVE + BELOW) * (COLD - HOT);
 
-/// The end of the temperature's line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TemperaturePoint {
     pub(super) x: i64,
@@ -37,7 +34,6 @@ pub(super) struct TemperaturePoint {
     is_hot: bool,
 }
 
-/// A section of the picture, layer by layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Section {
     pub(super) entries: usize,
@@ -114,14 +110,12 @@ pub(in super::super) fn id(place: usize) -> String {
     format!("time_{place}")
 }
 
-/// Vertical position of a temperature.
 fn y(celsius: Celsius, threshold: Celsius) -> f64 {
     let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
     let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
     (height * 10.0).round() / 10.0
 }
 
-/// Vertical range of a mark.
 fn heights(class: &str) -> (i64, i64) {
     match class {
         "found" => (49, 54),

@@ -4,7 +4,6 @@ use super::{View, sentence};
 use hallsweep_core::phase::PhaseName;
 
 impl View<'_> {
-    /// The sentence for screen readers.
     pub(in super::super) fn announcement(&self) -> String {
         let mut words = vec![sentence(&self.phase_in_full())];
         let mission = &self.snapshot.mission;

@@ -49,7 +49,6 @@ impl View<'_> {
         self.unsearched().map_or_else(|| self.phase(), |left| format!("{} · {left}", self.phase()))
     }
 
-    /// The searchable part of the hall, if the hall is known in advance.
     pub(in super::super) fn reach(&self) -> Option<Phrase<'static>> {
         let Reach { reachable, free } = self.snapshot.mission.progress.reach?;
         Some(self.say("progress-reach").with("reachable", reachable).with("free", free))

@@ -88,7 +88,6 @@ impl View<'_> {
         })
     }
 
-    /// Every reading that keeps the hall too hot, and what ends it.
     pub(in super::super) fn heat(&self) -> Vec<String> {
         let cool = self.snapshot.temperature.cool;
         let words = |source: &str, last: &SourceReading| {
@@ -116,7 +115,6 @@ impl View<'_> {
         *status == TemperatureStatus::Ok && celsius.is_some() && silent_since.is_none()
     }
 
-    /// The source of a reading.
     pub(super) fn source<'s>(&self, source: &'s str) -> Cow<'s, str> {
         if source == OPERATOR { self.say("role-operator").to_string().into() } else { source.into() }
     }

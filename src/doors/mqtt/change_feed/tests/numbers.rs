@@ -30,7 +30,6 @@ fn happens() -> impl Strategy<Value = Happens> {
     ]
 }
 
-/// The number of a piece and the time of its photo, from an old message.
 fn record(content: &str) -> Option<(u64, String)> {
     let (_, rest) = content.split_once("photo ")?;
     let (id, rest) = rest.split_once(',')?;

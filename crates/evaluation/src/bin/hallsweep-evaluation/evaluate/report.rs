@@ -51,7 +51,6 @@ pub(super) fn time_left(held: &[(Family, Held)]) -> String {
     format!("{}\n\nShares of the time that searches took, in halls of 12x9 to 50x50 cells.", aligned(&table))
 }
 
-/// A table for each comparison, with a line for each entrant.
 pub(super) fn blocks(answers: &[Answer], entrants: &[Entrant], against: Option<usize>) -> String {
     let blocks: Vec<String> = answers.iter().map(|answer| block(answer, entrants, against)).collect();
     blocks.join("\n\n")
@@ -106,7 +105,6 @@ fn shown(estimate: Option<Estimate>) -> String {
     estimate.map_or_else(|| "-".to_owned(), |estimate| estimate.to_string())
 }
 
-/// Pads every column to its widest entry.
 fn aligned(table: &[Vec<String>]) -> String {
     let columns = table.first().map_or(0, Vec::len);
     let width = |column: usize| table.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
