@@ -14,7 +14,7 @@ pub fn written(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut serializer = minicbor_serde::Serializer::new(&mut bytes);
     serializer.serialize_unit_as_null(true);
-    value.serialize(&mut serializer).expect("the shapes of the wire are texts, numbers, lists and maps, and memory takes all");
+    value.serialize(&mut serializer).expect("the shapes of the wire are texts, numbers, lists and maps, which CBOR can hold");
     bytes
 }
 

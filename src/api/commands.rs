@@ -93,7 +93,7 @@ pub fn named(name: &str) -> Option<&'static CommandRow> {
 
 impl CommandKind {
     pub fn row(self) -> &'static CommandRow {
-        COMMANDS.iter().find(|row| row.kind == self).expect("every kind has its row: a test holds that")
+        COMMANDS.iter().find(|row| row.kind == self).expect("every kind has its row, as a test shows")
     }
 }
 

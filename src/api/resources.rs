@@ -85,7 +85,7 @@ const fn row(
 
 impl ResourceKind {
     pub fn row(self) -> &'static ResourceRow {
-        const { &RESOURCES }.iter().find(|row| row.kind == self).expect("everything that is shown has its row: a test holds that")
+        const { &RESOURCES }.iter().find(|row| row.kind == self).expect("every resource has its row, as a test shows")
     }
 
     /// When it last changed. A map changes with the robot, too.

@@ -118,7 +118,7 @@ impl From<Answers> for Verdicts {
 fn progress_bar(cells: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
     let bar = ProgressBar::new(cells as u64);
-    bar.with_style(style.expect("the template is a constant and names only fields that there are"))
+    bar.with_style(style.expect("the template is a constant and names only existing fields"))
 }
 
 fn for_people(figures: &Figures) -> String {

@@ -29,8 +29,7 @@ const BY_DEFAULT: &str = "config/default.toml";
 
 impl Flag {
     pub(crate) fn given(flag: &'static str, value: String) -> Flag {
-        let key = Key::of_flag(flag)
-            .expect("every flag that is given to a setting stands in the table, as a test of each command says");
+        let key = Key::of_flag(flag).expect("every flag of a setting is in the table, as a test of each command shows");
         Flag { flag, key: key.name, value }
     }
 

@@ -36,7 +36,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
         return Err(layers.wrong_with_advice(&format!("{ROBOTS}.{last}.kind"), format!("there are {count} robots"), &advice));
     }
     let one = |name: &str| {
-        let robot = RobotId::new(name).expect("a name that is none was refused when the layers were read");
+        let robot = RobotId::new(name).expect("an invalid name was refused when the layers were read");
         if Which::ALL.into_iter().any(|which| which.robot() == robot) {
             let key = format!("{ROBOTS}.{name}.kind");
             return Err(layers.wrong_with_advice(&key, "one of the pair that fetches has this name", "give it another name"));

@@ -49,7 +49,7 @@ fn bundle(language: Language, files: &[&str]) -> Bundle {
     bundle.set_use_isolating(false);
     for file in files {
         let file = FluentResource::try_new((*file).to_owned()).expect("a test reads every file of phrases");
-        bundle.add_resource(file).expect("no phrase is there twice: a test looks");
+        bundle.add_resource(file).expect("no phrase occurs twice, as a test shows");
     }
     bundle
 }

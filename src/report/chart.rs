@@ -59,7 +59,7 @@ impl Chart {
         let down = |degrees: f64| (most - degrees) / (most - least) * HEIGHT as f64;
         let mut points = String::new();
         for (column, degrees) in columns.iter().enumerate().filter_map(|(column, degrees)| Some((column, (*degrees)?))) {
-            write!(points, "{column},{:.1} ", down(degrees)).expect("a String takes all that is written");
+            write!(points, "{column},{:.1} ", down(degrees)).expect("writing to a string does not fail");
         }
         Ok(Some(Chart { points, threshold: threshold.map(|threshold| down(threshold.degrees())), most, least }))
     }

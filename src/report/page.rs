@@ -41,7 +41,7 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Fail
 }
 
 fn part(out: &mut dyn Write, part: &impl Template) -> Result<(), Failure> {
-    let text = part.render().expect("the templates take whatever is on record, and a String takes all that is written");
+    let text = part.render().expect("the templates accept every record, and writing to a string does not fail");
     out.write_all(text.as_bytes())?;
     out.write_all(b"\n")?;
     Ok(())

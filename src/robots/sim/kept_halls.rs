@@ -91,7 +91,7 @@ impl KeptHalls {
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
-        self.names.lock().expect("nothing panics while it holds the names")
+        self.names.lock().expect("no code panics while it holds the names")
     }
 }
 

@@ -83,7 +83,7 @@ struct Writing {
 
 impl Default for MemoryStore {
     fn default() -> MemoryStore {
-        let connection = empty().expect("an empty database in memory takes the tables, which the tests have made in it");
+        let connection = empty().expect("tests create these tables in an empty database in memory");
         let writing = Mutex::new(Writing { connection, under_way: None, standing: Seq(0) });
         let journal = Arc::new(MemoryJournal { writing, turn: Mutex::default() });
         MemoryStore { journal, word: watch::Sender::new(StoreStatus::default()) }

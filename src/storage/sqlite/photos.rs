@@ -90,7 +90,7 @@ impl Pictures<'_> {
 /// Temporary file, fsync, rename, fsync of the folder.
 fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
     let path = folder.photo(picture);
-    let shelf = path.parent().expect("a photo stands in a folder of its own two letters");
+    let shelf = path.parent().expect("a photo is in a folder named by the first two letters of its digest");
     if !holds(&path, bytes) {
         [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");

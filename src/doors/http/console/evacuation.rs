@@ -17,7 +17,7 @@ pub(super) fn circles(v: &View<'_>) -> String {
         for bomb in v.snapshot.luggage.bombs_left() {
             let (x, y) = is_at(v.snapshot, bomb);
             let circle = format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>");
-            group.write_fmt(circle).expect("a string takes what is written to it");
+            group.write_fmt(circle).expect("writing to a string does not fail");
         }
     }
     group.push_str("</g>");

@@ -21,7 +21,7 @@ impl<'a> ConsolePage<'a> {
     }
 
     fn part(&self, id: &str) -> String {
-        let part = PARTS.iter().find(|part| part.id == id).expect("the page's template names only parts there are");
+        let part = PARTS.iter().find(|part| part.id == id).expect("the page's template names only existing parts");
         (part.render)(self.v)
     }
 

@@ -20,7 +20,7 @@ impl Kept {
     pub(super) fn new(media_type: &'static str, text: String) -> Kept {
         let mut packed = GzEncoder::new(Vec::new(), Compression::default());
         let written = packed.write_all(text.as_bytes()).and_then(|()| packed.finish());
-        Kept { media_type, packed: written.expect("a list takes all that is written").into(), plain: text.into() }
+        Kept { media_type, packed: written.expect("writing to a list of bytes does not fail").into(), plain: text.into() }
     }
 
     pub(super) fn sent(&self, accepted: &HeaderMap) -> Response {

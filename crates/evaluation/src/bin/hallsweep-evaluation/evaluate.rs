@@ -205,7 +205,7 @@ impl Evaluate {
             let plain: String = name.chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
             let named = |n: usize| if n == 1 { format!("{plain}.svg") } else { format!("{plain}-{n}.svg") };
             // Two halls may have the same name.
-            let name = (1..).map(named).find(|name| taken.insert(name.clone())).expect("numbers do not end");
+            let name = (1..).map(named).find(|name| taken.insert(name.clone())).expect("there is always another number");
             Ok((OutputFile::open(&folder.join(name))?, question, entrant))
         };
         all.map(opened).collect()
@@ -261,5 +261,5 @@ fn strategy(written: &str) -> Result<Strategy, String> {
 /// A progress bar on standard error, shown only on a terminal.
 fn progress_bar(searches: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("evaluating {wide_bar} {pos} of {len} searches · {elapsed} · {msg}");
-    ProgressBar::new(searches).with_style(style.expect("the template is a constant and names only fields that there are"))
+    ProgressBar::new(searches).with_style(style.expect("the template is a constant and names only existing fields"))
 }

@@ -165,5 +165,5 @@ pub(super) fn costs(written: &str) -> Result<Costs, String> {
 /// A progress bar on standard error, shown only on a terminal.
 fn progress_bar(parts: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}");
-    ProgressBar::new(parts).with_style(style.expect("the template is a constant and names only fields that there are"))
+    ProgressBar::new(parts).with_style(style.expect("the template is a constant and names only existing fields"))
 }
