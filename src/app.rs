@@ -211,7 +211,6 @@ async fn start(
     (handle, threads.core.handle().spawn(task.run(course)), simulator)
 }
 
-/// The core with the recalled state, or as at the very first start.
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
     // Tells this run's revisions from those of any other: the start time, and random bytes, as the clock may be set back.

@@ -183,7 +183,6 @@ impl Healthcheck {
 }
 
 impl Cli {
-    /// The requested command; `serve` by default.
     pub fn task(self) -> Subcommands {
         self.command.unwrap_or(Subcommands::Serve(self.serve))
     }

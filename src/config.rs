@@ -63,7 +63,6 @@ pub struct Settings {
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
-    /// Settings without effect for the robots that there are, as they were given.
     pub without_effect: Vec<String>,
 }
 

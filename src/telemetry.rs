@@ -134,7 +134,6 @@ pub fn warn_of_unannounced(error: &dyn fmt::Display) {
     tracing::warn!(%error, "the addresses and the link to sign in were not announced; `hallsweep token` shows keys that are kept");
 }
 
-/// Warns about settings without effect for the robots that there are.
 pub fn warn_of_idle(settings: &str) {
     tracing::warn!(settings, "these do nothing with the robots of these settings");
 }

@@ -71,7 +71,6 @@ impl Keyring {
         Keyring::of(Keys::first()?)
     }
 
-    /// These keys, without a file.
     pub fn of(keys: Keys) -> Result<Keyring, AccessError> {
         let run = hexadecimal(&chance()?[..8]).into();
         Ok(Keyring { keys: Arc::new(Mutex::new(Arc::new(keys))), run })

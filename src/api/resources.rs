@@ -17,7 +17,6 @@ use hallsweep_core::world::resource::Resource;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ResourceKind {
     State,
-    /// The order of the search.
     Strategy,
     Of(Resource),
     Piece,

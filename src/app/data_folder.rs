@@ -23,7 +23,6 @@ pub(super) struct DataFolder {
     pub(super) store: Box<dyn Store>,
     pub(super) archive: Arc<dyn Archive>,
     pub(super) recalled: Option<Recalled>,
-    /// Whether the robot was put at home in another hall than before.
     pub(super) elsewhere: bool,
     /// Remembers a STOP even when the journal cannot be written.
     pub(super) stops: Option<Stops>,
@@ -129,7 +128,6 @@ pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     }
 }
 
-/// The message about a mission whose robots are in another hall than the given one.
 fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     let robot = names::SIMULATED.within(folder);
     format!(

@@ -71,7 +71,6 @@ pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
     Ok(Front { hosts: http.hosts.clone(), tls, ..Front::default() })
 }
 
-/// The token of the key that was created at the first start.
 fn first(keyring: &Keyring) -> Result<Token, AccessError> {
     keyring.keys().named(crate::access::OPERATOR).map(|key| key.token.clone())
 }

@@ -32,7 +32,6 @@ pub(super) struct Mqtt {
     hall: Option<http::Hall>,
 }
 
-/// What both kinds of broker share.
 struct Common {
     topics: Topics,
     home_assistant: bool,

@@ -34,7 +34,6 @@ pub struct Doors {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundPort {
-    /// Its first address.
     pub at: SocketAddr,
     /// The port it would have had, if another program did not have it.
     pub instead_of: Option<u16>,

@@ -28,7 +28,6 @@ fn announcement(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Strin
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt, idle].into_iter().flatten().collect()
 }
 
-/// One line about settings without effect, if there are any.
 fn without_effect(settings: &Settings) -> Option<String> {
     Some(settings.without_effect.join(", ")).filter(|idle| !idle.is_empty())
 }

@@ -115,7 +115,6 @@ fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
     Err(layers.wrong_with_advice("coap.bind", problem, advice))
 }
 
-/// Whether this is a host name as in a link, without a port.
 fn is_host(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_'))
 }

@@ -26,7 +26,6 @@ pub(super) fn variable(key: &Key) -> String {
     format!("{PREFIX}{}", key.name.replace('.', "__").to_uppercase())
 }
 
-/// The setting that a variable without the prefix names apart from its underscores.
 pub(super) fn nearly(name: &str) -> Option<&'static Key> {
     let plain = |text: &str| text.replace(['_', '.'], "").to_lowercase();
     let meant = plain(name.strip_prefix(OURS).filter(|_| !name.starts_with(PREFIX))?);

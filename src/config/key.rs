@@ -189,7 +189,6 @@ impl Key {
         sections
     }
 
-    /// Advice about an unknown name: the names in its section, or the sections.
     pub fn advice_for_unknown(name: &str) -> String {
         let section = name.split('.').next().unwrap_or_default();
         if section == ROBOTS {

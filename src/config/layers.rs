@@ -46,7 +46,6 @@ impl Flag {
 
 pub(super) struct Layers {
     merged: Figment,
-    /// The further robots, and where each was first named.
     further: BTreeMap<String, String>,
     /// Settings of the searching robot given under its own name: where, and which setting of `[robot]` each one is.
     by_name: Vec<(String, String)>,

@@ -50,7 +50,6 @@ pub enum MqttRouter {
 pub struct OtherBroker {
     pub host: String,
     pub port: u16,
-    /// Whether to use MQTT 5 instead of 3.1.1.
     pub is_five: bool,
     pub is_encrypted: bool,
     pub login: Option<Login>,

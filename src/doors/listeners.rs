@@ -27,7 +27,6 @@ impl Listeners {
         Ok(Listeners { ports, turn: 0, thread: Handle::current() })
     }
 
-    /// The port number of the first one.
     pub fn port(&self) -> u16 {
         self.ports.first().and_then(|port| port.local_addr().ok()).map_or(0, |address| address.port())
     }

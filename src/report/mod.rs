@@ -44,7 +44,6 @@ const BATCH: usize = 1000;
 pub struct Report<'a> {
     archive: &'a dyn Archive,
     claim: Claim,
-    /// The first entry of the mission.
     began: Option<Seq>,
     /// The head of the chain of digests; `None` for a journal in memory, where nothing can confirm the report later.
     head: Option<Head>,

@@ -314,7 +314,6 @@ fn a_photo_that_is_lost_is_said_to_be_so_and_one_that_cannot_be_read_just_now_ma
     }
 }
 
-/// A mission of `pieces` pieces, all with the same photo.
 fn photographed(pieces: u64, seed: u32) -> Mission {
     let photo: &[u8] = png(&noise(seed), (160, 120), png::ColorType::Rgb, png::BitDepth::Eight).leak();
     Mission { photo: Ok(photo), ..Mission::of((1..=pieces).map(|id| piece(id, photo.len())).collect()) }

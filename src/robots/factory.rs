@@ -32,7 +32,6 @@ pub struct Robots {
     usual: (String, Option<(u32, u32)>),
     /// All names, those of the pair last.
     ids: Vec<RobotId>,
-    /// What the settings say about each, in the same order.
     team: Arc<[Participant]>,
 }
 
@@ -111,7 +110,6 @@ impl Robots {
         }
     }
 
-    /// All names, the searching robot's first.
     pub fn ids(&self) -> impl Iterator<Item = &RobotId> {
         self.ids.iter()
     }

@@ -30,7 +30,6 @@ pub enum Envelope {
     /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
     Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Decision>>),
     Simulated(Issuer, Simulated),
-    /// A request to put these simulated robots into the hall of this name.
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
 }
 

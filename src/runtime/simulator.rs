@@ -56,7 +56,6 @@ pub struct HallFacts {
     pub toml: Arc<str>,
 }
 
-/// The hall into which the robots are to be put.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherHall {
     pub source: HallSource,
@@ -126,7 +125,6 @@ pub trait Simulator: Send + Sync {
     /// Names of the offered halls, the stored ones last.
     fn halls(&self) -> Vec<String>;
 
-    /// Names of the halls that somebody stored and may delete.
     fn kept_halls(&self) -> Vec<String>;
 
     /// The offered hall of this name, as a hall file.

@@ -11,7 +11,6 @@ use hallsweep_core::units::Seq;
 pub struct StoreStatus {
     /// The entry up to which everything is stored, apart from losses.
     pub kept: Seq,
-    /// Why nothing can be written just now, in words for an operator.
     pub failure: Option<Arc<str>>,
     /// How often writing has failed. A rise means that every page not stored yet is lost, and so is every page handed over
     /// without knowledge of it; the core records the present state anew once the store writes again.

@@ -33,7 +33,6 @@ pub struct Task {
     word: watch::Receiver<StoreStatus>,
     clock: Clock,
     halts: HaltWatch,
-    /// The last stop that the core was told of.
     heard: Epoch,
     commands: mpsc::Receiver<Envelope>,
     /// What found the command queue full.

@@ -53,7 +53,6 @@ fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<CommandO
     tokio::spawn(async move { give(&handle, command).await })
 }
 
-/// The next order sent to the robot.
 async fn ordered(robot: &mut RobotSide) -> Stamped {
     within("an order", robot.orders.recv()).await.expect("the loop runs")
 }

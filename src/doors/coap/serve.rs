@@ -195,7 +195,6 @@ impl<A: Application> Driver<A> {
     }
 
     async fn finish(&mut self) {
-        // The last notification to observers.
         self.endpoint.close(&Response::refusal(Code::UNAVAILABLE, Gone.to_string()));
         self.settle(self.clock.since_start());
         while let Some((exchange, answer)) = self.pending.next().await {

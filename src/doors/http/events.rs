@@ -99,7 +99,6 @@ mod tests {
         response.into_body().into_data_stream()
     }
 
-    /// The next event: its name, id and data.
     async fn next(stream: &mut BodyDataStream) -> (String, String, Value) {
         loop {
             let bytes = tokio::time::timeout(Duration::from_secs(5), stream.next()).await.expect("an event within 5 s");

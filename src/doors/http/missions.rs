@@ -74,7 +74,6 @@ pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
     Ok(query.count("at", 1..=MOST)?.map(Seq))
 }
 
-/// The states of a mission at these moments.
 pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[PastMoment; N], Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
@@ -119,7 +118,6 @@ fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -
     archive.entries(mission, Span::after(after), most)
 }
 
-/// A list of a mission's events, whose next page is under this name.
 async fn listed(
     door: &HttpDoor,
     id: u64,
@@ -174,7 +172,6 @@ fn retrieval_of(mut entries: Vec<Happened>) -> Option<RetrievalRecordJson> {
     RetrievalRecordJson::new(&entries, complete)
 }
 
-/// The mission before which a list begins.
 pub(super) fn before(query: &Query) -> Result<Option<MissionId>, Problem> {
     Ok(query.count("before", 1..=MOST)?.map(MissionId))
 }

@@ -107,7 +107,6 @@ pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Probl
     }
 }
 
-/// The record of a piece of this mission, or of an earlier one.
 pub(super) async fn record(door: &HttpDoor, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));

@@ -120,7 +120,6 @@ fn changes_and_past() -> Vec<RouteRow> {
     ]
 }
 
-/// Computations without a relation to the hall.
 #[rustfmt::skip]
 fn laboratory() -> Vec<RouteRow> {
     vec![

@@ -88,7 +88,6 @@ impl PartialArchive for Pictures {
     }
 }
 
-/// The record of the present mission.
 pub(super) fn present_mission() -> MissionRecord {
     let [present, _] = past::missions();
     present
@@ -153,7 +152,6 @@ impl TestApp {
         self.send("POST", path, &[("content-type", "application/x-www-form-urlencoded")], body).await
     }
 
-    /// The last request to the loop.
     pub(super) fn last(&self) -> command::Request {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }

@@ -26,7 +26,6 @@ pub(super) struct Watcher {
 
 pub(super) enum Wake {
     Changed(Arc<Snapshot>),
-    /// Nothing has changed for the requested time.
     Quiet,
     /// The program is ending, or the reader is not admitted any more.
     Closed,

@@ -14,7 +14,6 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::connect::{Credentials, NoConnect};
 
-/// The shared state of connections in front of a loop that follows the test's script; nobody reads the results of commands.
 fn clients() -> (Clients, Script) {
     let (handle, script) = obedient(idle());
     let commands = Commands::new(handle, topics(), true, mpsc::channel(1).0);

@@ -21,11 +21,9 @@ pub struct Publication {
     pub topic: String,
     pub payload: Bytes,
     pub retain: bool,
-    /// Properties for clients of MQTT 5.
     pub beside: Beside,
 }
 
-/// Properties of a message for clients of MQTT 5.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Beside {
     pub is_json: bool,
@@ -46,7 +44,6 @@ impl Beside {
         notes * PROPERTY + said + json + self.revision.map_or(0, |_| PROPERTY + 20)
     }
 
-    /// The properties in the form of MQTT 5.
     pub(super) fn with_properties<T>(&self, take: impl FnOnce(&[Property<'_>]) -> T) -> T {
         let revision = self.revision.map(|revision| revision.to_string());
         let json = self.is_json.then_some([Property::PayloadFormat(1), Property::ContentType(JSON)]);

@@ -44,7 +44,6 @@ impl Drop for Test {
     }
 }
 
-/// A program that sends what the test wants, and nothing by itself.
 struct Client {
     stream: TcpStream,
     lines: LineReader,

@@ -335,7 +335,6 @@ mod tests {
         within("its answer", link.reports.recv()).await.unwrap()
     }
 
-    /// A driver that records what it is told in its memory, and answers every order at once.
     #[derive(Debug, Default)]
     struct Recorder {
         told: Vec<String>,

@@ -28,7 +28,6 @@ struct Controlled {
 const FORWARD: Action = Action::Move(Move::Forward);
 
 impl Controlled {
-    /// A robot in a hall of one column, after its first reports.
     async fn begin(rows: &[&str]) -> Controlled {
         let hall = Arc::new(Hall::from_rows("test", rows).expect("a good hall"));
         let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Stub) };

@@ -56,7 +56,6 @@ impl Test {
         self.link.orders.send(Stamped { order, halts }).await.unwrap();
     }
 
-    /// The answer to the order under way, without the sonar's reports.
     async fn answer(&mut self) -> RobotEvent {
         loop {
             let event = within("the robot's answer", self.link.reports.recv()).await.expect("the robot is running");

@@ -44,7 +44,6 @@ impl Offered {
         self.always.iter().map(|always| always.name.clone()).chain(self.kept()).collect()
     }
 
-    /// The stored halls, without those whose name is taken by another hall.
     pub(super) fn kept(&self) -> Vec<String> {
         self.kept.names().into_iter().filter(|name| !self.is_always(name)).collect()
     }

@@ -67,7 +67,6 @@ impl SimPair {
         };
     }
 
-    /// The hall as the pair left it, without the pieces it has removed.
     pub(in crate::robots) fn floor(&self) -> Arc<Hall> {
         Arc::new(self.hall.rearranged(&self.taken_away()))
     }

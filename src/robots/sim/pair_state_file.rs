@@ -42,12 +42,10 @@ impl PairStateFile {
         Ok((state_file, Some(memory)))
     }
 
-    /// A state file for a pair that is put at this hall anew.
     pub(super) fn begin_anew(dir: &Path, hall: &Hall) -> PairStateFile {
         PairStateFile { file: SmallFile::within(dir, names::PAIR), whose: Whose::of(hall), owed: None }
     }
 
-    /// The pair is at this hall from now on, newly put there.
     pub(super) fn move_to(&mut self, hall: &Hall) {
         (self.whose, self.owed) = (Whose::of(hall), None);
     }

@@ -54,7 +54,6 @@ impl Remote {
         (Remote { controls, moves, under_way: None }, ask)
     }
 
-    /// Controls that nobody changes.
     pub(in crate::robots) fn untouched() -> Remote {
         Remote::new(watch::channel(Controls::default()).1).0
     }
@@ -64,7 +63,6 @@ impl Remote {
         self.under_way.is_some()
     }
 
-    /// Reports that the link has nothing under way any more.
     pub(super) fn say_ready(&mut self) {
         if let Some(ready) = self.under_way.as_mut().and_then(|under_way| under_way.ready.take()) {
             // The requester may have given up; then there is no decision, either.

@@ -28,7 +28,6 @@ pub struct HandedPages {
     /// is recorded first.
     left: PhaseName,
     pose: Pose,
-    /// The last piece that was counted.
     luggage: LuggageId,
 }
 
@@ -48,7 +47,6 @@ enum CountedFact {
 }
 
 impl HandedPages {
-    /// Starts with the mission as in `snapshot`, and no pages.
     pub fn new(figures: Figures, snapshot: &Snapshot) -> HandedPages {
         let luggage = snapshot.luggage.last().map_or(LuggageId(0), |luggage| luggage.id);
         let (phase, pose) = (snapshot.mission.phase, snapshot.robot.pose);

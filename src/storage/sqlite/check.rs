@@ -122,7 +122,6 @@ fn empty() -> Result<Connection, Fault> {
     Ok(empty)
 }
 
-/// The schema of an empty journal, or of an archive.
 fn expected(folder: &Folder) -> Result<Connection, Fault> {
     let empty = empty()?;
     if folder.is_archive() {
@@ -131,7 +130,6 @@ fn expected(folder: &Folder) -> Result<Connection, Fault> {
     Ok(empty)
 }
 
-/// SQL of all tables, indices and triggers, without SQLite's internal ones.
 fn tables(connection: &Connection) -> Result<std::collections::BTreeSet<String>, Fault> {
     rows_of(connection, "(SELECT type, name, tbl_name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%')")
 }

@@ -24,7 +24,6 @@ const SHOWN: usize = 200;
 #[derive(Debug)]
 pub(super) enum Fault {
     Sql(rusqlite::Error),
-    /// An I/O error on a file beside the journal.
     File(io::Error),
     /// SQLite found the structure of the journal broken; its findings.
     Damaged(String),
@@ -73,7 +72,6 @@ pub(super) enum Then {
 }
 
 impl Fault {
-    /// Turns an I/O error on a named file into a fault.
     pub(super) fn of_file(error: io::Error, name: Name, path: PathBuf) -> Fault {
         if error.kind() == io::ErrorKind::PermissionDenied {
             Fault::Closed(path)
@@ -119,7 +117,6 @@ impl Fault {
         if let Fault::Damaged(detail) = self { one_line(detail) } else { self.words(folder, Then::StartAgain) }
     }
 
-    /// The message to an operator: what is wrong, and what to do.
     pub(super) fn words(&self, folder: &Path, then: Then) -> String {
         let file = Folder::new(folder).journal();
         let (file, shown) = (file.display(), folder.display());

@@ -77,7 +77,6 @@ struct Writing {
     connection: Connection,
     /// Mission of the next entry.
     under_way: Option<MissionId>,
-    /// The last state snapshot.
     standing: Seq,
 }
 

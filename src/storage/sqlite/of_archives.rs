@@ -35,12 +35,10 @@ impl Records {
         })
     }
 
-    /// The last archive, if it was written out up to this entry.
     pub(super) fn written_out(&self, until: Seq) -> Option<&WrittenOut> {
         self.written_out.iter().rfind(|record| record.until == until)
     }
 
-    /// The archive that holds this mission.
     pub(super) fn with_mission(&self, mission: MissionId) -> Option<&WrittenOut> {
         self.written_out.iter().find(|record| (record.missions.0..=record.missions.1).contains(&mission))
     }

@@ -23,7 +23,6 @@ const LARGEST: usize = 64 * 1024 * 1024;
 /// Media type of photos whose type this version does not know.
 const OTHER: &str = "application/octet-stream";
 
-/// Table of photos for a journal without a folder.
 pub(super) const PICTURES: &str = "CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;";
 
 #[derive(Clone, Copy, Debug)]

@@ -46,7 +46,6 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     Ok(Some(Recalled { state, written, commands, latest }))
 }
 
-/// The latest commands and findings up to this entry, oldest first.
 pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<RememberedLine>, Fault> {
     let latest = rows::latest(connection, Kinds::Told, written, LATEST, LATEST_AMONG)?;
     Ok(latest.iter().map(remembered).collect())

@@ -117,7 +117,6 @@ fn one_of(connection: &Connection, which: &str, mission: MissionId, bound: Seq) 
     Ok(statement.query_row([whole(mission.0)?, whole(bound.0)?], read).optional()?)
 }
 
-/// The last state snapshot before `before`.
 pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE kind = 'standing' AND seq < ?1 ORDER BY seq DESC LIMIT 1";
     let before = before.map_or(Ok(i64::MAX), |before| whole(before.0))?;

@@ -67,7 +67,6 @@ pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault>
     Ok(transaction.commit()?)
 }
 
-/// Creates an empty file of an older format.
 #[cfg(test)]
 pub(super) fn of_format(connection: &mut Connection, format: u8) {
     let transaction = connection.transaction().unwrap();

@@ -70,7 +70,6 @@ pub(super) struct Writer {
     pub(super) ended: Receiver<()>,
     pub(super) hand: Hand,
     pub(super) head: HeadFile,
-    /// The last entry reported as stored.
     pub(super) kept: Seq,
     /// Bytes of photos in the last batch.
     pub(super) bulk: usize,

@@ -21,7 +21,6 @@ pub(super) struct RepresentationCache(Mutex<LinkedHashMap<Key, (Revision, Copies
 
 type Key = (Show, u64, Format);
 
-/// One representation for readers and for observers, with a shared body.
 #[derive(Clone, Debug)]
 pub(super) struct Copies {
     /// Not valid as the present state a moment later (Max-Age 0); its tag tells cheaply whether it still is.

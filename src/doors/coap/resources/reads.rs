@@ -84,7 +84,6 @@ impl Resources {
         }))
     }
 
-    /// The newest photo of a piece, from the cache or from disk.
     fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Reply, Problem> {
         let id = LuggageId(number);
         let present = snapshot.luggage(id).map(|piece| photos::tag_of_photo(piece)).transpose()?;
@@ -101,7 +100,6 @@ impl Resources {
     }
 }
 
-/// Whether this is a piece of a past mission.
 fn is_past(show: Show, number: u64, snapshot: &Snapshot) -> bool {
     show == Show::Resource(ResourceKind::Piece) && snapshot.luggage(LuggageId(number)).is_none()
 }

@@ -40,7 +40,6 @@ pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot)
     }
 }
 
-/// A piece of a past mission.
 pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
     resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
 }

@@ -15,7 +15,6 @@ use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
 use coap_endpoint::{Code, Endpoint, Transmit};
 
-/// A door: its socket's input, and the loop behind it.
 struct Door {
     endpoint: Endpoint,
     app: TestApp,

@@ -15,12 +15,10 @@ pub(super) struct PathRow {
     pub(super) path: &'static str,
     pub(super) rt: String,
     pub(super) title: String,
-    /// The result of a GET.
     pub(super) shows: Option<Representations>,
     pub(super) actions: Vec<(Method, Action)>,
 }
 
-/// The result of a GET.
 #[derive(Clone)]
 pub(super) struct Representations {
     pub(super) show: Show,

@@ -21,7 +21,6 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 
-/// A piece of a past mission.
 pub(super) const PAST: u64 = 70;
 
 pub(super) const UNREADABLE: u64 = 99;
@@ -80,7 +79,6 @@ impl TestApp {
         (response.code.to_string(), String::from_utf8_lossy(&response.body).into_owned())
     }
 
-    /// The last request to the loop.
     pub(super) fn last(&self) -> command::Request {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }
@@ -97,7 +95,6 @@ impl TestApp {
     }
 }
 
-/// A GET of a path with its query.
 pub(super) fn get(path: &str) -> Request {
     request(Method::Get, path, "")
 }

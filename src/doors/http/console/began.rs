@@ -13,7 +13,6 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// Pause before the record is read again after a failure.
 const AGAIN: Duration = Duration::from_secs(5);
 
-/// The result, shared by all pages of a door.
 #[derive(Debug, Default)]
 pub(in crate::doors::http) struct Began(Mutex<Lookup>);
 

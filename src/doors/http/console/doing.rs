@@ -67,7 +67,6 @@ impl View<'_> {
         if self.is_reached() { self.last_led() } else { "unknown" }
     }
 
-    /// The state of its LED at its last report.
     pub(super) fn last_led(&self) -> &'static str {
         match self.parts() {
             Some(parts) if !parts.has(Part::Led) => "none",
@@ -83,7 +82,6 @@ impl View<'_> {
         self.last_state()
     }
 
-    /// Its activity at its last report.
     pub(super) const fn last_state(&self) -> Phrase<'static> {
         self.does_itself(&self.snapshot.robot)
     }

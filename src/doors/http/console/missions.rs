@@ -266,7 +266,6 @@ fn entrance(state: &PersistentState) -> Option<Entrance> {
     state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Entrance::of(&state.map))
 }
 
-/// The result of a mission, in words for an operator.
 fn came_to(language: Language, record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
     let is_put_away = record.archived.is_some();

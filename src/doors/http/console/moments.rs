@@ -84,7 +84,6 @@ async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Res
     Ok(door.archive.look_up(move |_| Ok(message())).await?)
 }
 
-/// What is the same at all moments of a mission, and the reader.
 struct About {
     door: HttpDoor,
     mission: u64,

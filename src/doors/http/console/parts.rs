@@ -107,7 +107,6 @@ pub(super) const PARTS: [PagePart; 23] = [
     PagePart { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
 ];
 
-/// The confirmation page for browsers without script.
 #[derive(Template)]
 #[template(path = "console/confirm.html")]
 pub(super) struct Confirm {

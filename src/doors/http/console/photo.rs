@@ -42,7 +42,6 @@ pub(super) struct Take {
     pub(super) url: String,
 }
 
-/// The latest photos of a piece, oldest first.
 pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
     let newest = luggage.take().unwrap_or(0);
     let shown = newest.saturating_sub(SHOWN) + 1..=newest;

@@ -43,7 +43,6 @@ pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &S
     changed
 }
 
-/// Each piece in its cell, for a mission's record.
 pub(super) fn in_their_cells<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>) -> String {
     let mut group = String::new();
     pieces.for_each(|piece| draw(language, &mut group, piece));

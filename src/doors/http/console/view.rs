@@ -30,14 +30,12 @@ use hallsweep_core::world::temperature::SourceReading;
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: HallInfo,
-    /// When the present mission began, if that is known.
     pub(super) began: Option<WallTime>,
     /// The reader; `None` where no key is required.
     pub(super) who: Option<Who>,
     pub(super) language: Language,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
-    /// The timeline of the shown mission.
     pub(super) line: Option<&'a Timeline>,
     /// The shown moment of the past; `None` for now.
     pub(super) then: Option<Then>,
@@ -164,7 +162,6 @@ impl View<'_> {
         is_known.then(|| self.language.engine(self.hall.robot.as_ref()))
     }
 
-    /// The refusal at this button, or the empty place for one.
     pub(super) fn why(&self, button: &str) -> Why {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
     }

@@ -333,7 +333,6 @@ fn a_hall_of_which_a_part_cannot_be_reached_is_not_simply_explored() {
     assert!(!shown(8).contains("free cells"));
 }
 
-/// The texts of the fields with reported values: temperature in the bar, state, sonar, position, LED.
 fn fields(page: &str) -> [String; 5] {
     let between = |from: &str, to: &str| page.split_once(from).map_or("", |(_, rest)| rest.split(to).next().unwrap_or_default());
     let heat = between("<li class=\"num heat ", "</li>").split_once("\">").map_or("", |(_, heat)| heat);

@@ -5,7 +5,6 @@ use crate::phrases::Language;
 use hallsweep_laboratory::pallet::{AskedFault, Entry, Figures as Carried, Missed, News, Pallet, PalletFault, Spread, kind};
 use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, Run, Transition, Words};
 
-/// A figure: its name, and its value in each run.
 pub(super) type Row = (String, Vec<String>);
 
 pub(super) struct Event {

@@ -58,7 +58,6 @@ impl Description {
     }
 }
 
-/// The rows that programs use, in the order of the table, each with its operation.
 fn described(schemas: &mut Schemas) -> Vec<(RouteRow, Operation)> {
     let key = |method: &axum::http::Method, path: &str| (method.to_string(), path.to_owned());
     let mut operations: BTreeMap<_, Operation> =

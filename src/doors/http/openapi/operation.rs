@@ -229,7 +229,6 @@ impl Operation {
     }
 }
 
-/// Name of a problem's answer: its title in one word.
 pub(super) fn name(title: &str) -> String {
     title.split(' ').collect()
 }

@@ -74,7 +74,6 @@ struct MediaContent {
     kind: Vec<Word>,
 }
 
-/// A part of a type's description: plain text, or the name of a shape.
 struct Word {
     text: String,
     is_shape: bool,

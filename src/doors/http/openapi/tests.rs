@@ -8,7 +8,6 @@ use super::*;
 use crate::access::Access;
 use crate::api::fixture::searching;
 
-/// Routes for people and browsers: pages, their files, and the change to MQTT.
 fn is_for_people(path: &str) -> bool {
     const FOLDERS: [&str; 4] = ["/static/", "/console/", "/luggage/", "/simulator/"];
     const PAGES: [&str; 13] = [

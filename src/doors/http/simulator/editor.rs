@@ -37,7 +37,6 @@ struct EditorPage {
     bound: Option<String>,
     may_act: bool,
     done: Option<Markup>,
-    /// The error message.
     why: Option<String>,
     /// Parts that a search would not reach; `None` when the hall was not checked.
     findings: Option<Vec<Finding>>,

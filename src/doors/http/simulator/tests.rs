@@ -56,7 +56,6 @@ async fn a_viewer_changes_nothing_and_a_stranger_sees_nothing() {
     }
 }
 
-/// A simulator that does nothing.
 struct Still(watch::Sender<Arc<SimulatorState>>);
 
 fn refused(why: NotSimulated) -> Changing {

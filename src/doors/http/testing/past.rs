@@ -25,7 +25,6 @@ pub(super) const UNREADABLE: MissionId = MissionId(99);
 /// The damage in the record of the first mission.
 pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a mouse was at it)";
 
-/// Both missions, newest first.
 pub(super) fn missions() -> [MissionRecord; 2] {
     let hour = |hours: i64| WallTime { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
     let first = MissionRecord {

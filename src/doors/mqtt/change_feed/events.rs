@@ -10,7 +10,6 @@ use hallsweep_core::snapshot::log::LogLine;
 
 #[derive(Default)]
 pub(super) struct Events {
-    /// Number of the last published line.
     said: u64,
 }
 

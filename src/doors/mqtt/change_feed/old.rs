@@ -25,7 +25,6 @@ const PIECES: usize = 4_096;
 
 #[derive(Default)]
 pub(super) struct Old {
-    /// The number of the last message.
     number: u64,
     /// Contents of the last message about the robot.
     robot: Option<(RobotState, Pose)>,

@@ -24,7 +24,6 @@ pub struct Picture {
 pub(super) struct Photos {
     newest: Option<Picture>,
     asked: Option<Picture>,
-    /// The last photo that was read.
     shown: Option<(Picture, Bytes)>,
     pub(super) is_due: bool,
 }

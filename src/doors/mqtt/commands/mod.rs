@@ -152,7 +152,6 @@ impl Commands {
         Taken::NotACommand
     }
 
-    /// Number of old messages that nobody understood.
     #[cfg(test)]
     fn not_understood(&self) -> u64 {
         self.nobody.count()

@@ -74,7 +74,6 @@ pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, p
     )
 }
 
-/// The next result: its topic without the prefix, and its contents.
 pub(super) async fn next(results: &mut mpsc::Receiver<ResultMessage>) -> (String, Value) {
     let publication = within("a result", results.recv()).await.expect("somebody may still answer").taken();
     assert!(!publication.retain, "a result is for those who listen now");
@@ -106,7 +105,6 @@ impl TestApp {
         self.results.try_recv().is_err()
     }
 
-    /// The last request to the loop.
     pub(super) async fn last(&self) -> Request {
         self.settled().await;
         self.script.given.lock().unwrap().last().cloned().expect("a command was given")

@@ -24,7 +24,6 @@ fn components(topics: &Topics) -> BTreeMap<String, Value> {
     config["components"].as_object().unwrap().clone().into_iter().collect()
 }
 
-/// The last message on each topic that is published for a state.
 fn published(snapshot: &Snapshot) -> BTreeMap<String, Vec<u8>> {
     let mut feed = ChangeFeed::new(topics(), true);
     feed.handle_state(Arc::new(snapshot.clone()));

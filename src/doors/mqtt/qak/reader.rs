@@ -19,10 +19,7 @@ pub enum Unreadable {
         at: usize,
     },
     #[error("at byte {at} it is nested deeper than {DEPTH} terms")]
-    TooDeep {
-        /// The beginning of the first term that is too deep.
-        at: usize,
-    },
+    TooDeep { at: usize },
     #[error("at byte {at} there is {}: {expected} belongs there", found.map_or("its end".to_owned(), |found| format!("{found:?}")))]
     Unexpected {
         at: usize,

@@ -55,12 +55,10 @@ impl Number {
     }
 }
 
-/// Whether `letter` can begin a word without quotes.
 pub(super) const fn begins_word(letter: char) -> bool {
     letter.is_ascii_alphabetic() || letter == '_'
 }
 
-/// Whether `letter` can be part of a word without quotes.
 pub(super) const fn is_in_word(letter: char) -> bool {
     begins_word(letter) || letter.is_ascii_digit()
 }

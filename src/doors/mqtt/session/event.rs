@@ -21,7 +21,6 @@ pub(super) enum Event {
     Sent(u16),
     /// Our DISCONNECT was sent.
     HungUp,
-    /// An event that nobody needs.
     Other,
 }
 

@@ -33,7 +33,6 @@ struct Topic {
 }
 
 impl Kept {
-    /// Starts without publications on this connection.
     pub(super) fn new(topics: Vec<String>, has_echo: bool) -> Kept {
         Kept { topics: topics.into_iter().map(|topic| (topic, None)).collect(), has_echo, marks: RandomState::new() }
     }

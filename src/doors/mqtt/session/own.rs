@@ -33,7 +33,6 @@ pub struct OwnSession {
 }
 
 impl OwnSession {
-    /// A session that has published nothing yet.
     pub fn new(
         broker: Arc<Broker>,
         (topics, home_assistant): (Topics, bool),

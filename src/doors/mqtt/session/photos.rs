@@ -13,7 +13,6 @@ type Looked = (Picture, Option<Photo>);
 pub(super) struct PhotoReading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
 impl PhotoReading {
-    /// Begins to read the requested photo, unless one is being read.
     pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &ArchiveReader) {
         if self.0.is_none()
             && let Some(picture) = news.poll_photo()

@@ -32,7 +32,6 @@ pub(super) fn end(mission: u64) -> Vec<Fact> {
     [archive(mission), vec![Fact::State(Box::new(state))]].concat()
 }
 
-/// A mission with one photographed piece that was found safe.
 pub(super) fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
     scribe.keep(begin(mission));
     scribe.keep(vec![found(mission, Some(photo(picture))), inspecting(mission)]);
@@ -107,7 +106,6 @@ pub(super) fn lines(path: &Path) -> Vec<String> {
     lines
 }
 
-/// What is shown of a mission: its end, every moment of it, its photos.
 pub(super) fn shown(
     archive: &dyn crate::runtime::archive::Archive,
     mission: u64,

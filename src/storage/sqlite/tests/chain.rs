@@ -184,7 +184,6 @@ fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
     }
 }
 
-/// Contents of a journal: its entries and pages, and the records that explain gaps.
 fn content(scratch: &Scratch) -> Vec<String> {
     let mut lines = Vec::new();
     let reading = ReadOnlyJournal::open(&scratch.data()).unwrap();

@@ -80,7 +80,6 @@ struct Question {
     measure: Measure,
 }
 
-/// Result of a comparison: the trials of each entrant.
 struct Answer {
     question: Question,
     trials: Vec<Vec<Trial>>,
@@ -190,7 +189,6 @@ impl Evaluate {
         self.halls.iter().map(asked).collect()
     }
 
-    /// The requested pictures of tours: one for each comparison and entrant.
     fn tours<'a>(
         &self,
         questions: &'a [Question],

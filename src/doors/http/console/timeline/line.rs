@@ -47,7 +47,6 @@ pub(in super::super) struct Scale {
     breaks: Vec<[i64; 3]>,
     /// Milliseconds per unit.
     unit: i64,
-    /// Whether the mission goes on.
     open: bool,
     /// Whether the timeline ends because no more entries are drawn.
     cut: bool,
@@ -115,7 +114,6 @@ impl Timeline {
         self.is_over || self.is_cut()
     }
 
-    /// Whether the mission may have more entries than are drawn.
     pub(in super::super) const fn is_cut(&self) -> bool {
         self.entries >= MOST && !self.is_over
     }
@@ -137,7 +135,6 @@ impl Timeline {
         }
     }
 
-    /// Its length in the picture, in units.
     pub(in super::super) fn width(&self) -> i64 {
         self.x(self.end).max(LEAST_MS / UNIT_MS)
     }
@@ -147,7 +144,6 @@ impl Timeline {
         shown.saturating_sub(self.began.unwrap_or(shown)).saturating_sub(off).max(0) / UNIT_MS
     }
 
-    /// A moment of the mission, by the clock beside the timeline.
     pub(in super::super) fn at(&self, unix_ms: i64) -> At {
         let (place, ..) = self.stretch(unix_ms);
         let least = place.checked_sub(1).map_or(Seq(0), |before| self.leaps[before].0);
