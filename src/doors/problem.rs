@@ -21,10 +21,10 @@ pub(super) struct Problem {
     code: &'static str,
     detail: String,
     /// The refusal of the core that the detail is the sentence of.
-    refused: Option<Refused>,
+    refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
     /// What was asked for, if it is known better than by method and path.
-    asked: Option<Asked>,
+    asked: Option<Box<Asked>>,
     /// Whether it concerns a sender's request that the core has not recorded.
     is_for_record: bool,
 }
@@ -40,11 +40,11 @@ impl Problem {
     }
 
     fn with(self, refused: Refused) -> Problem {
-        Problem { detail: refused.to_string(), refused: Some(refused), ..self }
+        Problem { detail: refused.to_string(), refused: Some(Box::new(refused)), ..self }
     }
 
     pub(super) fn of(self, asked: Asked) -> Problem {
-        Problem { asked: Some(asked), ..self }
+        Problem { asked: Some(Box::new(asked)), ..self }
     }
 
     pub(super) fn saying(self, detail: String) -> Problem {
@@ -107,12 +107,12 @@ impl Problem {
     }
 
     /// The refusal of the core of which the detail is the sentence.
-    pub(super) const fn of_core(&self) -> Option<&Refused> {
-        self.refused.as_ref()
+    pub(super) fn of_core(&self) -> Option<&Refused> {
+        self.refused.as_deref()
     }
 
     pub(super) fn asked(&self) -> Option<Asked> {
-        self.asked.clone()
+        self.asked.as_deref().cloned()
     }
 
     pub(super) const fn is_for_record(&self) -> bool {
@@ -121,7 +121,7 @@ impl Problem {
 
     pub(super) fn for_record(&self) -> Refused {
         let own = || Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() };
-        let of_core = self.refused.clone().filter(|refused| refused.code() == self.code);
+        let of_core = self.of_core().filter(|refused| refused.code() == self.code).cloned();
         of_core.unwrap_or_else(|| Refused::InWords(own()))
     }
 
