@@ -34,7 +34,7 @@ const LONGEST_TURN: Duration = Duration::from_micros(500);
 const SHORTEST_TURN: Duration = Duration::from_micros(100);
 
 thread_local! {
-    /// Woken desks to be served on this thread; `None` when it is not serving.
+    /// Woken services to be run on this thread; `None` when it is not serving.
     static QUEUE: RefCell<Option<VecDeque<Arc<ClientService>>>> = const { RefCell::new(None) };
     static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: LONGEST_TURN, at: Duration::ZERO }) };
 }
@@ -52,7 +52,7 @@ struct Allowance {
     at: Duration,
 }
 
-/// Makes this thread serve the desks that it wakes. Dropping it wakes the tasks of those not served.
+/// Makes this thread run the services that it wakes. Dropping it wakes the tasks of those not run.
 struct ServiceQueue;
 
 impl ClientService {
@@ -99,7 +99,7 @@ impl ClientService {
         if wants_task {
             self.task.wake();
         } else if wants_turn {
-            // After the desks that this step has woken.
+            // After the services that this step has woken.
             waker.wake();
         }
     }
@@ -124,7 +124,7 @@ impl Wake for ClientService {
     }
 }
 
-/// Runs `ring`, which may wake desks, and serves these on this thread as long as the allowance lasts; the tasks of the others
+/// Runs `ring`, which may wake services, and runs these on this thread as long as the allowance lasts; the tasks of the others
 /// serve them.
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
