@@ -3,7 +3,7 @@
 #![no_main]
 
 use hallsweep_fuzz::core::command::Command;
-use hallsweep_fuzz::doors::mqtt::qak::incoming::{Asked, asked, is_stop};
+use hallsweep_fuzz::doors::mqtt::qak::incoming::{QakRequest, asked, is_stop};
 use hallsweep_fuzz::doors::mqtt::qak::message::Message;
 use libfuzzer_sys::fuzz_target;
 
@@ -23,7 +23,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
     for manual_driving in [false, true] {
         let asked = asked(bytes, manual_driving);
-        assert_eq!(is_stop(bytes), asked == Ok(Asked::Command(Command::Stop)), "both see the same stops");
+        assert_eq!(is_stop(bytes), asked == Ok(QakRequest::Command(Command::Stop)), "both see the same stops");
         if let Err(wrong) = &asked {
             assert!(wrong.to_string().len() <= SENTENCE && !wrong.asked().to_string().is_empty(), "{wrong}");
         }
