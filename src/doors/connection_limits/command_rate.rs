@@ -1,23 +1,27 @@
-//! Limits the rate of commands of one sender: a flood would fill the record and everybody's queue. A STOP is not counted.
+//! Limit of the commands that one sender may send per second: a flood would fill the journal and delay everybody's commands. STOP
+//! is not counted.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+/// Maximum commands per second of a sender whose commands may be accepted: sixty sensors that report each second, people at some
+/// panels, and a script.
 const OPERATORS: u32 = 300;
 
-/// Commands in a second for senders whose commands are all refused.
+/// Maximum commands per second of a sender whose commands are all refused.
 const VIEWERS: u32 = 50;
 
-/// Number of commands of each sender in the second that began then.
+/// Per sender: the start of the current second, since the start of the program, and the number of commands in it.
 #[derive(Debug, Default)]
 pub(in crate::doors) struct CommandRate(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl CommandRate {
-    /// Whether one more command of this sender is accepted, at `now` since the start. There are as many senders as keys.
+    /// Counts one more command, and returns whether it is accepted. `now` is the time since the start of the program. There are
+    /// as many senders as keys.
     pub(in crate::doors) fn admits(&self, sender: Arc<str>, is_viewer: bool, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        // A removed key leaves its name behind; nobody creates many keys.
+        // The entry of a removed key stays; nobody creates many keys.
         let (since, said) = all.entry(sender).or_insert((now, 0));
         if now.saturating_sub(*since) >= Duration::from_secs(1) {
             (*since, *said) = (now, 0);

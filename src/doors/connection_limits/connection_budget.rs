@@ -1,14 +1,15 @@
-//! The budget of descriptors for the connections of all doors: their limits hold as they are where the system allows enough open files,
-//! and are smaller in proportion where it does not. So the doors together never need the last descriptor, and no crowd at one of them
-//! keeps the others closed (safety S9).
+//! The budget of descriptors for the connections of all doors. The limits hold in full where the system allows enough open files,
+//! and are scaled down in proportion where it does not. So the doors together never need the last descriptor, and no crowd at one
+//! door keeps the others closed (safety S9).
 
-/// Descriptors for all connections of all doors at their limits, closing ones included: over HTTP one each, over MQTT three.
+/// Descriptors for all connections when every door is at its limit, closing connections included: one per HTTP connection, three
+/// per MQTT client.
 const CONNECTIONS: u64 = 2_600;
 
-/// Descriptors for everything else: the record, the ports, and what the threads wait with.
+/// Descriptors for everything else: the journal, the listening ports, and the pollers of the threads.
 const RESERVED: u64 = 80;
 
-/// No limit is scaled down below this.
+/// Smallest value to which a limit is scaled down.
 const LEAST: usize = 4;
 
 /// Descriptors that connections may take.
@@ -23,7 +24,7 @@ impl ConnectionBudget {
         ConnectionBudget { descriptors: descriptors.saturating_sub(RESERVED).min(CONNECTIONS) }
     }
 
-    /// A limit of `all` in a full budget, scaled down to this one.
+    /// Scales down `all`, the limit in a full budget, to this budget.
     pub fn scaled(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.descriptors / CONNECTIONS).unwrap_or(all);
         part.max(LEAST.min(all))

@@ -1,6 +1,5 @@
-//! Slots for HTTP connections that have sent a request: how many there are, how many of them one key or one network may have, and which
-//! connection is evicted for a newcomer when none is free: the one that makes least progress. Before their first request connections
-//! are pending.
+//! Slots for HTTP connections that have sent a request. One key and one network have limited shares. When no slot is free, the
+//! connection with the least progress is evicted for a newcomer. Connections without a request yet are in `pending_connections`.
 
 mod eviction_queues;
 
@@ -16,18 +15,19 @@ use super::connection_budget::ConnectionBudget;
 use super::pending_connections::EVICTED_AT_ONCE;
 use crate::access::{Access, Caller, Network, Role};
 
-/// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
-/// descriptors by default, and pending connections, those who linger, the other doors and files need some too.
+/// Maximum number of open connections: 256 streams, and 384 for requests beside them. A process has 1,024 descriptors by default,
+/// and pending and closing connections, the other doors and files need some too.
 pub(in crate::doors) const SLOTS: usize = 640;
 
-/// With keys, one key, and one network other than this machine, has at most one in this many of all slots.
+/// Divisor of all slots for the share of one key, and of one network other than this machine. There are no shares without keys.
 const PARTS: usize = 4;
 
-/// One in this many of all slots is reserved for operators, who may not be there yet.
+/// Divisor of all slots for the part that is reserved for operators, who may connect later.
 const KEPT: usize = 8;
 
-/// A connection that was cut is closed where answers are made, which may be late: so many may be on their way out before nobody else is
-/// let in, and as many again for whoever says STOP and for operators. So what a flood opens and loses costs no more than this.
+/// Maximum number of evicted connections that are still closing: the ordinary threads close them, which may take long. Beyond it
+/// no newcomer is accepted, except operators and STOP, for which the maximum is twice as high. So a flood of opened and evicted
+/// connections costs no more than this.
 const LEAVING: usize = 32;
 
 /// All slots of the door. Cheap to clone.
@@ -36,23 +36,23 @@ pub(in crate::doors) struct ConnectionSlots(Arc<Mutex<SlotTable>>);
 
 struct SlotTable {
     most: usize,
-    /// How many of those who were cut may be on their way out.
+    /// Maximum number of evicted connections that are still closing.
     leaving: usize,
     has_shares: bool,
-    /// Counts everything that happens here, so that what is older has the lesser number.
+    /// Number of all events of the slots so far; the smaller of two moments is the older one.
     moments: u64,
     /// Slots in use, those of evicted connections that are still closing included.
     held: usize,
     holders: HashMap<u64, SlotHolder>,
-    /// The order in which they give way: looking through all of them for each newcomer would keep STOPs of others waiting.
+    /// The order of eviction, kept sorted: a search through all holders for each newcomer would delay the STOPs of others.
     queues: EvictionQueues,
 }
 
-/// For whom a slot is wanted.
+/// Sender for whom a slot is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::doors) struct SlotClaim {
     network: Network,
-    /// Nothing of strangers.
+    /// `None` for strangers.
     who: Option<Who>,
 }
 
@@ -61,23 +61,23 @@ type Who = (Arc<str>, bool);
 
 struct SlotHolder {
     claim: SlotClaim,
-    /// Requests whose heads have come and that are not answered.
+    /// Requests whose heads have arrived and that are not answered.
     open: u64,
     is_receiving: bool,
     is_watching: bool,
-    /// When it last came further.
+    /// Moment of the last progress.
     since: u64,
     cut: Arc<Notify>,
 }
 
-/// What a connection is doing, in the order in which it gives way.
+/// Activity of a connection; the order is that of eviction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Activity {
     Resting,
-    /// A body is on its way, however slowly.
+    /// A body is arriving, however slowly.
     Receiving,
     Answering,
-    /// An endless answer: it does not give way, and there are fewer of them than slots.
+    /// An endless answer. It is not evicted, and there are fewer of them than slots.
     Watching,
 }
 
@@ -88,7 +88,6 @@ pub(in crate::doors) struct ConnectionSlot {
 }
 
 impl SlotClaim {
-    /// Whoever asks from there; nobody is known by a request without a key.
     pub(in crate::doors) fn new(address: IpAddr, caller: Option<&Caller>) -> SlotClaim {
         let who = caller.map(|caller| (caller.name(), caller.role() == Role::Operator));
         SlotClaim { network: Network::of(address), who }
@@ -98,7 +97,7 @@ impl SlotClaim {
         self.who.as_ref().is_some_and(|(_, is_operator)| *is_operator)
     }
 
-    /// Strangers, then viewers, then operators.
+    /// Rank in the order of eviction: strangers, then viewers, then operators.
     const fn rank(&self) -> u8 {
         match &self.who {
             None => 0,
@@ -109,15 +108,15 @@ impl SlotClaim {
 }
 
 impl ConnectionSlots {
-    /// A door's slots, all free. Without keys there are no shares.
+    /// Free slots for a door. There are no shares without keys.
     pub(in crate::doors) fn new(most: usize, budget: ConnectionBudget, access: &Access) -> ConnectionSlots {
         let (most, leaving, has_shares) = (budget.scaled(most), budget.scaled(LEAVING), matches!(access, Access::Keys(_)));
         let (holders, queues) = (HashMap::new(), EvictionQueues::default());
         ConnectionSlots(Arc::new(Mutex::new(SlotTable { most, leaving, has_shares, moments: 0, held: 0, holders, queues })))
     }
 
-    /// A slot; when none is free, that of another connection, which is told by its `cut`. `None` when none can be evicted, or too many
-    /// that were have not closed yet.
+    /// Takes a slot, and evicts another connection when none is free, whose `cut` is notified. `None` when no connection can be
+    /// evicted, or too many evicted ones are not closed yet.
     pub(in crate::doors) fn take(&self, claim: SlotClaim, says_stop: bool, cut: Arc<Notify>) -> Option<ConnectionSlot> {
         let mut table = self.table();
         let is_heeded = says_stop || table.has_shares && claim.is_operator();
@@ -133,7 +132,7 @@ impl ConnectionSlots {
         Some(ConnectionSlot { number, slots: self.clone() })
     }
 
-    /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
+    /// Evicts some connections when the system has no more descriptors, and returns how many.
     pub(in crate::doors) fn evict_some(&self) -> usize {
         let mut table = self.table();
         (0..EVICTED_AT_ONCE).map_while(|_| table.queues.of_all().1.filter(|first| table.cut(Some(*first)))).count()
@@ -166,7 +165,8 @@ impl SlotTable {
         Some(holder)
     }
 
-    /// Whoever has his share full takes the slot of one of his own, and nobody but an operator takes an operator's.
+    /// Makes room for this claim. A key or network with a full share loses one of its own connections, and only an operator
+    /// evicts an operator.
     fn make_room(&mut self, claim: &SlotClaim) -> bool {
         let (most, has_shares) = (self.most, self.has_shares);
         if has_shares {
@@ -181,19 +181,20 @@ impl SlotTable {
         self.holders.len() < most || self.cut(first)
     }
 
-    /// Whether there is room for one more of so many, after the first of them gave way if need be.
+    /// Whether one more than `many` is within `most`, after an eviction if necessary.
     fn bounded(&mut self, most: usize, (many, first): (usize, Option<EvictionTurn>)) -> bool {
         many < most || self.cut(first)
     }
 
-    /// A connection has shown another key than before: when there are too many of that now, one of them gives way.
+    /// Keeps a key within its share after a connection has shown another key than before: evicts one of its connections when
+    /// there are too many.
     fn keep_share(&mut self, claim: &SlotClaim) {
         if self.has_shares {
             self.bounded(self.most / PARTS + 1, self.queues.of_key(claim));
         }
     }
 
-    /// Cuts this connection; `false` when there is none.
+    /// Evicts this connection; `false` when there is none.
     fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
         let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
         holder.cut.notify_one();
@@ -202,7 +203,6 @@ impl SlotTable {
 }
 
 impl SlotHolder {
-    /// When it gives way, under this number.
     const fn turn(&self, number: u64) -> EvictionTurn {
         EvictionTurn { rank: self.claim.rank(), activity: self.activity(), since: self.since, number }
     }
@@ -218,7 +218,7 @@ impl SlotHolder {
 }
 
 impl ConnectionSlot {
-    /// A head has come, whose body follows or not. A body that comes slowly is no progress.
+    /// Notes that the head of a request has arrived. A body that arrives slowly is no progress.
     pub(in crate::doors) fn asked(&self, claim: SlotClaim, has_body: bool) {
         let mut is_another = false;
         self.change(true, |holder| {
@@ -235,17 +235,17 @@ impl ConnectionSlot {
         self.change(true, |holder| holder.is_receiving = false);
     }
 
-    /// The answer to a request has no end.
+    /// Notes that the answer to a request has no end.
     pub(in crate::doors) fn watches(&self) {
         self.change(false, |holder| holder.is_watching = true);
     }
 
-    /// The connection speaks another protocol from now on: its slot is free, and nobody needs to cut it.
+    /// Frees the slot of a connection that changes to another protocol, and is therefore never evicted here.
     pub(in crate::doors) fn hands_over(&self) {
         let _ = self.slots.table().remove(self.number);
     }
 
-    /// Something of an answer was taken to be sent.
+    /// Notes that a part of an answer was fetched for sending.
     pub(in crate::doors) fn sends(&self) {
         self.change(true, |_| {});
     }

@@ -3,11 +3,11 @@
 //! | limit | of what | beyond it |
 //! |---|---|---|
 //! | `connection_budget` | all descriptors of all doors | every other limit is smaller |
-//! | `pending_connections` | connections that have not said who they are, or get no further answer | the oldest of the largest crowd is cut |
-//! | `connection_slots` | HTTP connections that have sent a request | whoever makes least progress is cut |
-//! | `session_limits` | MQTT sessions, and what their clients leave unread | one of whoever has most is cut |
-//! | `request_quota` | requests under way, open streams, and results of MQTT commands | the request is refused, or has no result |
-//! | `command_rate` | MQTT commands a second of one sender | the command is refused |
+//! | `pending_connections` | connections that have not authenticated, or are closing | the oldest of the largest crowd is evicted |
+//! | `connection_slots` | HTTP connections that have sent a request | the one with the least progress is evicted |
+//! | `session_limits` | MQTT sessions, and the bytes that their clients leave unread | a session of the largest owner is evicted |
+//! | `request_quota` | open requests, open streams, and results of MQTT commands | the request is refused, or has no result |
+//! | `command_rate` | MQTT commands per second of one sender | the command is refused |
 
 mod command_rate;
 mod connection_budget;

@@ -1,6 +1,6 @@
-//! Connections that have not said who they are, or get no further answer: so many at once, of which the oldest of whichever network has
-//! most is evicted. So a newcomer is heard however many come, and longer than a crowd of one network (safety S9). What a connection
-//! becomes when it has said who it is, is decided by the door.
+//! A limited number of connections that have not authenticated, or are closing. Beyond the limit the oldest connection of the
+//! network with most of them is evicted: every newcomer is served, and outlasts a crowd of one network (safety S9). The door
+//! decides what a connection becomes after it has authenticated.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -11,7 +11,7 @@ use tokio::sync::Notify;
 
 use crate::access::Network;
 
-/// Connections evicted at once when the system has no more descriptors, so that newcomers get in and files can be opened.
+/// Number of connections evicted at once when the system has no more descriptors, so that newcomers and files find some.
 pub(super) const EVICTED_AT_ONCE: usize = 16;
 
 /// The pending connections of a door. Cheap to clone.
@@ -21,9 +21,9 @@ pub(in crate::doors) struct PendingConnections(Arc<Mutex<PendingTable>>);
 struct PendingTable {
     most: usize,
     entered: u64,
-    /// In the order in which they came,
+    /// Connections by number, oldest first.
     waiting: BTreeMap<u64, (Network, Arc<Notify>)>,
-    /// and how many of them each network has.
+    /// Number of pending connections of each network.
     networks: HashMap<Network, usize>,
 }
 
@@ -44,7 +44,7 @@ impl PendingConnections {
         })))
     }
 
-    /// Admits a connection from there; `cut` is notified when it is evicted.
+    /// Admits a connection from this address; `cut` is notified when it is evicted.
     pub(in crate::doors) fn admit(&self, address: IpAddr, cut: Arc<Notify>) -> PendingConnection {
         let mut table = self.table();
         if table.waiting.len() >= table.most {
@@ -58,7 +58,7 @@ impl PendingConnections {
         PendingConnection { number, pending: self.clone(), cut }
     }
 
-    /// Lets a connection from there do its `last`, until that is done or it is evicted.
+    /// Runs `last`, the rest of a closing connection, until it is done or the connection is evicted.
     pub(in crate::doors) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
         let waiting = self.admit(address, Arc::default());
         tokio::select! {
@@ -80,7 +80,7 @@ impl PendingConnections {
 }
 
 impl PendingTable {
-    /// Evicts the first in line; `false` when nobody is here.
+    /// Evicts the oldest connection of the largest network; `false` when there is none.
     fn evict_one(&mut self) -> bool {
         let most = self.networks.values().max();
         let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);
@@ -102,12 +102,11 @@ impl PendingTable {
 }
 
 impl PendingConnection {
-    /// Ends the waiting; `false` when it was evicted before.
+    /// Stops counting the connection; `false` when it was evicted before.
     pub(in crate::doors) fn leave(self) -> bool {
         self.pending.table().remove(self.number).is_some()
     }
 
-    /// Waits until it is evicted.
     pub(in crate::doors) async fn evicted(&self) {
         self.cut.notified().await;
     }
@@ -130,7 +129,7 @@ mod tests {
         from.into_iter().map(|address| pending.admit(address.parse().unwrap(), Arc::default())).collect()
     }
 
-    /// Who had to make room.
+    /// Indexes of the evicted connections.
     fn gone(crowd: &[PendingConnection]) -> Vec<usize> {
         (0..crowd.len()).filter(|number| crowd[*number].evicted().now_or_never().is_some()).collect()
     }
@@ -147,7 +146,7 @@ mod tests {
         assert!(crowd.waiting.is_empty() && crowd.networks.is_empty(), "whoever leaves is not counted");
     }
 
-    /// Safety S9: an attacker with many addresses drives nobody away sooner than his own that are older.
+    /// Safety S9: an attacker with many addresses loses his own older connections before newer ones of others.
     #[test]
     fn of_crowds_that_are_equally_large_the_oldest_makes_room() {
         let pending = PendingConnections::new(4);

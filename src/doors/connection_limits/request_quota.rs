@@ -1,20 +1,20 @@
-//! Quotas of requests under way: so many at once, of which one key has its share, and some are reserved for keys that have few, so that
-//! nobody goes without because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results are
-//! made of it.
+//! Limited numbers of open requests. Each key has a share, and a part is reserved for keys with few open requests, so that nobody
+//! is refused because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results are
+//! built on it.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::access::{Access, Caller, Role};
 
-/// How many requests may be under way at once.
+/// Limits of the requests that are open at once.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) most: usize,
     pub(in crate::doors) of_one_key: usize,
-    /// How many of them are reserved for keys that have few.
+    /// Part of `most` that is reserved for keys with few open requests.
     pub(in crate::doors) kept: usize,
-    /// A key that has fewer than this has few.
+    /// A key with fewer open requests than this has few.
     pub(in crate::doors) few: usize,
 }
 
@@ -31,7 +31,7 @@ struct Counted {
 #[derive(Debug, Default)]
 struct InUse {
     all: usize,
-    /// Of these, by each key that has any.
+    /// Number of open requests of each key that has any.
     by_key: HashMap<Arc<str>, usize>,
 }
 
@@ -47,10 +47,10 @@ impl RequestQuota {
         RequestQuota(Arc::new(Counted { limits, taken: Mutex::default() }))
     }
 
-    /// Admits a request of whoever has shown this key; without a key there are no shares.
+    /// Admits one more request with this key. Requests without a key have no share: they may use all of the quota.
     ///
     /// # Errors
-    /// When it is refused, how many are under way of those that he may have.
+    /// When it is refused: the number of open requests of the key when its share is used up, of all when the quota is.
     pub(in crate::doors) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
         let QuotaLimits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
@@ -71,7 +71,7 @@ impl RequestQuota {
         Ok(Permit { quota: self.clone(), key })
     }
 
-    /// Whether nothing is remembered of any key.
+    /// Whether no key is counted.
     #[cfg(test)]
     pub(in crate::doors) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()
@@ -94,15 +94,14 @@ impl Drop for Permit {
     }
 }
 
-/// Open streams of the HTTP door, the console's and the interface's together. A key has a fourth of them, and an eighth is reserved for
-/// operators, who may not be there yet. Cheap to clone.
+/// Limits of the open streams of the HTTP door, those of the console and of the interface together. A key may have a fourth of
+/// them, and an eighth is reserved for operators, who may connect later. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct StreamQuota {
     all: RequestQuota,
     viewers: RequestQuota,
 }
 
-/// One open stream; another may be opened when this is dropped.
 pub(in crate::doors) struct OpenStream {
     _of_all: Permit,
     _of_viewers: Option<Permit>,
@@ -118,7 +117,7 @@ impl StreamQuota {
         self.all.0.limits.most
     }
 
-    /// Opens a stream; `None` when the caller has his share, or nobody can have one more.
+    /// Opens a stream; `None` when the share of the caller or the whole quota is used up.
     pub(in crate::doors) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
         let key = access.key_of(caller);
         let is_viewer = key.is_some() && caller.role() != Role::Operator;
@@ -127,8 +126,8 @@ impl StreamQuota {
     }
 }
 
-/// Results of MQTT commands that are under way, or that wait to be published: of operators, and of viewers, who have a quota of their
-/// own. A key has half of either, and a fourth is reserved for keys that have fewer than eight. Cheap to clone.
+/// Limits of the results of MQTT commands that are not published yet. Operators and viewers have separate quotas. A key may have
+/// half of its quota, and a fourth is reserved for keys with fewer than eight results. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct ResultQuota {
     operators: RequestQuota,
@@ -141,10 +140,10 @@ impl ResultQuota {
         ResultQuota { operators: quota(operators), viewers: quota(viewers) }
     }
 
-    /// Admits the result of one more command of whoever has shown this key.
+    /// Admits the result of one more command with this key.
     ///
     /// # Errors
-    /// When it is refused, how many are under way of those that he may have.
+    /// When it is refused: the number of open results of the key when its share is used up, of all when the quota is.
     pub(in crate::doors) fn take(&self, is_viewer: bool, key: Option<Arc<str>>) -> Result<Permit, usize> {
         if is_viewer { &self.viewers } else { &self.operators }.take(key)
     }
@@ -188,7 +187,7 @@ mod tests {
     const MOST: usize = 256;
     const VIEWERS: usize = 64;
 
-    /// Whether it is a viewer, and the name of its key.
+    /// Whether the sender is a viewer, and the name of its key.
     type Sender<'a> = (bool, Option<&'a str>);
 
     const VIEWER: Sender<'_> = (true, Some("screen"));
@@ -202,7 +201,7 @@ mod tests {
         quota.take(is_viewer, key.map(Arc::from))
     }
 
-    /// As many permits as this sender gets.
+    /// As many permits as this sender can get.
     fn all(quota: &ResultQuota, sender: Sender<'_>) -> Vec<Permit> {
         std::iter::from_fn(|| take(quota, sender).ok()).collect()
     }

@@ -1,7 +1,7 @@
-//! Limits of MQTT sessions: so many at once, of which each key has its share, and some are reserved for operators who are not there yet.
-//! No newcomer is refused: beyond a limit one session of whoever has most is evicted, the one that has made no progress for longest
-//! (safety S9). The same holds for the memory that sessions share, for what their clients leave unread. Connections that have not said
-//! who they are count as pending.
+//! Limits of MQTT sessions. Each key has a share, and a part is reserved for operators, who may connect later. No newcomer is
+//! refused: beyond a limit one session of the key with most sessions is evicted, the one without progress for longest (safety
+//! S9). The same holds for the memory that unread messages of all sessions take. Connections that have not authenticated are
+//! counted as pending.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -12,31 +12,31 @@ use tokio::sync::Notify;
 
 use super::connection_budget::ConnectionBudget;
 
-/// Clients at once: every screen, sensor and script of a site. Each costs a descriptor.
+/// Maximum number of sessions: every screen, sensor and script of a site. Each costs a descriptor.
 pub(in crate::doors) const CONNECTIONS: usize = 256;
 
-/// Of all clients, those whom one key may bring, every screen of a large site; and as many are kept from those who only look, for
-/// operators who are not there yet.
+/// Maximum number of sessions of one key, every screen of a large site. As many sessions are reserved for operators, who may
+/// connect later.
 const SHARE: usize = CONNECTIONS / 4;
 
-/// What may wait for the clients of all connections together, in bytes, because they do not read it,
+/// Maximum size of what waits unread for the clients of all sessions, in bytes.
 const UNREAD: usize = 12 * 1024 * 1024;
 
-/// and for those of viewers, so that there is room for operators' still.
+/// Maximum size of what waits unread for viewers, in bytes, so that there is room for operators' messages.
 const VIEWERS_UNREAD: usize = UNREAD / 2;
 
-/// A client for which no more than this waits gives way to nobody.
+/// Unread bytes up to which a session is not evicted for what its client leaves unread.
 const LITTLE_UNREAD: usize = 48 * 1024;
 
-/// What waits for a client is noted in steps of so many bytes.
+/// Step in which the unread bytes of a session are noted, so that the table is not locked for every message.
 const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct SessionOwner {
-    /// The name of the key.
+    /// Name of the key.
     pub(in crate::doors) who: Arc<str>,
     pub(in crate::doors) is_viewer: bool,
-    /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
+    /// Whether the owner has shown a key. Without keys all owners are one, and none has a share.
     pub(in crate::doors) has_share: bool,
 }
 
@@ -46,7 +46,7 @@ pub(in crate::doors) struct SessionLimits(Arc<Mutex<SessionTable>>);
 
 #[derive(Debug)]
 struct SessionTable {
-    /// Sessions at once, those of one key, and as many reserved from viewers.
+    /// Maximum number of all sessions. That of one key is `share`, and as many are reserved for operators.
     most: usize,
     share: usize,
     opened: u64,
@@ -59,16 +59,16 @@ struct Session {
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
     unread: UnreadBytes,
-    /// When its client last took much, or all there was, of what waits for it.
+    /// When the client last read much of what waited for it, or all of it, in milliseconds since the start of the program.
     read_ms: u64,
 }
 
-/// What waits for a client, in bytes.
+/// Bytes that wait for a client.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::doors) struct UnreadBytes {
-    /// What nobody else has,
+    /// Bytes that only this client needs.
     pub(in crate::doors) here: usize,
-    /// and what others may have as well.
+    /// Bytes that may be shared with other clients.
     pub(in crate::doors) shared: usize,
 }
 
@@ -79,7 +79,7 @@ pub(in crate::doors) struct SessionPermit {
     number: u64,
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
-    /// What was noted of it last.
+    /// Unread bytes noted last, in steps of `STEP`.
     unread: AtomicUsize,
 }
 
@@ -90,13 +90,12 @@ impl UnreadBytes {
 }
 
 impl SessionLimits {
-    /// The limits within this budget; no session is open.
     pub(in crate::doors) fn new(budget: ConnectionBudget) -> SessionLimits {
         let [most, share] = [CONNECTIONS, SHARE].map(|all| budget.scaled(all));
         SessionLimits(Arc::new(Mutex::new(SessionTable { most, share, opened: 0, sessions: HashMap::new() })))
     }
 
-    /// Opens a session for whoever comes `now`; another one may be evicted for it.
+    /// Opens a session at `now`; another session may be evicted for it.
     pub(in crate::doors) fn take(&self, owner: SessionOwner, now: Duration) -> SessionPermit {
         let (progress_ms, evict) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut table = self.table();
@@ -141,8 +140,9 @@ impl SessionTable {
         self.least_active(|owner| &*owner.who == evicted)
     }
 
-    /// Whose client is to go when too much waits, `replaced` bytes of it for several: of whoever has most waiting the one that has
-    /// read nothing for longest. Nobody for whom but little waits.
+    /// The session that is evicted when more than `UNREAD` waits: the one that has read nothing for longest, of the key with
+    /// most unread bytes; a viewer's first when viewers exceed their part. `replaced` is the size of the messages that wait for
+    /// several clients and are no longer retained. Sessions with little unread are never evicted.
     fn reader_to_evict(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&SessionOwner) -> bool| {
             self.sessions.values().filter(|session| is_among(&session.owner)).map(|session| session.unread.here).sum::<usize>()
@@ -154,7 +154,8 @@ impl SessionTable {
         viewers.flatten().or_else(|| self.least_read(|_| true))
     }
 
-    /// Of whichever of these has most waiting, the one that has read nothing for longest, of those for whom it is more than a little.
+    /// Of the key with most unread bytes, the session that has read nothing for longest. Sessions with at most `LITTLE_UNREAD`
+    /// are not considered.
     fn least_read(&self, is_among: fn(&SessionOwner) -> bool) -> Option<u64> {
         let among = || {
             let all = self.sessions.iter().filter(|(_, session)| is_among(&session.owner));
@@ -173,7 +174,7 @@ impl SessionTable {
         self.sessions.values().filter(|session| is_among(&session.owner)).count()
     }
 
-    /// The session of these in which nothing has happened for longest.
+    /// The session without progress for longest.
     fn least_active(&self, is_among: impl Fn(&SessionOwner) -> bool) -> Option<u64> {
         let among = self.sessions.iter().filter(|(_, session)| is_among(&session.owner));
         among.min_by_key(|(number, session)| (session.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)
@@ -185,8 +186,8 @@ impl SessionPermit {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
 
-    /// So much waits for its client now, which has last taken much of it, or all, then. `replaced` says how much waits for clients
-    /// beside what they have alone. When that is too much for all together, somebody has to give way.
+    /// Notes how much waits for the client, and when it last read much of it, or all. `replaced` returns the size of the messages
+    /// that wait for several clients and are no longer retained. Evicts sessions when more waits in all than `UNREAD`.
     pub(in crate::doors) fn note_unread(&self, unread: UnreadBytes, read_at: Duration, replaced: impl FnOnce() -> usize) {
         let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
         if noted == before {
@@ -205,7 +206,7 @@ impl SessionPermit {
         }
     }
 
-    /// Counts no more, though its client is still being told why.
+    /// Stops counting the session, though its client is still being told why it ends.
     pub(in crate::doors) fn release(&self) {
         self.limits.table().sessions.remove(&self.number);
     }
@@ -243,12 +244,12 @@ mod tests {
         SessionOwner { has_share: false, ..operator("operator") }
     }
 
-    /// So many sessions, opened one millisecond after the other.
+    /// Opens this many sessions, one per millisecond.
     fn crowd(limits: &SessionLimits, owner: &SessionOwner, count: usize) -> Vec<SessionPermit> {
         (0..count).map(|n| limits.take(owner.clone(), Duration::from_millis(n as u64))).collect()
     }
 
-    /// How many of these are somebody else's now.
+    /// Number of evicted sessions.
     fn lost(crowd: &[SessionPermit]) -> usize {
         let lost = crowd.iter().filter(|permit| permit.evicted().now_or_never().is_some());
         lost.inspect(|permit| permit.evict.notify_one()).count()
@@ -317,7 +318,7 @@ mod tests {
         assert_eq!((lost(&all), lost(&all[CONNECTIONS - 1..])), (1, 1));
     }
 
-    /// For so many of these so many bytes wait, of which they read some one millisecond after the other.
+    /// Notes `here` unread bytes for each session; their clients last read one millisecond after the other.
     fn pile_up(crowd: &[SessionPermit], here: usize) {
         for (n, permit) in (0..).zip(crowd) {
             permit.note_unread(UnreadBytes { here, ..UnreadBytes::default() }, Duration::from_millis(n), || 0);

@@ -1,5 +1,6 @@
-//! The order in which connections give way, of all of them and of each key and network, sorted so that the first is found at
-//! once: a crowd that comes and goes costs the receiving thread little. `places` decides who has to give way.
+//! The order in which connections are evicted, of all of them and of each key and network. It is kept sorted, so that the first
+//! is found at once: a crowd that comes and goes costs the hearing thread little. `connection_slots` decides from which queue one
+//! is evicted.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -8,7 +9,7 @@ use std::hash::Hash;
 use super::{Activity, SlotClaim, Who};
 use crate::access::Network;
 
-/// Position in the order of giving way: strangers go first, operators last.
+/// Position in the order of eviction: strangers go first, operators last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct EvictionTurn {
     pub(super) rank: u8,
@@ -48,23 +49,23 @@ impl EvictionQueues {
         leave(&mut self.networks, claim.network, turn);
     }
 
-    /// Number of all connections, and the first to give way.
+    /// Number of all connections, and the first to evict.
     pub(super) fn of_all(&self) -> (usize, Option<EvictionTurn>) {
         let ((operators, last), (others, first)) = (self.operators.first(), self.others.first());
         (operators + others, first.or(last))
     }
 
-    /// Number of connections of non-operators, and the first to give way.
+    /// Number of connections of viewers and strangers, and the first to evict.
     pub(super) fn of_others(&self) -> (usize, Option<EvictionTurn>) {
         self.others.first()
     }
 
-    /// Number of connections of the claim's key, and the first to give way; none without a key.
+    /// Number of connections of the claim's key, and the first to evict; none without a key.
     pub(super) fn of_key(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
         claim.who.as_ref().and_then(|who| self.keys.get(who)).map(EvictionQueue::first).unwrap_or_default()
     }
 
-    /// Number of connections of the claim's network, and the first to give way.
+    /// Number of connections of the claim's network, and the first to evict.
     pub(super) fn of_network(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
         self.networks.get(&claim.network).map(EvictionQueue::first).unwrap_or_default()
     }
