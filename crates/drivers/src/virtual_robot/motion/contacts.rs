@@ -1,4 +1,5 @@
-//! What the virtual robot meets: how far it had driven until then, what that says of where it stands, and what the core is told.
+//! Contacts of the virtual robot: how far it had driven until then, what that tells about its position, and what is reported to
+//! the core.
 
 use std::time::Duration;
 
@@ -9,34 +10,35 @@ use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// Up to here what it meets while it feels is what it touched already.
+/// Way up to which a contact while feeling is with something that the robot was touching before, in cells.
 const TOUCHED: f64 = 0.12;
 
-/// A contact that is heard so long after the end of a step, with nothing met since, was one of that step.
+/// Time after the end of a step in which a contact is taken to be one of that step, when nothing was met since.
 const LATE: Duration = Duration::from_secs(3);
 
-/// So often something may be met on the way back to the centre.
+/// Number of contacts allowed on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// So often it may be found to stand elsewhere, of which each completed step or turn makes good a third: else its room is another one.
+/// Number of corrections of the position after which the room is taken to be another one, times `FOUND`. Each completed step or
+/// turn makes good a third of a correction.
 const ASTRAY: u8 = 4 * FOUND;
 const FOUND: u8 = 3;
 
-/// Corrections of position allowed before the robot enters a new cell, so that it does not wander between two places for ever.
+/// Corrections of the position allowed before the robot enters a new cell, so that it does not wander between two places for
+/// ever.
 const WANDERED: u8 = 12;
 
-/// A measurement changes the time of a step by no more than this, at once.
+/// Largest change of the time of a step by one measurement, as a share.
 const STEP_CHANGE: f64 = 0.2;
 
-/// How much further than the way to what it met it goes to meet it again, in cells.
+/// Way that the robot drives beyond a thing's known place to meet it again, in cells.
 const FURTHER: f64 = 0.4;
 
 impl VirtualRobot {
-    /// Something was met.
     pub(in super::super) fn contact(&mut self, name: Option<String>) {
         let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
         let (Way::Straight { towards, cells, before, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
-            // In a turn nothing is met.
+            // Nothing is met in a turn.
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
@@ -64,7 +66,7 @@ impl VirtualRobot {
             return self.gauge_ends(driven);
         }
         if aim == Aim::Gauged && is_known {
-            // On the way back to its start it has gone further than was counted.
+            // The way back to the start was longer than was counted.
             let _ = self.reckoning.meet(name.as_deref(), towards);
         }
         if !self.is_gauging() && !self.set_right(name.as_deref(), towards) {
@@ -82,12 +84,12 @@ impl VirtualRobot {
             Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
-            // They end above, or nothing moves.
+            // These aims have ended above, or nothing moves.
             Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
         }
     }
 
-    /// Right before a halt it has met something: it stands there, and nothing else follows.
+    /// Handles a contact right before a halt: the robot stands there, and nothing else follows.
     fn contact_while_halting(&mut self, name: Option<&str>, towards: Heading, way: f64) {
         let is_known_where = self.unheard.is_none() && !self.is_gauging();
         self.moved(towards, way);
@@ -97,7 +99,7 @@ impl VirtualRobot {
         }
     }
 
-    /// What a step has come to that was stopped here: it may have been stopped where it was to end.
+    /// Answers a step that something has stopped. The step is complete when it was stopped where it was to end.
     fn met(&mut self, to: Pose, towards: Heading) {
         if self.reckoning.way_to(to.cell, towards) <= REACHED {
             self.off_centre = false;
@@ -110,13 +112,13 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
     }
 
-    /// Whether a step into a cell where it has stood before was stopped near its centre, by something of which nobody knows where it stands:
-    /// not that has come, but the robot is further than was counted. Then it is taken to be in the centre.
+    /// Whether a step into a cell where the robot has stood before was stopped near its centre by something whose place is
+    /// unknown. Nothing new is there: the robot has come further than was counted, and is taken to stand in the centre.
     fn has_drifted_into(&mut self, to: Pose, towards: Heading) -> bool {
         let left = self.reckoning.way_to(to.cell, towards);
         let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
         if has {
-            // What it has met just now for the first time stands so much further.
+            // What was met just now for the first time stands further by the same way.
             let name = self.met.clone();
             self.reckoning.correct(name.as_deref(), towards, left);
             self.off_centre = false;
@@ -124,7 +126,8 @@ impl VirtualRobot {
         has
     }
 
-    /// Once, at the first contact: back for as long as it drove, and forward against it again.
+    /// Begins the measurement of the latency, once, at the first contact: drives back for as long as it drove, and then against
+    /// the thing again.
     pub(in super::super) fn retreat(&mut self, driven: Duration, then: Then) {
         self.first_contact = Some(driven);
         self.aim(Aim::Retreat(then));
@@ -140,13 +143,14 @@ impl VirtualRobot {
         self.drive(towards, driven.div_duration_f64(self.step) + FURTHER, backward);
     }
 
-    /// Against what it had met it went once more: by so much longer than the way takes the word of it came.
+    /// Measures the latency at the second contact with the same thing: its message comes later than the way takes by just this
+    /// time.
     fn measured(&mut self, before: Duration, since_sent: Duration, towards: Heading, then: Then) {
         let Some(driven) = self.first_contact.take() else { return self.go_back() };
         let latency = (before + since_sent).saturating_sub(driven).min(SLOWEST);
         self.latency = Some(latency);
         self.reckoning.advance(towards, driven.saturating_sub(before).div_duration_f64(self.step));
-        // When it was met first, it had driven less than was counted, or more, by the same.
+        // The way counted at the first contact, with the assumed latency, was wrong by the difference.
         let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
         match then {
             Then::Met(to) => {
@@ -164,7 +168,7 @@ impl VirtualRobot {
         }
     }
 
-    /// On the way back to the centre. Who is stopped right before it is there.
+    /// Handles a contact on the way back to the centre. A robot that is stopped right before the centre counts as there.
     fn hindered(&mut self, name: Option<&str>) {
         let towards = self.moves_towards();
         if self.reckoning.way_to(self.reckoning.pose().cell, towards).abs() <= REACHED {
@@ -179,12 +183,12 @@ impl VirtualRobot {
         self.go_back();
     }
 
-    /// The reckoning is set right by what was met; false when it was so wrong that the task has failed by it.
+    /// Corrects the reckoning by what was met; `false` when it was so wrong that the task has ended.
     fn set_right(&mut self, name: Option<&str>, towards: Heading) -> bool {
         match self.reckoning.meet(name, towards) {
             Ok(ratio) => {
                 if let Some(ratio) = ratio {
-                    // Half of it: a single way may have been driven while the page was busy.
+                    // Half of the change: the page may have been busy during a single way.
                     let change = 1.0 + (ratio - 1.0).clamp(-STEP_CHANGE, STEP_CHANGE) / 2.0;
                     self.step = self.step.mul_f64(change).clamp(STEPS[0], STEPS[1]);
                 }
@@ -206,7 +210,7 @@ impl VirtualRobot {
         }
     }
 
-    /// It has drifted, and nothing was told of that the room contradicts: now it is known where it is.
+    /// The robot has drifted, and nothing was reported that the room contradicts: the room tells where it stands.
     fn stand_where_room_says(&mut self, towards: Heading) {
         let met = self.met.clone();
         match self.truly_in(met.as_deref(), towards) {
@@ -215,7 +219,7 @@ impl VirtualRobot {
         }
     }
 
-    /// It has come past something that bars its way, so it stands in a column beside the one in which it was counted.
+    /// The robot has passed something that bars its way, so it stands in a column beside the one that was counted.
     fn stand_beside(&mut self, towards: Heading) {
         match self.column_beside(towards) {
             Some(cell) => self.stand_elsewhere(cell),
@@ -223,7 +227,7 @@ impl VirtualRobot {
         }
     }
 
-    /// It has drifted far, and all the way through cells that are free: no map is wrong by that, and now it is known where it is.
+    /// Corrects a large drift after a way through free cells only: the map has no error from it, and the position is known again.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
@@ -237,15 +241,15 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Halted(order, true));
     }
 
-    /// A step was not complete, or ends where it is: something was met while it felt.
+    /// Handles a contact while feeling: the step was not complete, or ends where the robot stands.
     fn felt_contact(&mut self, name: Option<&str>, towards: Heading, way: f64) {
         let has_moved = self.unheard.as_ref().is_some_and(|unheard| unheard.felt > 0.0);
         if way > TOUCHED || has_moved {
             self.felt(way);
         } else if self.reckoning.knows(name, towards) {
-            // It stood against it, wherever that was counted to be.
+            // The robot was touching this thing, wherever the reckoning placed it.
             self.unheard = None;
-            // However far it was from there by the reckoning.
+            // Corrects the reckoning, however wrong it was.
             let _ = self.reckoning.meet(name, towards);
         } else {
             let what = name.unwrap_or("something");
@@ -256,7 +260,7 @@ impl VirtualRobot {
         }
     }
 
-    /// The step whose end was not heard is complete, and it went so far beyond.
+    /// Counts the step whose end was not observed as complete, and adds this way beyond it, in cells.
     pub(super) fn felt(&mut self, way: f64) {
         if let Some(Unheard { towards, cells, felt }) = self.unheard.take() {
             self.reckoning.advance(towards, cells);
@@ -264,7 +268,8 @@ impl VirtualRobot {
         }
     }
 
-    /// A thing that moves has touched it, or the word of a contact came after a step was thought to be complete.
+    /// Handles a contact without a motion: a moving thing has touched the robot, or the message came after a step was taken to be
+    /// complete.
     fn contact_at_rest(&mut self) {
         if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
             self.lose(LATE_WORD);
@@ -272,13 +277,13 @@ impl VirtualRobot {
     }
 }
 
-/// What the name of a thing says that it is. A piece has the same number in every run.
+/// What a thing is, by its name. A piece has the same number in every run.
 fn obstacle(name: Option<&str>) -> Obstacle {
     match name {
         None => Obstacle::Unknown,
         Some(name) if name.starts_with("wall") || name == BORDER => Obstacle::Wall { left: 0, right: 0 },
         Some(name) => {
-            // FNV-1a.
+            // FNV-1a, the same hash in every run.
             let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
             Obstacle::Luggage(Piece(number))
         }

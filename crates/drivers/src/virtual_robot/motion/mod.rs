@@ -1,6 +1,5 @@
-//! How the virtual robot's motions begin and end: what is heard while one is under way, the way back to the centre of its cell, what is
-//! not heard because the link is lost or the program has ended, and what follows for where it stands. What it meets stands in
-//! `contacts`.
+//! How the virtual robot's motions begin and end, the way back to the centre of its cell, and where the robot stands after a
+//! motion whose end nobody observed, because the link was lost or the program has ended. `contacts` handles what it meets.
 
 use std::time::Duration;
 
@@ -12,70 +11,75 @@ use hallsweep_core::units::{Heading, Pose};
 
 mod contacts;
 
-/// What the word of a contact takes, before it was measured: a frame of the page, and the way.
+/// Assumed delay of the message of a contact until it is measured: a frame of the page, and the way to here.
 const LATENCY: Duration = Duration::from_millis(30);
 
-/// Nearer to the centre than a frame of the page brings it, it is centred.
+/// Distance from the centre of the cell at which the robot counts as centred, in cells: less than a frame of the page moves it.
 const CENTRED: f64 = 0.04;
 
-/// How far ahead it feels whether a step is complete.
+/// Distance that the robot drives ahead to feel whether a step is complete, in cells.
 const FEELS: f64 = 0.3;
 
-/// A latency beyond this is none: the page has hung.
+/// Longest latency that is believed; with a longer one the page has hung.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 const LATE_WORD: &str = "the word that it had met something came too late";
 
-/// Steps quicker or slower than these are none.
+/// Shortest and longest time of a step that are believed.
 pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
-/// Behind the end of a move so long is waited for the word of a contact at its very end, beside the latency to and fro.
+/// Wait after the end of a move for the message of a contact at its very end, in addition to twice the latency.
 const MARGIN: Duration = Duration::from_millis(60);
 
-/// A turn that is not over swallows what is told next, so that a page that is busy has so much longer for it.
+/// Additional wait after a turn, for a page that is busy: a turn that is not over swallows the next command.
 pub(super) const TURNS_LATE: Duration = Duration::from_millis(120);
 
-/// The same before the latency was measured: the first contact may come as late as this.
+/// Wait after the end of a move before the latency is measured: the message of the first contact may take this long.
 const FIRST_MARGIN: Duration = Duration::from_millis(400);
 
-/// No leg lasts longer, so that a robot whose program has died stops within half a second (safety S5). What is longer is driven in several.
+/// Longest leg, so that a robot whose program has died stops within half a second (safety S5). A longer way is driven in several
+/// legs.
 const LONGEST: Duration = Duration::from_millis(450);
 
-/// An order moves it no further than that at once, in cells.
+/// Longest way that an order moves the robot at once, in cells.
 const FURTHEST: f64 = 1.5;
 
-/// What was not begun because another motion was under way is tried again so much later.
+/// Delay before a motion is tried again that the server refused because another was under way.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// Nothing that was begun here is still under way so long after the first refusal: an alarm ends what the server believes in.
+/// Time after the first refusal by which no motion of ours is under way any more. Then an alarm ends what the server takes to be
+/// under way.
 const FREED: Duration = Duration::from_millis(700);
 
 /// Longest wait for a server that refuses a move, the alarm included.
 const REFUSED: Duration = Duration::from_millis(1500);
 
-/// An alarm serves every STOP of so long a time, unless something was sent behind it.
+/// Time for which one alarm serves every STOP, unless something was sent after it.
 const ALARM_SERVES: Duration = Duration::from_millis(100);
 
-/// A move that is not acknowledged so long after its end was never made.
+/// Time after the end of a move within which its acknowledgement must arrive; without one the move was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
-/// As far beside the centre it may stand, in cells: nearer than that it meets nothing that is not in its way.
+/// Distance beside the centre of the cell that is not corrected, in cells: within it the robot meets nothing that is not in its
+/// way.
 const BESIDE: f64 = 0.15;
 
-/// A link that is lost so soon after a move was sent may have been lost before the robot heard of it, and where the server is slow, later.
+/// Time after sending a move within which a lost link may have been lost before the robot received the move. It is longer where
+/// the server is slow.
 const BEGUN: Duration = Duration::from_millis(10);
 
-/// What is to be done when nobody knows where it stands.
+/// Advice when the position of the robot is unknown.
 const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
 
-/// What is to be done when its places on record may be wrong as well.
+/// Advice when the places on record may be wrong as well.
 const BEGIN_ANEW: &str =
     "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
 
-/// Advice added where its scene file would have helped.
+/// Advice added where a scene file would have helped.
 const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
 
-/// A step that nobody has heard the end of: which way, how far it was to go, and how far it has felt ahead since.
+/// A step of which the end was not observed: its direction, its length in cells, and how far the robot has felt ahead since, in
+/// cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unheard {
     pub(super) towards: Heading,
@@ -83,7 +87,7 @@ pub(super) struct Unheard {
     pub(super) felt: f64,
 }
 
-/// In how many legs a way is driven that takes so long.
+/// Number of legs for a way that takes this long.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "no way takes longer than some seconds")]
 pub(super) fn legs(lasts: Duration) -> u32 {
     lasts.div_duration_f64(LONGEST).ceil().max(1.0) as u32
@@ -120,7 +124,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Gives the leg to the robot.
     pub(super) fn queue(&mut self) {
         let Some(leg) = self.leg_mut() else { return };
         leg.stage = LegStage::Queued;
@@ -129,7 +132,7 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// When something follows from silence.
+    /// When the leg ends, or the next thing about it is due, if nothing is received before.
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
@@ -150,7 +153,8 @@ impl VirtualRobot {
         self.dialect == Dialect::Messages && !leg.is_acknowledged
     }
 
-    /// What is due by now happens.
+    /// Does what is due by now: fails the order at its deadline, sends an alarm that is owed, and continues from the end of the
+    /// leg.
     pub(super) fn pass(&mut self) {
         if self.task.as_ref().is_some_and(|task| task.deadline <= self.now) {
             return self.give_up();
@@ -188,19 +192,19 @@ impl VirtualRobot {
         }
     }
 
-    /// What has not gone out by now does not go out any more, but an alarm.
+    /// Discards everything that has not been sent, except an alarm.
     fn forget_unsent(&mut self) {
         let alarm = self.written(Command::Alarm);
         self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
     }
 
-    /// Whether the leg was handed over to be sent, and nobody has said that it was.
+    /// Whether the leg was handed over for sending, and is not confirmed as sent.
     fn is_on_its_way(&self) -> bool {
         let is_queued = self.leg().is_some_and(|leg| leg.stage == LegStage::Queued);
         is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
     }
 
-    /// A leg came to its end, and nothing was met.
+    /// Handles the end of a leg during which nothing was met.
     fn ended(&mut self, leg: Leg) {
         let Some(aim) = self.task.as_ref().map(|task| task.aim) else { return };
         self.is_changed = true;
@@ -243,7 +247,7 @@ impl VirtualRobot {
                 self.go_back();
             }
             Aim::Measure(Then::Met(_)) if self.room.is_some() => self.stands_before_it(),
-            // What it met from here before it does not meet again: it stands elsewhere, or that was not met here.
+            // The thing that was met from here is not met again: the robot stands elsewhere, or met it elsewhere.
             Aim::Measure(Then::Met(_)) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
@@ -265,12 +269,12 @@ impl VirtualRobot {
     pub(super) fn acknowledged(&mut self, name: Option<&str>) {
         let Some(leg) = self.leg_mut().filter(|leg| leg.is_sent()) else { return };
         let word = leg.command().word();
-        // An old one, of what was cut short by a contact, comes late and under its own name.
+        // The acknowledgement of an earlier move that a contact cut short comes late, under the name of that move.
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    /// What was refused may have been another program's: it is ours when it is called like ours, which was sent just now. The move that
-    /// the server believes in ends soon, or by an alarm, or the order fails.
+    /// Handles a refusal. Every client receives all refusals: this one is ours when it names our command and comes soon after
+    /// that was sent. The move that the server takes to be under way ends soon, or by an alarm, or the order fails.
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
@@ -294,7 +298,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Sends an alarm, or owes it until a connection stands.
+    /// Sends an alarm, or owes it until there is a connection.
     pub(super) fn alarm(&mut self) {
         self.owes_alarm = !self.is_connected;
         let is_served = self.alarmed.is_some_and(|at| self.now.saturating_sub(at) < ALARM_SERVES);
@@ -303,8 +307,8 @@ impl VirtualRobot {
         }
     }
 
-    /// The alarm goes out whatever the robot is taken to do, but in a turn, which no alarm halts in some versions and which it leaves
-    /// askew in others: then it goes out when the turn is over. A drawing is no motion.
+    /// Sends an alarm whatever the robot is thought to do, except in a turn: in some versions of the page no alarm halts a turn,
+    /// and in others it leaves the robot askew. Then the alarm is sent when the turn is over. A drawing is no motion.
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
@@ -312,7 +316,7 @@ impl VirtualRobot {
             (LegStage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
-                // What the next program must know changes by it.
+                // The memory for the next program changes with it.
                 self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = LegStage::Halting { lasted, until };
@@ -353,7 +357,7 @@ impl VirtualRobot {
         }
     }
 
-    /// It has moved so far, from where it is taken to stand or, when it only feels, from where it stands in truth.
+    /// Adds this way, in cells, to the reckoning, or to what was felt ahead when the end of the last step was not observed.
     pub(super) fn moved(&mut self, towards: Heading, cells: f64) {
         self.first_contact = None;
         match &mut self.unheard {
@@ -362,7 +366,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Which way the leg under way goes, and whether backwards.
+    /// Direction of the straight leg under way, or else the heading.
     pub(super) fn moves_towards(&self) -> Heading {
         match self.leg().map(|leg| leg.way) {
             Some(Way::Straight { towards, .. }) => towards,
@@ -374,7 +378,7 @@ impl VirtualRobot {
         matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
     }
 
-    /// Senses, as far as that is needed, and goes back to the centre of its cell.
+    /// Goes back to the centre of the cell. Feels ahead first when the end of the last step was not observed.
     pub(super) fn begin_recentring(&mut self) {
         if self.unheard.is_some() {
             self.aim(Aim::Feel);
@@ -383,7 +387,7 @@ impl VirtualRobot {
         self.go_back();
     }
 
-    /// One leg further towards the centre of its cell, or the end of the order when it is there.
+    /// Begins one more leg towards the centre of the cell, or ends the order when the robot is there.
     pub(super) fn go_back(&mut self) {
         let Pose { cell, heading } = self.reckoning.pose();
         let ahead = self.reckoning.way_to(cell, heading);
@@ -401,8 +405,8 @@ impl VirtualRobot {
         self.task.as_ref().is_some_and(|task| (task.action, task.aim) == (Action::Recentre, Aim::Back))
     }
 
-    /// Who knows the room may know that it stands beside the centre as well. What lies there it is not to meet, so it turns towards the
-    /// centre, and stays as it stands then.
+    /// A scene file may show that the robot stands beside the centre as well. The robot must not meet what lies there, so it
+    /// turns towards the centre, and keeps that heading.
     fn turn_aside(&mut self) {
         let Pose { cell, heading } = self.reckoning.pose();
         let right = self.reckoning.way_to(cell, heading.right());
@@ -435,33 +439,34 @@ impl VirtualRobot {
         self.answer(RobotEvent::Done);
     }
 
-    /// Nobody knows any more where it stands, and something may have been told of the wrong cell.
+    /// Gives up the position, and the map: things may have been reported of the wrong cells.
     pub(super) fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
         let advice = if self.room.is_none() { WITH_SCENE } else { "" };
         self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
     }
 
-    /// Nobody knows any more where it stands.
+    /// Gives up the position. The map is right.
     pub(super) fn lose_sight(&mut self, words: &str) {
         self.fail_lost(format!("{words}. {PUT_HOME}"));
     }
 
     pub(super) fn fail_lost(&mut self, words: String) {
-        // Nothing is on its way any more, and whoever has no order open is told with the next.
+        // Nothing may be sent any more. Without an open order, the next order is answered with this failure.
         self.forget_unsent();
         (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
         self.fail(&words);
         self.lost = Some(words);
     }
 
-    /// Nobody knows whether it was told to move.
+    /// Gives up the position, because it is unknown whether the robot received the move.
     fn left_in_doubt(&mut self) {
         self.off_centre = true;
         self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
     }
 
-    /// It was going forward against something that stands there, and has met it by itself; of what is behind it nobody knows.
+    /// Handles a motion against a thing that ended unobserved. Forward, the robot stops at that thing, whose place is known; what
+    /// is behind the robot is unknown.
     fn left_against_something(&mut self, backward: bool) {
         let heading = self.reckoning.pose().heading;
         match self.reckoning.contact_ahead() {
@@ -470,8 +475,8 @@ impl VirtualRobot {
         }
     }
 
-    /// The link is lost, or the program has ended: what is under way ends by itself, and nobody hears how. On the way back and in a turn
-    /// nothing is to be met.
+    /// Handles a motion under way when the link is lost or the program has ended: the motion ends by itself, and nobody observes
+    /// how. On the way back and in a turn nothing is met.
     pub(super) fn leave_unheard(&mut self) {
         let is_on_its_way = self.is_on_its_way();
         self.forget_unsent();
