@@ -1,5 +1,5 @@
-//! What is known of the two robots and of the yard from their reports alone, and the orders that they have not answered: the part that
-//! the engine of the core has in a hall. What really is, only the pair knows.
+//! What is known about the two robots and the yard from the robots' reports alone, with the orders that are not answered yet: the
+//! part of the core's engine in a hall. The true state is in the pair only.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -22,9 +22,9 @@ pub(super) struct Crew {
     can: Capabilities,
     target: Place,
     way_out: bool,
-    /// Parcels that are not in the target area, in the order in which they are to be fetched, and where they are.
+    /// Parcels outside the target area with their places, in the order in which they are fetched.
     left: Vec<Parcel>,
-    /// The cells of the next one; none while it is held.
+    /// Cells of the next parcel; empty while it is held.
     piece: BTreeSet<Cell>,
 }
 
@@ -68,7 +68,8 @@ impl Crew {
             .map(|parcel| (parcel.piece, parcel.place))
     }
 
-    /// The order that carries out a proposal; none while the robot has one.
+    /// Turns a proposal into an order, with a deadline of three times its usual duration and a second; `None` while the robot has
+    /// an open order.
     pub(super) fn order(&mut self, proposal: Proposal) -> Option<Order> {
         let base = &mut self.bases[proposal.which.index()];
         if base.open.is_some() {
@@ -86,7 +87,7 @@ impl Crew {
         Some(Order { id: self.last, action: proposal.action, epoch: Epoch(0), deadline })
     }
 
-    /// The program that knew of open orders is gone: nobody will answer them.
+    /// Forgets the open orders of a program that has died: nobody will answer them.
     pub(super) fn forget_orders(&mut self) {
         self.bases.iter_mut().for_each(|base| (base.open, base.failures) = (None, 0));
     }
@@ -158,7 +159,7 @@ impl Crew {
         }
     }
 
-    /// What a robot has run into is an obstacle, unless it is the other robot.
+    /// Marks what the robot has run into as an obstacle, unless it is the other robot.
     fn blocked(&mut self, which: Which, obstacle: Obstacle) {
         let action = self.answered(which.index());
         let base = &mut self.bases[which.index()];
@@ -183,7 +184,7 @@ impl Crew {
         let before = self.held();
         self.bases[index].arm = arm;
         match (before, self.held()) {
-            // Off the floor it leaves its place free.
+            // A lifted parcel leaves its cell free.
             (_, Some(parcel)) if !arm.on_floor => {
                 if let Some(cell) = parcel.place.cell() {
                     self.mark(cell, Mark::Visited);
@@ -198,7 +199,7 @@ impl Crew {
         }
     }
 
-    /// A parcel lies where it has fallen, and is the next to be fetched.
+    /// Puts a fallen parcel first, where it lies.
     fn lies(&mut self, parcel: Parcel) {
         self.left.retain(|left| left.piece != parcel.piece);
         self.left.insert(0, parcel);

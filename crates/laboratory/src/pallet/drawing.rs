@@ -1,5 +1,5 @@
-//! The picture of a run of the pallet scenario: the yard from above, the ways of both robots and of the parcels, and where the two stand
-//! at the end. It is SVG that stands alone; classes let a page give it colours of its own.
+//! The drawing of a run of the pallet scenario: the yard from above, the ways of both robots and of the parcels, and the robots
+//! at the end. It is a complete SVG document, and its classes let a page set other colours.
 
 use std::fmt::Write;
 
@@ -9,16 +9,16 @@ use hallsweep_core::place::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{BodyPose, Truth};
 
-/// The side of a cell in the picture, in its own units.
+/// Side of a cell, in units of the drawing.
 const SIDE: f64 = 24.0;
 
-/// The yard is drawn with this much wall round it, in cells.
+/// Width of the wall that is drawn around the yard, in cells.
 const BORDER: i32 = 1;
 
-/// How a robot looks, by its place in the pair.
+/// CSS class and colour of each robot, by its place in the pair.
 const ROBOTS: [(&str, &str); 2] = [("yard-one", "#1f5fa8"), ("yard-two", "#b02a4c")];
 
-/// Where the picture begins, and how large a cell is.
+/// Position and size of the drawing in the yard.
 struct Scale {
     corner: Cell,
     cell_m: f64,
@@ -29,17 +29,17 @@ impl Scale {
         (f64::from(cell.x - self.corner.x) * SIDE, f64::from(cell.y - self.corner.y) * SIDE)
     }
 
-    /// The centre of home is the origin of the metres.
+    /// Converts metres, of which the origin is the centre of home.
     fn of_metres(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
         let scale = |metres: f64, corner: i32| (metres / self.cell_m - f64::from(corner) + 0.5) * SIDE;
         (scale(x_m, self.corner.x), scale(y_m, self.corner.y))
     }
 }
 
-/// What the picture shows, for those who listen and for the command line.
+/// Title of the drawing, for screen readers and the command line.
 pub const TITLE: &str = "The yard from above, with the ways of both robots and of the parcels";
 
-/// The whole picture. The title is put into it as it is.
+/// The whole drawing. The title is inserted without escaping.
 pub fn drawing(run: &PalletRun, title: &str) -> String {
     let hall = &run.yard().hall;
     let bounds = hall.bounds();
@@ -62,7 +62,7 @@ pub fn drawing(run: &PalletRun, title: &str) -> String {
         points.dedup();
         points.join(" ")
     };
-    // A way for each time that a parcel was in the grippers.
+    // One line for each time that a parcel was in the grippers.
     for carried in run.frames().split(|frame| frame.load.is_none()).filter(|frames| !frames.is_empty()) {
         line(&mut svg, &way(carried, &|frame| frame.load.map(|(x, y, _)| (x, y))), ("yard-carried", "#a8641c"), 5.0);
     }
@@ -92,7 +92,7 @@ fn floor(svg: &mut String, run: &PalletRun, scale: &Scale) {
     }
 }
 
-/// A robot: round, with a nose where it faces, and its number.
+/// Draws a robot: a circle with its number, and a nose in its direction.
 fn robot(svg: &mut String, scale: &Scale, body: BodyPose, (number, (class, fill)): (usize, (&str, &str))) {
     let (x, y) = scale.of_metres((body.x_m, body.y_m));
     let (ahead_x, ahead_y) = body.ahead();

@@ -1,5 +1,5 @@
-//! A run of the pallet scenario in JSON, for a page that plays it: the yard once, then what changes with time. Places of the yard are
-//! cells, where things are is in metres; both count from the first robot's start, to the east and to the south.
+//! A run of the pallet scenario as JSON, for a page that plays it: the yard once, then what changes with time. Places of the yard
+//! are cells, positions are in metres; both count from the first robot's start, to the east and to the south.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -13,7 +13,7 @@ use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};
 
-/// The whole run, beside what its trees did, in the shape that the caller gives it.
+/// The whole run, with what its trees did in the shape that the caller chooses.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletJson")]
 pub struct PalletJson<Replay> {
@@ -22,7 +22,7 @@ pub struct PalletJson<Replay> {
     yard: YardJson,
     limits: LimitsJson,
     frames: Vec<FrameJson>,
-    /// `[t, [[x, y], …]]`: from then on these cells hold parcels that are on the floor and not in the target area.
+    /// `[t, [[x, y], …]]`: the cells with parcels on the floor outside the target area, from time `t` on.
     lying: Vec<(f64, Vec<Xy>)>,
     /// `trees`: those of SRM1, SRM2 and the Supervisor, tick by tick.
     #[serde(flatten)]
@@ -35,21 +35,21 @@ type Xy = (i32, i32);
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct YardJson {
-    /// The side of a cell.
+    /// Side of a cell, in metres.
     cell_m: f64,
-    /// The north-western and the south-eastern cell of the floor; beyond all is wall.
+    /// North-western and south-eastern cell of the floor; everything beyond is wall.
     least: Xy,
     most: Xy,
-    /// The cells in which nobody can stand.
+    /// Cells in which no robot can stand.
     walls: Vec<Xy>,
-    /// Where the parcels stand at first, in the order in which they are fetched.
+    /// Cells of the parcels at first, in the order in which they are fetched.
     pallet: Vec<Xy>,
     target: Option<Xy>,
-    /// Of SRM1 and SRM2.
+    /// Cells of SRM1 and SRM2 at first.
     starts: Vec<Xy>,
 }
 
-/// Between which bounds what is held must stay, the least and the most.
+/// Lowest and highest allowed value of each measure of a held parcel.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct LimitsJson {
@@ -58,13 +58,13 @@ struct LimitsJson {
     gap_m: [f64; 2],
 }
 
-/// `[t, SRM1, SRM2, load, held, delivered]`: seconds, two bodies, `[x, y, height]` of the parcel in the grippers with the height from
-/// 0 to 1, `[force, angle, gap]` while it is in them, and how many parcels are in the target area.
+/// `[t, SRM1, SRM2, load, held, delivered]`: seconds, two bodies, `[x, y, height]` of the held parcel with a height from 0 to 1,
+/// `[force, angle, gap]` while a parcel is held, and the number of parcels in the target area.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletFrame")]
 struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, usize);
 
-/// `[x, y, θ, closed]`: metres, radians clockwise from the east, whether the gripper is closed.
+/// `[x, y, θ, closed]`: metres, radians clockwise from the east, and whether the gripper is closed.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletBody")]
 struct BodyJson(f64, f64, f64, bool);
@@ -74,7 +74,6 @@ const fn xy(cell: Cell) -> Xy {
 }
 
 impl Pallet {
-    /// Everything in one JSON object.
     pub fn json<Replay: Serialize>(&self, replay: Replay) -> String {
         serde_json::to_string(&PalletJson::new(self, replay)).expect("runs are finite numbers and words, which JSON can hold")
     }

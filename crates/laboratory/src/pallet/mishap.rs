@@ -1,4 +1,4 @@
-//! What is to go wrong in a run of the pallet scenario, by the names under which the command line and the doors are asked for it.
+//! The faults that can be requested for a run of the pallet scenario, with the names that the command line and the doors use.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,13 +7,12 @@ use super::run::{Asked, PalletRun};
 use super::yard::MOST_PARCELS;
 use hallsweep_sim::pair::Slip;
 
-/// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
+/// Steps after which a parcel slips that is to be lost on the way: far from both ends of most ways.
 const LOST_AFTER: u32 = 3;
 
-/// Something that goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mishap {
-    /// The parcel slips out of the grippers on the way.
+    /// The parcel slips out of the grippers while it is carried.
     Lost,
     /// The parcel slips while it is lifted.
     LostLifting,
@@ -23,16 +22,15 @@ pub enum Mishap {
     Blocked,
     /// A gripper does not close.
     Jammed,
-    /// The operator never comes; this is said of the whole run.
+    /// The operator never comes; this holds for the whole run.
     Absent,
 }
 
 impl Mishap {
-    /// All of them, in the order in which they are offered.
+    /// All faults, in the order in which they are offered.
     pub const ALL: [Mishap; 6] =
         [Mishap::Lost, Mishap::LostLifting, Mishap::Unrecognised, Mishap::Blocked, Mishap::Jammed, Mishap::Absent];
 
-    /// Its fixed name.
     pub const fn name(self) -> &'static str {
         match self {
             Mishap::Lost => "lost",
@@ -44,39 +42,34 @@ impl Mishap {
         }
     }
 
-    /// The same at a parcel.
     pub const fn at(self, parcel: u32) -> AskedFault {
         AskedFault { mishap: self, parcel }
     }
 }
 
-/// Something that is to go wrong, and at which parcel, counted from 1. It is written `NAME` or `NAME@PARCEL`.
+/// A requested fault with the number of its parcel, counted from 1. It is written `NAME` or `NAME@PARCEL`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskedFault {
-    /// What.
     pub mishap: Mishap,
-    /// At which parcel; 1 where that means nothing.
+    /// 1 for a fault of the whole run.
     pub parcel: u32,
 }
 
-/// What cannot be asked to go wrong. Whoever shows it says before what was written.
+/// Why a text is not a fault. Whoever shows the error puts the text before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
-    /// There is no such name.
     #[error("nothing that goes wrong is called that; there are lost, lostLifting, unrecognised, blocked, jammed and absent")]
     Unknown,
-    /// A parcel was named where there is none.
+    /// A parcel was named for a fault of the whole run.
     #[error("absent is said of the whole run, without a parcel")]
     OfTheWholeRun,
-    /// No parcel has this number.
     #[error("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet")]
     NoParcel,
 }
 
-/// Something is to go wrong at a parcel that this run does not have.
+/// A fault was requested for a parcel that this run does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BeyondError {
-    /// The parcel that was named.
     pub parcel: u32,
 }
 
@@ -112,15 +105,15 @@ impl fmt::Display for AskedFault {
     }
 }
 
-/// The number of a parcel, or of parcels.
+/// Reads the number of a parcel, or a number of parcels: 1 to `MOST_PARCELS`.
 pub fn parcel_number(text: &str) -> Result<u32, FaultError> {
     text.parse().ok().filter(|number| (1..=MOST_PARCELS).contains(number)).ok_or(FaultError::NoParcel)
 }
 
-/// All that is to go wrong, as the simulator is told.
+/// Turns the requested faults into the settings of a run.
 ///
 /// # Errors
-/// When it is to happen at a parcel beyond the last.
+/// When a fault is for a parcel beyond the last one.
 pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> {
     let mut asked = Asked::default();
     for AskedFault { mishap, parcel } in faults.iter().copied() {
@@ -139,20 +132,16 @@ pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> 
     Ok(asked)
 }
 
-/// Why something that was asked to go wrong has not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missed {
     /// Nothing happened for which the operator is called.
     NobodyCalled,
-    /// The run ended first.
     RunEnded,
 }
 
 impl Missed {
-    /// All of them.
     pub const ALL: [Missed; 2] = [Missed::NobodyCalled, Missed::RunEnded];
 
-    /// Its fixed name.
     pub const fn name(self) -> &'static str {
         match self {
             Missed::NobodyCalled => "nobodyCalled",
@@ -160,7 +149,6 @@ impl Missed {
         }
     }
 
-    /// What it says.
     pub const fn in_words(self) -> &'static str {
         match self {
             Missed::NobodyCalled => "the operator was never called",
@@ -169,7 +157,7 @@ impl Missed {
     }
 }
 
-/// Faults that did not happen in this run, which has ended, each with the reason.
+/// The requested faults that did not happen in a run that has ended, each with the reason.
 pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed)> {
     let mut left = run.not_happened();
     let mut is_left = |AskedFault { mishap, parcel }: &AskedFault| match mishap {
@@ -184,7 +172,7 @@ pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed
     faults.iter().filter(|fault| is_left(fault)).map(|fault| (*fault, why(fault.mishap))).collect()
 }
 
-/// Removes one of these from the list, if there is one.
+/// Removes one such item from the list; returns whether there was one.
 fn take<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> bool {
     list.iter().position(|item| *item == wanted).map(|index| list.remove(index)).is_some()
 }

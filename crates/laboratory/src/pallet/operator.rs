@@ -1,10 +1,10 @@
-//! The simulated operator: acknowledges an alarm after some seconds, and then presses START; or never comes.
+//! The simulated operator: acknowledges an alarm after two to six seconds, and presses START two to six seconds after that; or
+//! never comes.
 
 use std::time::Duration;
 
 use hallsweep_core::rng::RandomStream;
 
-/// What the operator does next, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Deed {
     Acknowledge,
@@ -23,7 +23,7 @@ impl Operator {
         Operator { random: RandomStream::new(seed, "operator"), is_there, next: None }
     }
 
-    /// Something waits for the operator since now.
+    /// Calls the operator, who acts two to six seconds later.
     pub(super) fn called(&mut self, deed: Deed, now: Duration) {
         if self.is_there {
             self.next = Some((now + Duration::from_millis(2000 + self.random.below(4000)), deed));
@@ -34,7 +34,7 @@ impl Operator {
         self.next.map(|(at, _)| at)
     }
 
-    /// What is done by now.
+    /// Returns the act that is due by now, once.
     pub(super) fn deed(&mut self, now: Duration) -> Option<Deed> {
         self.next.take_if(|(at, _)| *at <= now).map(|(_, deed)| deed)
     }

@@ -1,4 +1,4 @@
-//! What a run of the pallet scenario leaves behind: its phases with their times, what was said, frames to draw, and figures.
+//! The record of a run of the pallet scenario: phases with their times, messages to the operator, frames to draw, and figures.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use hallsweep_core::retrieval::{Team, Which};
 use hallsweep_sim::BodyPose;
 use hallsweep_sim::pair::{Holding, Pair};
 
-/// The phases of the scenario.
+/// Phases of the scenario, numbered as in the seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     /// 1: SRM1 finds the pallet.
@@ -29,7 +29,6 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// All of them, in their order.
     pub const ALL: [Phase; 8] = [
         Phase::Find,
         Phase::Approach,
@@ -41,13 +40,13 @@ impl Phase {
         Phase::Next,
     ];
 
-    /// Its number in the scenario.
+    /// Number in the scenario, from 1.
     #[must_use]
     pub const fn number(self) -> usize {
         self as usize + 1
     }
 
-    /// What passes in it.
+    /// The phase in words, for people.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -62,12 +61,12 @@ impl Phase {
         }
     }
 
-    /// The node by which its beginning is known, and in which of the three trees.
+    /// The node whose first tick begins the phase, with the index of its tree.
     const fn node(self) -> Option<(usize, &'static str)> {
         match self {
             Phase::Find => Some((0, "FindPallet")),
             Phase::Approach => Some((0, "SRM1_to_LoadSite")),
-            // The sequence itself is ticked from the first, to wait for the two.
+            // The sequence itself is ticked from the beginning, to wait for both robots.
             Phase::Identify => Some((2, "FindParcel")),
             Phase::PickUp => Some((2, "Pick-UpPrepSequence")),
             Phase::Transport => Some((2, "TransportSequence")),
@@ -78,50 +77,41 @@ impl Phase {
     }
 }
 
-/// Something worth telling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum News {
-    /// A phase began.
     Began(Phase),
-    /// Something was said to the operator.
     Said(Saying),
-    /// The operator has acknowledged it.
     Acknowledged,
-    /// START was pressed.
     Started,
-    /// A parcel slipped out of the grippers.
     Lost,
-    /// The robots were halted.
     Stopped,
     /// The program died and was started again.
     Restarted,
 }
 
-/// Something worth telling, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// In simulated time, since the run began.
+    /// Simulated time since the beginning of the run.
     pub at: Duration,
-    /// The parcel that was under way, counted from 1.
+    /// Number of the parcel under way, counted from 1.
     pub parcel: u32,
-    /// What.
     pub news: News,
 }
 
 /// The yard at one moment, for a page to draw. Lengths are in metres from the first robot's start, to the east and to the south.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// When.
+    /// Simulated time since the beginning of the run.
     pub at: Duration,
-    /// Where the bodies of the two are.
     pub bodies: [BodyPose; 2],
     /// Whether each gripper is closed.
     pub closed: [bool; 2],
-    /// The middle of the parcel between them, and how high it is lifted, 0–1.
+    /// Centre of the held parcel, in metres, and how high it is lifted, from 0 to 1.
     pub load: Option<(f64, f64, f64)>,
-    /// The gripping force in newtons, the angle of the paddles in radians, the distance of the bases beyond what is wanted in metres.
+    /// Gripping force in newtons, angle of the paddles in radians, and excess distance of the bases in metres, while a parcel is
+    /// held.
     pub held: Option<[f64; 3]>,
-    /// Parcels in the target area.
+    /// Number of parcels in the target area.
     pub delivered: usize,
 }
 
@@ -140,21 +130,19 @@ impl Frame {
     }
 }
 
-/// Why a run did not bring all parcels to the target area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PalletFault {
     /// The pair could not go on.
     Pair(RetrievalFault),
-    /// The operator was called, and never came.
+    /// The operator was called and never came.
     OperatorAbsent,
-    /// The trees say that all is done, and the target area holds fewer parcels.
+    /// The trees report the end, and the target area holds fewer parcels than the yard had.
     NotAllThere,
-    /// The run took longer than it ever should.
+    /// The run exceeded its time limit.
     TakesTooLong,
 }
 
 impl PalletFault {
-    /// Its fixed name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -165,7 +153,6 @@ impl PalletFault {
         }
     }
 
-    /// What it says.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -177,28 +164,25 @@ impl PalletFault {
     }
 }
 
-/// What a run came to.
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// Parcels on the pallet at first.
+    /// Number of parcels on the pallet at first.
     pub parcels: u32,
-    /// The seed of everything.
     pub seed: u64,
-    /// Parcels in the target area: what is really there.
+    /// Number of parcels that are really in the target area, whatever the trees say.
     pub delivered: usize,
-    /// How long it took, in simulated time.
+    /// Simulated time of the run.
     pub took: Duration,
-    /// Ticks of the three trees.
     pub ticks: u64,
-    /// Parcels that slipped out of the grippers.
+    /// Number of times that a parcel slipped out of the grippers.
     pub losses: u32,
-    /// How well parcels were held while they were off the floor.
+    /// Errors of force, angle and distance while parcels were off the floor.
     pub holding: Holding,
     /// Why not all parcels arrived.
     pub fault: Option<PalletFault>,
 }
 
-/// The phases that begin in the last tick, given the one that is under way.
+/// Phases that begin in the last tick, after the phase under way.
 pub(super) fn begun(team: &Team, under_way: Option<Phase>) -> Vec<Phase> {
     let ticked = |phase: &Phase| {
         let Some((tree, name)) = phase.node() else { return false };

@@ -1,4 +1,4 @@
-//! What a run of the pallet scenario came to, in JSON: the same for the command line and for the page, which plays it beside.
+//! The result of a run of the pallet scenario as JSON, the same for the command line and for the page that plays the run.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,17 +9,17 @@ use super::run::PalletRun;
 use super::words::{kind, words};
 use hallsweep_sim::pair::Spread;
 
-/// What was asked for, what passed, and the figures.
+/// The request, the events and the figures of a run.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ReportJson {
     seed: u64,
     parcels: u32,
-    /// What was asked to go wrong, as it is written in the address.
+    /// Requested faults, as they are written in the address.
     faults: Vec<String>,
-    /// Those of them that have not happened.
+    /// Requested faults that have not happened.
     not_happened: Vec<NotHappenedJson>,
-    /// How long it took, in simulated time.
+    /// Simulated time of the run, in seconds.
     seconds: f64,
     events: Vec<EventJson>,
     figures: FiguresJson,
@@ -30,7 +30,7 @@ pub struct ReportJson {
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletFaultNotHappened")]
 struct NotHappenedJson {
-    /// As it stands in `faults`.
+    /// The fault, as in `faults`.
     fault: String,
     /// `nobodyCalled` or `runEnded`.
     why: &'static str,
@@ -42,11 +42,11 @@ struct NotHappenedJson {
 struct EventJson {
     /// Simulated seconds since the run began.
     t: f64,
-    /// The parcel that is under way, counted from 1.
+    /// Number of the parcel under way, counted from 1.
     parcel: u32,
     /// `phase`, `alarm`, `acknowledged`, `start` or `lost`.
     kind: &'static str,
-    /// The number of the phase that begins, from 1 to 8.
+    /// Number of the phase that begins, from 1 to 8.
     #[serde(skip_serializing_if = "Option::is_none")]
     phase: Option<usize>,
     words: String,
@@ -56,7 +56,7 @@ struct EventJson {
 #[schemars(rename = "PalletFigures")]
 #[serde(rename_all = "camelCase")]
 struct FiguresJson {
-    /// Parcels in the target area.
+    /// Number of parcels in the target area.
     delivered: usize,
     ticks: u64,
     losses: u32,
@@ -80,7 +80,6 @@ struct FaultJson {
 }
 
 impl ReportJson {
-    /// Of a run that has ended.
     pub fn new(run: &PalletRun, figures: &Figures, faults: &[AskedFault]) -> ReportJson {
         ReportJson {
             seed: figures.seed,
@@ -133,7 +132,7 @@ impl From<PalletFault> for FaultJson {
     }
 }
 
-/// A tenth of a millimetre, or of a milliradian, is finer than any picture.
+/// Rounds to a tenth of a millimetre, or of a milliradian, which is finer than any drawing.
 pub(super) fn short(number: f64) -> f64 {
     (number * 1e4).round() / 1e4
 }

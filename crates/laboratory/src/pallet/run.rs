@@ -1,4 +1,4 @@
-//! A run of the scenario: what happens next, and what a person may do in it.
+//! A run of the scenario: the next event, and what a person may do in between.
 
 #[cfg(test)]
 mod tests;
@@ -19,33 +19,30 @@ use hallsweep_core::state::TeamStage;
 use hallsweep_core::units::{Cell, Now, WallTime};
 use hallsweep_sim::pair::{Holding, Mishaps, Pair, PairSettings};
 
-/// The longest run for each parcel, in simulated time: a hundred times what one takes.
+/// Longest simulated time for each parcel: a hundred times what one takes.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// After so long without an answer nobody is at the console.
+/// Wait for an answer after which nobody is taken to be at the console.
 const NOBODY_COMES: Duration = Duration::from_secs(600);
 
-/// How often a frame is kept, in ticks.
+/// Interval of the frames that are stored, in ticks.
 const FRAME_EVERY: u64 = 5;
 
-/// The most frames that are kept: hours of simulated time. A run that goes on beyond is drawn up to here.
+/// Maximum number of frames: hours of simulated time. A longer run is drawn up to here.
 const MOST_FRAMES: usize = 100_000;
 
-/// The most entries of a record: thousands of losses, which no run survives.
+/// Maximum number of entries of a record: thousands of losses, which no run survives.
 const MOST_ENTRIES: usize = 100_000;
 
-/// What is asked to go wrong. Parcels are counted from 1.
+/// Requested faults. Parcels are counted from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
-    /// What goes wrong with robots and parcels.
     pub mishaps: Mishaps,
-    /// The way into the target area is closed when one of these parcels is lifted.
+    /// Parcels at whose lifting the way into the target area is closed.
     pub blocked: Vec<u32>,
-    /// The operator never comes.
     pub absent: bool,
 }
 
-/// A run of the scenario.
 #[derive(Debug)]
 pub struct PalletRun {
     yard: Yard,
@@ -59,16 +56,17 @@ pub struct PalletRun {
     now: Duration,
     next_tick: Duration,
     ticks: u64,
-    /// Somebody's STOP, an alarm that is not acknowledged, and whether it takes a START to go on.
+    /// Whether STOP was pressed and START was not pressed since.
     is_stopped: bool,
+    /// Whether an alarm is not acknowledged.
     is_calling: bool,
     awaits_start: bool,
-    /// Since when nothing happens for want of the operator.
+    /// Since when the run waits for the operator.
     waits_since: Option<Duration>,
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
-    /// How well parcels were held before the last restart.
+    /// Errors of holding before the last restart.
     held_before: Holding,
     entries: Vec<Entry>,
     logs: [TickLog; 3],
@@ -85,7 +83,6 @@ impl PalletRun {
         Ok(PalletRun::of(Yard::new(parcels, seed)?, seed, asked))
     }
 
-    /// A run in this yard that has not begun.
     #[must_use]
     pub fn of(yard: Yard, seed: u64, asked: Asked) -> PalletRun {
         let (mishaps, way_out) = (asked.mishaps.clone(), yard.way_out);
@@ -121,7 +118,7 @@ impl PalletRun {
         run
     }
 
-    /// Lets the next thing happen; false when the run has ended. `watch` sees the team after each tick of its trees.
+    /// Performs the next event; false when the run has ended. `watch` receives the team after each tick of its trees.
     pub fn advance(&mut self, mut watch: impl FnMut(&Team)) -> bool {
         if self.ended.is_some() {
             return false;
@@ -141,25 +138,24 @@ impl PalletRun {
         self.ended.is_none()
     }
 
-    /// Lets everything happen until the run has ended.
     pub fn finish(&mut self) -> Figures {
         while self.advance(|_| {}) {}
         self.figures()
     }
 
-    /// Lets simulated time pass to this moment, as far as the run goes.
+    /// Runs until this simulated time, or to the end of the run.
     pub fn advance_to(&mut self, until: Duration) {
         while self.now < until && self.advance(|_| {}) {}
     }
 
-    /// Somebody presses STOP: both robots halt where they are, with what they hold in their grip.
+    /// Performs STOP: both robots halt where they are, and go on holding what they hold.
     pub fn stop(&mut self) {
         (self.is_stopped, self.awaits_start) = (true, true);
         self.note(News::Stopped);
         self.halt();
     }
 
-    /// Somebody presses START: it goes on, unless an alarm is not acknowledged; whether it does.
+    /// Performs START, unless an alarm is not acknowledged; returns whether the run goes on.
     pub fn start(&mut self) -> bool {
         if self.is_calling {
             return false;
@@ -171,7 +167,7 @@ impl PalletRun {
         true
     }
 
-    /// Somebody acknowledges the alarm.
+    /// Acknowledges the alarm; the operator then presses START.
     pub fn acknowledge(&mut self) {
         if std::mem::take(&mut self.is_calling) {
             self.note(News::Acknowledged);
@@ -179,8 +175,8 @@ impl PalletRun {
         }
     }
 
-    /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
-    /// START; orders that were open are answered by nobody. The trees go on from their kept state.
+    /// Simulates a program that dies and is started again. The pair stands as it stood, halted by itself, with its parcel in its
+    /// grip, and waits for START. Open orders are never answered. The trees continue from their stored state.
     pub fn restart(&mut self) {
         self.team = Team::resume(self.team.state()).expect("they are the same trees");
         self.held_before.join(self.pair.holding());
@@ -191,13 +187,11 @@ impl PalletRun {
         self.note(News::Restarted);
     }
 
-    /// The yard.
     #[must_use]
     pub const fn yard(&self) -> &Yard {
         &self.yard
     }
 
-    /// The trees.
     #[must_use]
     pub const fn team(&self) -> &Team {
         &self.team
@@ -209,43 +203,39 @@ impl PalletRun {
         self.now
     }
 
-    /// What was worth telling so far.
     #[must_use]
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// How everything stands now.
     #[must_use]
     pub fn frame(&self) -> Frame {
         Frame::of(&self.pair, self.now)
     }
 
-    /// How everything stood, twice a second.
+    /// Frames so far, one each half second.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// What each tick has changed in the trees of SRM1, SRM2 and the Supervisor.
+    /// Changes of each tick in the trees of SRM1, SRM2 and the Supervisor.
     #[must_use]
     pub const fn logs(&self) -> &[TickLog; 3] {
         &self.logs
     }
 
-    /// Where parcels are that are neither in the grippers nor in the target area.
+    /// Cells of the parcels that are neither in the grippers nor in the target area.
     #[must_use]
     pub fn parcels(&self) -> Vec<Cell> {
         self.crew.left().filter_map(|(_, place)| place.cell()).collect()
     }
 
-    /// Whether the run has ended.
     #[must_use]
     pub const fn has_ended(&self) -> bool {
         self.ended.is_some()
     }
 
-    /// What was asked to go wrong and has not.
     #[must_use]
     pub fn not_happened(&self) -> Asked {
         let fault = self.ended.flatten();
@@ -257,7 +247,6 @@ impl PalletRun {
         Asked { mishaps, blocked: self.asked.blocked.clone(), absent }
     }
 
-    /// What it has come to so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
         let mut holding = self.held_before;

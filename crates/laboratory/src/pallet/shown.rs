@@ -1,4 +1,4 @@
-//! A run that has ended, with the frames that a picture of it needs, and its trees as they stand at the end.
+//! A run that has ended, with the frames for a drawing of it, and its trees at the end.
 
 use std::time::Duration;
 
@@ -11,23 +11,22 @@ use behaviour_trees::{TickLog, Tree};
 use hallsweep_core::snapshot::retrieval::TreesView;
 use hallsweep_core::units::Cell;
 
-/// How often a frame is taken: so often that a straight line between two of them shows no corner that was not driven.
+/// Interval of the frames: so short that a straight line between two of them cuts no corner visibly.
 const FRAME_EVERY: Duration = Duration::from_millis(200);
 
-/// A run that has ended, with all that a picture of it needs.
 #[derive(Debug)]
 pub struct Pallet {
     pub(super) run: PalletRun,
     pub(super) faults: Vec<AskedFault>,
     pub(super) figures: Figures,
-    /// How everything stood, without the frames between two that are the same.
+    /// The yard at all moments, without frames between two equal ones.
     pub(super) frames: Vec<Frame>,
-    /// Where parcels lay, each time that this changed.
+    /// Cells of the parcels on the floor, from each time that they changed.
     pub(super) lying: Vec<(Duration, Vec<Cell>)>,
 }
 
 impl Pallet {
-    /// Runs it to its end. `asked` is what `faults` come to.
+    /// Runs the scenario to its end. `asked` is made of `faults`.
     ///
     /// # Errors
     /// If there would be no parcel, or more than fit on the pallet.
@@ -37,7 +36,7 @@ impl Pallet {
         while !run.has_ended() {
             let count = u32::try_from(run.time().as_millis() / FRAME_EVERY.as_millis()).unwrap_or(u32::MAX);
             let (due, told) = (FRAME_EVERY * (count + 1), run.entries().len());
-            // Each event has a frame, so that the picture shows what is told.
+            // Each event has a frame, so that the drawing agrees with the report.
             while run.time() < due && run.entries().len() == told && run.advance(|_| {}) {}
             keep(&mut frames, run.frame());
             let lie = run.parcels();
@@ -49,38 +48,32 @@ impl Pallet {
         Ok(Pallet { run, faults, figures, frames, lying })
     }
 
-    /// The yard and the ways that were driven, under this title.
     pub fn drawing(&self, title: &str) -> String {
         drawing(&self.run, title)
     }
 
-    /// What was worth telling.
     pub fn entries(&self) -> &[Entry] {
         self.run.entries()
     }
 
-    /// What it came to.
     pub const fn figures(&self) -> &Figures {
         &self.figures
     }
 
-    /// Why not all parcels arrived.
     pub const fn fault(&self) -> Option<PalletFault> {
         self.figures.fault
     }
 
-    /// What was asked to go wrong and has not, and why.
     pub fn missed(&self) -> Vec<(AskedFault, Missed)> {
         missed(&self.faults, &self.run)
     }
 
-    /// Columns and rows of the yard, with half a cell of the wall round it.
+    /// Columns and rows of the yard, with half a cell of the wall on each side.
     pub fn size(&self) -> (i32, i32) {
         let bounds = self.run.yard().hall.bounds();
         (bounds.width() + 1, bounds.height() + 1)
     }
 
-    /// The trees as they stand at the end.
     pub fn trees(&self) -> TreesView {
         let team = self.run.team();
         let mut trees = TreesView::of(team.trees(), team.blackboard());
@@ -94,7 +87,7 @@ impl Pallet {
     }
 }
 
-/// Adds a frame; the last one gives way to it when nothing has changed in between.
+/// Adds a frame, which replaces the last one when nothing has changed since the frame before that.
 fn keep(frames: &mut Vec<Frame>, frame: Frame) {
     let is_same = |other: &Frame| Frame { at: frame.at, ..other.clone() } == frame;
     if let [.., before, last] = frames.as_slice()

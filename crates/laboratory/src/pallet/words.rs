@@ -1,9 +1,9 @@
-//! Events and figures of a run in English, for the command line and programs; pages say them in the language of their reader.
+//! Events and figures of a run in English, for the command line and programs. Pages show them in the language of their reader.
 
 use super::record::{Entry, Figures, News};
 use hallsweep_sim::pair::Spread;
 
-/// What kind of thing an event is, by a fixed name.
+/// Fixed name of the kind of an event.
 pub const fn kind(news: News) -> &'static str {
     match news {
         News::Began(_) => "phase",
@@ -16,7 +16,6 @@ pub const fn kind(news: News) -> &'static str {
     }
 }
 
-/// An event in words.
 pub fn words(entry: &Entry) -> String {
     match entry.news {
         News::Began(phase) => format!("phase {}: {}", phase.number(), phase.in_words()),
@@ -29,7 +28,7 @@ pub fn words(entry: &Entry) -> String {
     }
 }
 
-/// A row for each figure.
+/// Each figure with its name and unit.
 pub fn rows(figures: &Figures) -> [(&'static str, String); 7] {
     let holding = &figures.holding;
     let error = |spread: &Spread, scale: f64, unit: &str| {

@@ -1,5 +1,5 @@
-//! The yard of the pallet scenario, drawn from a seed: walls, obstacles, the pallet with its parcels, the target area, and where the two
-//! robots start. Every yard can be solved; how is not known here.
+//! The yard of the pallet scenario, drawn from a seed: walls, obstacles, the pallet with its parcels, the target area, and the
+//! starts of the two robots. Every yard can be solved; the solution is not known here.
 //!
 //! ```text
 //!   # # # # # # # # # #     1, 2  the robots, the first at the cell (0, 0)
@@ -19,25 +19,25 @@ use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_sim::{Hall, Truth};
 
-/// The most parcels: three full rows of a pallet. More would take simulated hours and show nothing new.
+/// Maximum number of parcels: three full rows of a pallet. More would take simulated hours and show nothing new.
 pub const MOST_PARCELS: u32 = 24;
 
-/// Parcels in a row.
+/// Number of parcels in a row.
 const ROW: i32 = 8;
 
 /// Free rows between two rows of parcels, so that both robots can stand beside each parcel and pass each other.
 const AISLE: i32 = 2;
 
-/// Draws that are tried; each has fewer obstacles than the one before, and the last has none.
+/// Maximum number of draws until a yard can be solved; each has fewer obstacles than the one before, and the last has none.
 const DRAWS: u32 = 12;
 
-/// The share of floor cells that are obstacles in the first draw.
+/// Share of floor cells that are obstacles in the first draw.
 const OBSTACLES: f64 = 0.16;
 
-/// How far obstacles stay from parcels, target area and robots, in cells: room for a train to turn.
+/// Distance of obstacles from parcels, target area and robots, in cells: room for the train of both robots and a parcel to turn.
 const CLEAR: i32 = 2;
 
-/// There is no yard for so many parcels.
+/// There is no yard with this number of parcels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} parcels cannot be moved in one run: from 1 to {MOST_PARCELS} fit on the pallet")]
 pub struct ParcelsError(pub u32);
@@ -45,20 +45,18 @@ pub struct ParcelsError(pub u32);
 /// A yard, never changed once drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yard {
-    /// Its walls, obstacles and parcels.
+    /// Walls, obstacles and parcels.
     pub hall: Arc<Hall>,
-    /// Where the robots start.
     pub starts: [BasePose; 2],
-    /// Where parcels are put down.
+    /// Cell where parcels are put down.
     pub target: Place,
     /// Whether a way leads out at home, as in a hall; drawn yards have none.
     pub way_out: bool,
-    /// The parcels, in the order in which they are fetched, and where each stands.
+    /// Parcels with their cells, in the order in which they are fetched.
     pub parcels: Vec<(Piece, Cell)>,
 }
 
 impl Yard {
-    /// The yard of this seed.
     ///
     /// # Errors
     /// If there would be no parcel, or more than `MOST_PARCELS`.
@@ -75,7 +73,7 @@ impl Yard {
         Ok(solvable.expect("the last draw has no obstacles, and its pallet and target area are clear on all sides"))
     }
 
-    /// What is known of it before anybody moves: where the robots stand, and the plan of the pallet.
+    /// Map of what is known before the first move: the starts of the robots and the plan of the pallet.
     #[must_use]
     pub fn known_at_first(&self) -> HallMap {
         let mut map = HallMap::new(Cell::HOME, Revision(0));
@@ -90,8 +88,8 @@ impl Yard {
         map
     }
 
-    /// Whether the first parcel can be fetched although all others still stand there, and again after the first time. Round the pallet all is
-    /// clear, so what holds for one holds for the others.
+    /// Whether the first parcel can be fetched while all others still stand there, from the start and from the target area.
+    /// Everything around the pallet is clear, so what holds for one parcel holds for the others.
     fn can_be_solved(&self) -> bool {
         let mut map = self.known_at_first();
         let bounds = self.hall.bounds();
@@ -107,7 +105,7 @@ impl Yard {
         let target = self.target;
         let freed = BTreeSet::new();
         let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[] };
-        // The two after they have put down the first parcel, wherever the train has come from.
+        // The two robots after they have put down the first parcel, from whichever side the train came.
         let beside = |heading| target.cell().map_or(target, |cell| Place::Cell(cell.ahead(heading)));
         let after = [beside(Heading::North), beside(Heading::South)];
         self.parcels.first().is_some_and(|(_, cell)| {
@@ -118,7 +116,7 @@ impl Yard {
     }
 }
 
-/// A yard while it is drawn; its own columns and rows begin at the north-west corner of the floor.
+/// A yard while it is drawn. Its columns and rows begin at the north-west corner of the floor.
 struct Plan {
     columns: i32,
     rows: i32,
@@ -139,7 +137,7 @@ impl Plan {
         let pallet_height = pallet_rows + (pallet_rows - 1) * AISLE;
         let columns = number(ROW + 11, ROW + 16);
         let rows = number(pallet_height + 5, pallet_height + 9);
-        // The robots begin in the west, between them and the pallet in the east lies the target area.
+        // The robots start in the west, and the target area is between them and the pallet in the east.
         let start = Cell::new(1, number(1, rows - 2));
         let target = Cell::new(number(5, 7), number(2, rows - 3));
         let corner = Cell::new(columns - ROW - 2, number(2, rows - pallet_height - 2));
@@ -178,7 +176,7 @@ impl Plan {
 }
 
 impl fmt::Display for Plan {
-    /// As a drawing of a hall; outside it everything is wall.
+    /// Writes the plan as the rows of a hall; outside it everything is wall.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for y in 0..self.rows {
             for x in 0..self.columns {

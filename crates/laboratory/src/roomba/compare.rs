@@ -1,20 +1,19 @@
-//! Whether two runs are the same (docs/laboratory.md): equal transitions in the same order, each phase as long up to a tick.
-//! Where the body stood is not compared: it follows from these, and from the walls.
+//! Whether two runs are the same (docs/laboratory.md): the same transitions in the same order, with durations that differ by a
+//! tick at most. Positions are not compared: they follow from the phases and the walls.
 
 use std::fmt;
 
 use super::run::{Controller, Run, Transition};
 
-/// Where two runs part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parting {
-    /// How many transitions they had in common.
+    /// Number of transitions in common.
     pub common: usize,
-    /// Who drove each, and what came next; nothing when the run ended first.
+    /// Each controller with its next transition; `None` when its run ended first.
     pub next: [(Controller, Option<Transition>); 2],
 }
 
-/// The first transition at which two runs differ, if they do.
+/// The point where the transitions of two runs differ, if they do.
 #[must_use]
 pub(super) fn parting(one: &Run, other: &Run) -> Option<Parting> {
     let most = one.transitions.len().max(other.transitions.len());
@@ -30,14 +29,14 @@ fn is_same(one: &Run, other: &Run, index: usize) -> bool {
             let kind = |change: &Transition| (change.from, change.to, change.angle.map(f64::to_bits));
             kind(a) == kind(b) && lasted(one, index).abs_diff(lasted(other, index)) <= 1
         }
-        // One run may have got just as far when time was up: it is behind by a tick a phase at the most.
+        // One run may have come this far when its time was up: it is behind by a tick per phase at most.
         (Some(last), None) => is_about_to_end(one, last, index),
         (None, Some(last)) => is_about_to_end(other, last, index),
         (None, None) => true,
     }
 }
 
-/// How many ticks the phase lasted that this transition ended.
+/// Duration of the phase that this transition ended, in ticks.
 fn lasted(run: &Run, index: usize) -> u32 {
     let began = index.checked_sub(1).and_then(|before| run.transitions.get(before)).map_or(0, |change| change.tick);
     run.transitions.get(index).map_or(0, |change| change.tick.saturating_sub(began))
@@ -72,7 +71,7 @@ mod tests {
         Run::new(Controller::Machine, 1, RunLength::from_seconds(60.0).unwrap())
     }
 
-    /// What the comparison says of a run and the same run changed by hand.
+    /// Compares a run with a changed copy of it.
     fn with(change: impl FnOnce(&mut Run)) -> Option<Parting> {
         let mut other = Run { controller: Controller::Tree, ..run() };
         change(&mut other);

@@ -1,5 +1,5 @@
-//! A run as a drawing: the room, the floor that was passed over, the way coloured by phase, the walls that were met, and a legend.
-//! It is SVG that stands alone; classes let a page give it colours of its own. Nothing here moves.
+//! The drawing of a run: the room, the floor that was passed over, the way coloured by phase, the walls that were met, and a
+//! legend. It is a complete SVG document without animation, and its classes let a page set other colours.
 
 use std::fmt::Write;
 
@@ -7,47 +7,45 @@ use super::phase::Phase;
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 use super::run::{Controller, Frame, Run};
 
-/// A metre in the units of the drawing.
+/// A metre, in units of the drawing.
 const SCALE: f64 = 100.0;
 
-/// What is left free round a room.
+/// Free margin around a room, in units of the drawing.
 const MARGIN: f64 = 20.0;
 
-/// The lines above a room.
+/// Height of the lines above a room, in units of the drawing.
 const HEAD: f64 = 58.0;
 
-/// The legend below a room.
+/// Height of the legend below a room, in units of the drawing.
 const FOOT: f64 = 62.0;
 
-/// A spiral is drawn through every fourth tick: 3 cm of a curve of 25 cm, which nobody sees the corners of.
+/// Distance between the points of a spiral, in ticks: 3 cm of a curve of 25 cm, whose corners nobody sees.
 const SPIRAL_TICKS: u32 = 4;
 
-/// How a phase looks.
 struct Look {
     class: &'static str,
     colour: &'static str,
     width: f64,
 }
 
-/// What a drawing says beside its lines, in the language of whoever looks. It is put into the document as it is.
+/// Texts of a drawing, in the language of its reader. They are inserted into the document without escaping.
 pub trait Words {
-    /// Whose run it is, of which seed, and how long.
+    /// Controller, seed and duration of the run.
     fn title(&self, run: &Run) -> String;
 
-    /// What it came to.
     fn summary(&self, run: &Run) -> String;
 
-    /// The mark of a wall that was met.
+    /// Legend for the mark of a wall that was met.
     fn wall_met(&self) -> String;
 
-    /// The colour of the floor that was passed over.
+    /// Legend for the colour of the floor that was passed over.
     fn floor_passed(&self) -> String;
 
-    /// The cross at the start, and the circle at the end.
+    /// Legend for the cross at the start and the circle at the end.
     fn start_and_end(&self) -> String;
 }
 
-/// The words for the command line.
+/// Texts for the command line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct English;
 
@@ -79,7 +77,7 @@ impl Words for English {
     }
 }
 
-/// Runs side by side as one SVG document, in the order in which they are given.
+/// One SVG document with the runs side by side, in the given order.
 #[must_use]
 pub(super) fn svg(runs: &[&Run], said: &dyn Words) -> String {
     let (width, height) = (ROOM_LENGTH_M * SCALE + 2.0 * MARGIN, HEAD + ROOM_WIDTH_M * SCALE + FOOT);
@@ -148,7 +146,7 @@ fn panel(out: &mut String, run: &Run, said: &dyn Words) {
     legend(out, width + 30.0, said);
 }
 
-/// Everything that was passed over: the whole way, as wide as the body.
+/// Draws the floor that was passed over: the whole way, as wide as the body.
 fn floor(out: &mut String, run: &Run) {
     let mut path = String::new();
     for (index, (x, y)) in points(run).map(|(_, x, y)| (x, y)).enumerate() {
@@ -164,7 +162,7 @@ fn floor(out: &mut String, run: &Run) {
     );
 }
 
-/// The way that was driven in one phase.
+/// Draws the parts of the way that were driven in this phase.
 fn way(out: &mut String, run: &Run, phase: Phase) {
     let mut path = String::new();
     let mut last = None;
@@ -179,7 +177,7 @@ fn way(out: &mut String, run: &Run, phase: Phase) {
         is_drawing = of == phase;
         last = Some((x, y));
     }
-    // The start is the end of no phase.
+    // The start is not the end of a phase before it.
     let path = path.strip_prefix('L').map_or_else(|| path.clone(), |rest| format!("M{rest}"));
     let Look { class, colour, width } = look(phase);
     if !path.is_empty() {
@@ -192,7 +190,7 @@ fn way(out: &mut String, run: &Run, phase: Phase) {
     }
 }
 
-/// The points that the way goes through, each with the phase that led to it: of a straight phase its end alone, and of a spiral many.
+/// Points of the way, each with the phase that led to it: only the end of a straight phase, and many points of a spiral.
 fn points(run: &Run) -> impl Iterator<Item = (Phase, f64, f64)> {
     let next = run.frames.iter().skip(1).map(Some).chain([None]);
     let drawn = run.frames.iter().zip(next).filter(|(frame, next)| {
@@ -203,7 +201,7 @@ fn points(run: &Run) -> impl Iterator<Item = (Phase, f64, f64)> {
     drawn.map(|(frame, _)| (frame.phase, frame.pose.x_m * SCALE, frame.pose.y_m * SCALE))
 }
 
-/// Where the wall is that a body touches.
+/// Point of the wall that a body touches, in units of the drawing.
 fn touched(frame: &Frame) -> (f64, f64) {
     let towards = |at: f64, most: f64| {
         if at <= RADIUS_M {
@@ -226,7 +224,6 @@ fn mark(out: &mut String, x: f64, y: f64, class: &str, colour: &str) {
     );
 }
 
-/// The body where it stands, and the way it faces.
 fn body(out: &mut String, frame: &Frame) {
     let (x, y, r) = (frame.pose.x_m * SCALE, frame.pose.y_m * SCALE, RADIUS_M * SCALE);
     let (dx, dy) = frame.pose.ahead();
@@ -304,7 +301,7 @@ mod tests {
         drawing.matches(what).count()
     }
 
-    /// Each mark stands once more in the legend.
+    /// The legend has one mark of each kind more.
     #[test]
     fn every_wall_met_and_every_turn_is_marked() {
         let run = run(3, 120.0);

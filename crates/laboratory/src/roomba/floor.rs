@@ -1,18 +1,17 @@
-//! How much of the floor the Roomba has passed over: squares of 5 cm, counted by their centres.
-//! A square counts as soon as the body is over its centre. Those in the corners, which a round body cannot reach, are not counted.
+//! The part of the floor that the Roomba has passed over, in squares of 5 cm. A square counts as soon as the body is over its
+//! centre. Squares in the corners, which a round body cannot reach, are not counted.
 
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 
-/// The side of a square, in metres: a third of the radius, so that what a corner or a narrow gap leaves is seen.
+/// Side of a square, in metres: a third of the radius, so that gaps in corners and narrow strips are seen.
 pub(super) const SQUARE_M: f64 = 0.05;
 
-/// How many squares lie along x.
+/// Number of squares along x.
 const COLUMNS: usize = 128;
 
-/// How many squares lie along y.
+/// Number of squares along y.
 const ROWS: usize = 96;
 
-/// The squares of the room.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     passed: Vec<bool>,
@@ -24,7 +23,7 @@ impl Floor {
         Floor { passed: vec![false; COLUMNS * ROWS], count: 0 }
     }
 
-    /// The body stands with its centre at (`x_m`, `y_m`).
+    /// Counts the squares under a body with its centre at (`x_m`, `y_m`).
     pub(super) fn pass(&mut self, x_m: f64, y_m: f64) {
         for row in near(y_m, ROWS) {
             for column in near(x_m, COLUMNS) {
@@ -38,13 +37,12 @@ impl Floor {
         }
     }
 
-    /// How many squares it has passed over.
     pub(super) const fn passed(&self) -> u32 {
         self.count
     }
 }
 
-/// How many squares a body can pass over that goes everywhere in the room.
+/// Number of squares that a body which goes everywhere in the room can pass over.
 pub(super) fn reachable() -> u32 {
     let squares = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (centre(column), centre(row))));
     let within = squares.filter(|(x, y)| {
@@ -55,18 +53,18 @@ pub(super) fn reachable() -> u32 {
     within.fold(0, |count, _| count + 1)
 }
 
-/// Whether a point so far from the body's centre is under the body.
+/// Whether a point at this distance from the body's centre, in metres, is under the body.
 fn is_within(dx: f64, dy: f64) -> bool {
     dx * dx + dy * dy <= RADIUS_M * RADIUS_M
 }
 
-/// Where the centre of this column or row is, in metres.
+/// Centre of this column or row, in metres.
 #[expect(clippy::cast_precision_loss, reason = "there are a few hundred columns and rows")]
 fn centre(index: usize) -> f64 {
     (index as f64 + 0.5) * SQUARE_M
 }
 
-/// The columns or rows that a body at this coordinate can be over, of so many.
+/// Of `of` columns or rows, those that a body at this coordinate can be over.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float becomes the nearest number that there is")]
 fn near(at_m: f64, of: usize) -> std::ops::Range<usize> {
     let index = |m: f64| (m / SQUARE_M) as usize;
@@ -98,7 +96,8 @@ mod tests {
         assert!((mean - disc).abs() < 0.2, "{mean} squares for {disc}");
     }
 
-    /// Six or seven rows of centres lie within 17 cm to either side, as the way runs between centres or over them.
+    /// Six or seven rows of centres are within 17 cm to either side, depending on whether the way runs between centres or over
+    /// them.
     #[test]
     fn a_straight_way_covers_a_strip_as_wide_as_the_body() {
         for (y_m, rows) in [(1.0, 6), (1.025, 7)] {
@@ -113,7 +112,7 @@ mod tests {
 
     #[test]
     fn all_but_the_corners_can_be_reached_and_going_everywhere_reaches_it() {
-        // Each corner keeps back (1 − π/4) r², which is 2.5 squares.
+        // Each corner keeps (1 − π/4) r² out of reach, which is 2.5 squares.
         assert!((12_288 - 24..12_288).contains(&reachable()), "{}", reachable());
         let mut floor = Floor::new();
         let steps = |most: f64| (0..).map(|step| RADIUS_M + f64::from(step) * 0.02).take_while(move |at| *at < most);

@@ -1,16 +1,14 @@
-//! How long a run of the Roomba is to last: what may be asked for, in whole ticks.
+//! The length of a run of the Roomba, in whole ticks, within its limits.
 
 use std::str::FromStr;
 
 use super::room::TICKS_PER_SECOND;
 
-/// The length of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunLength {
     ticks: u32,
 }
 
-/// This is not the length of a run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0:?} is no length of a run: give seconds, from 1 to {most}", most = RunLength::LONGEST_S)]
 pub struct RunLengthError(String);
@@ -19,10 +17,10 @@ impl RunLength {
     /// The longest run, in seconds: an hour, whose frames take 10 MB.
     pub const LONGEST_S: u32 = 3600;
 
-    /// So many seconds, from 1 to `LONGEST_S`, rounded to a tick.
+    /// A length of 1 to `LONGEST_S` seconds, rounded to a tick.
     ///
     /// # Errors
-    /// When it is less, more or no number.
+    /// When it is shorter, longer or not a number.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is within 1..=3600 seconds")]
     pub fn from_seconds(seconds: f64) -> Result<RunLength, RunLengthError> {
         if !(1.0..=f64::from(RunLength::LONGEST_S)).contains(&seconds) {
@@ -31,7 +29,6 @@ impl RunLength {
         Ok(RunLength { ticks: (seconds * f64::from(TICKS_PER_SECOND)).round() as u32 })
     }
 
-    /// How many seconds it is.
     #[must_use]
     pub fn seconds(self) -> f64 {
         f64::from(self.ticks) / f64::from(TICKS_PER_SECOND)

@@ -1,4 +1,4 @@
-//! The Roomba's state machine: four states, and what leads from one to another. What a state does stands in `phase`.
+//! The Roomba's state machine: four states with their transitions. `phase` describes each state.
 //!
 //! ```text
 //!               ┌───────── 20 s ─────────┐
@@ -14,7 +14,7 @@ use super::phase::{Motion, Phase, TURNS};
 use super::room::Velocity;
 use hallsweep_core::rng::RandomStream;
 
-/// The state machine of seed 001.
+/// State machine of seed 001.
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
     motion: Motion,
@@ -22,13 +22,13 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    /// At the beginning of its first MoveForward.
+    /// The machine at the beginning of its first MoveForward.
     pub(super) fn new(seed: u64) -> Machine {
         let mut turns = RandomStream::new(seed, TURNS);
         Machine { motion: Motion::begin(Phase::MoveForward, &mut turns), turns }
     }
 
-    /// The state that follows now, if the present one is at its end. The bumper is asked before the time.
+    /// The next state when the present one ends. The bumper is checked before the time.
     fn next(&self, bumper: bool) -> Option<Phase> {
         if self.motion.meets_wall(bumper) {
             return Some(Phase::GoBack);
@@ -58,7 +58,7 @@ impl Driver for Machine {
 mod tests {
     use super::*;
 
-    /// The states of so many ticks, each once, with how many ticks it had; `bumper` says in which ticks it is pressed.
+    /// The states of this many ticks with the duration of each; `bumper` says in which ticks the bumper is pressed.
     fn states(ticks: u32, bumper: impl Fn(u32) -> bool) -> Vec<(Phase, u32)> {
         let mut machine = Machine::new(1);
         let mut seen: Vec<(Phase, u32)> = Vec::new();

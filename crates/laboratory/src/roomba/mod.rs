@@ -1,13 +1,13 @@
-//! The Roomba of seed 001: a round robot in an empty room, driven by a state machine or by a behaviour tree that do the same.
-//! It has nothing of the hall and its mission; only arithmetic and chance are shared.
+//! The Roomba of seed 001: a round robot in an empty room, driven by a state machine or by a behaviour tree that do the same. It
+//! shares only arithmetic and random numbers with the hall and its mission.
 //!
 //! ```text
 //!              ┌── machine ──┐  how fast?                 ┌─ drawing (SVG)
 //!  seed ─► phase             ├───────────► room ─► run ───┼─ compare
 //!              └── tree ─────┘  ◄── bumper ──            └─ floor (share passed over)
 //! ```
-//! In each of sixty ticks a second the one that drives is told whether a wall cut the last move short and says how fast to go; then
-//! the body moves. `phase` is how each of the four phases goes; in which order they follow is all that machine and tree know.
+//! There are sixty ticks per second. In each the driver is told whether a wall cut the last move short, and says how fast to go;
+//! then the body moves. `phase` describes each of the four phases. Machine and tree only know their order.
 
 mod compare;
 mod drawing;

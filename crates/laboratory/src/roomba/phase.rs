@@ -1,56 +1,55 @@
-//! What the Roomba can be doing, and how: the four phases of seed 001, each with its speeds from its beginning to its end.
-//! Which phase follows which is not decided here; that is what the state machine and the behaviour tree are for.
+//! The four phases of the Roomba of seed 001, each with its speeds from beginning to end. The state machine and the behaviour
+//! tree decide which phase follows which.
 
 use std::f64::consts::{PI, TAU};
 
 use super::room::{TICK_S, TICKS_PER_SECOND, Velocity};
 use hallsweep_core::rng::RandomStream;
 
-/// How fast it goes forward and in a spiral, in metres a second (docs/laboratory.md).
+/// Speed forward and in a spiral, in metres per second (docs/laboratory.md).
 const FORWARD_SPEED: f64 = 0.5;
 
-/// How long it goes forward, in seconds: t1 of the seed.
+/// Duration of MoveForward, in seconds: t1 of the seed.
 const FORWARD_S: u32 = 3;
 
-/// How long a spiral lasts, in seconds: t2 of the seed.
+/// Duration of a spiral, in seconds: t2 of the seed.
 const SPIRAL_S: u32 = 20;
 
-/// The radius with which a spiral begins, in metres: r0 of the seed.
+/// Radius at the beginning of a spiral, in metres: r0 of the seed.
 const SPIRAL_START_M: f64 = 0.2;
 
-/// By how much the radius of a spiral grows, in metres a second: b of the seed.
+/// Growth of the radius of a spiral, in metres per second: b of the seed.
 const SPIRAL_GROWTH: f64 = 0.05;
 
-/// How fast it goes back, in metres a second (docs/laboratory.md).
+/// Speed backward, in metres per second (docs/laboratory.md).
 const BACK_SPEED: f64 = 0.1;
 
-/// For how many ticks it goes back: half a second, t3 of the seed.
+/// Duration of GoBack, in ticks: half a second, t3 of the seed.
 const BACK_TICKS: u32 = TICKS_PER_SECOND / 2;
 
-/// How fast it turns, in radians a second (docs/laboratory.md).
+/// Speed of a turn, in radians per second (docs/laboratory.md).
 const TURN_SPEED: f64 = 0.5;
 
-/// The stream of a seed from which the angles are drawn, one whenever a turn begins.
+/// Random stream of the angles; one is drawn at the beginning of each turn.
 pub(super) const TURNS: &str = "roomba turns";
 
-/// What the Roomba is doing: a state of its machine, a leaf of its tree.
+/// A phase is a state of the machine and a leaf of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// Straight on.
     MoveForward,
     /// In a spiral whose radius grows.
     MoveInSpiral,
-    /// Straight back from what it touched.
+    /// Straight back from the wall that was touched.
     GoBack,
-    /// By an angle that is drawn when it begins.
+    /// By an angle that is drawn at the beginning.
     Rotate,
 }
 
 impl Phase {
-    /// All of them, in the order of the seed.
+    /// All phases, in the order of the seed.
     pub const ALL: [Phase; 4] = [Phase::MoveForward, Phase::MoveInSpiral, Phase::GoBack, Phase::Rotate];
 
-    /// The word for it: on the page, in figures, in the tree's file.
+    /// The name on the page, in figures and in the file of the tree.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -61,7 +60,6 @@ impl Phase {
         }
     }
 
-    /// Whether meeting a wall ends it.
     pub(super) const fn heeds_bumper(self) -> bool {
         match self {
             Phase::MoveForward | Phase::MoveInSpiral => true,
@@ -70,18 +68,17 @@ impl Phase {
     }
 }
 
-/// A phase under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
     pub(super) phase: Phase,
-    /// How many ticks it has had.
+    /// Number of ticks that it has lasted.
     pub(super) ticks: u32,
-    /// By how much it turns, in radians in `-π..π`; of a turn alone.
+    /// Angle of a turn, in radians in `-π..π`; `None` in other phases.
     pub(super) angle: Option<f64>,
 }
 
 impl Motion {
-    /// The beginning of a phase. A turn draws its angle here, and nothing else draws.
+    /// Begins a phase. Only a turn draws a random number here.
     pub(super) fn begin(phase: Phase, turns: &mut RandomStream) -> Motion {
         let angle = match phase {
             Phase::Rotate => Some(TAU * turns.fraction() - PI),
@@ -90,12 +87,11 @@ impl Motion {
         Motion { phase, ticks: 0, angle }
     }
 
-    /// Whether a wall ends it now: one that it has met itself, since every phase has one tick at least.
+    /// Whether a wall ends the phase. The phase must have met it itself, since each phase lasts at least one tick.
     pub(super) const fn meets_wall(&self, bumper: bool) -> bool {
         bumper && self.ticks > 0 && self.phase.heeds_bumper()
     }
 
-    /// Whether it has lasted as long as it is to.
     pub(super) fn is_over(&self) -> bool {
         match self.phase {
             Phase::MoveForward => self.ticks >= FORWARD_S * TICKS_PER_SECOND,
@@ -105,19 +101,19 @@ impl Motion {
         }
     }
 
-    /// The speeds of its next tick, which is counted.
+    /// The speeds of the next tick, which is counted.
     pub(super) fn tick(&mut self) -> Velocity {
         let velocity = match self.phase {
             Phase::MoveForward => Velocity { linear: FORWARD_SPEED, angular: 0.0 },
             Phase::MoveInSpiral => {
                 let radius = SPIRAL_START_M + SPIRAL_GROWTH * seconds(self.ticks);
-                // The body turns no faster than it can: for the first second, while the radius is below 0.25 m, it drives a circle of
+                // The body cannot turn that fast in the first second, while the radius is below 0.25 m: it drives a circle of
                 // 0.25 m instead.
                 Velocity { linear: FORWARD_SPEED, angular: FORWARD_SPEED / radius }
             }
             Phase::GoBack => Velocity { linear: -BACK_SPEED, angular: 0.0 },
             Phase::Rotate => {
-                // The last tick turns by what is left, so that the angle is met exactly.
+                // The last tick turns by the rest, so that the angle is met exactly.
                 let step = self.left_to_turn().min(TURN_SPEED * TICK_S);
                 Velocity { linear: 0.0, angular: (step / TICK_S).copysign(self.angle.unwrap_or_default()) }
             }
@@ -126,14 +122,13 @@ impl Motion {
         velocity
     }
 
-    /// What a turn still has before it, in radians, whichever way.
+    /// Angle that a turn has left, in radians, without its sign.
     fn left_to_turn(&self) -> f64 {
         let whole = self.angle.map_or(0.0, f64::abs);
         (whole - TURN_SPEED * seconds(self.ticks)).max(0.0)
     }
 }
 
-/// So many ticks in seconds.
 fn seconds(ticks: u32) -> f64 {
     f64::from(ticks) / f64::from(TICKS_PER_SECOND)
 }
@@ -143,7 +138,7 @@ mod tests {
     use super::super::room::Body;
     use super::*;
 
-    /// The body after a whole phase from the middle of a room without walls near, and how many ticks it took.
+    /// The body after a whole phase from the middle of a room without walls near, and the duration in ticks.
     fn driven(mut motion: Motion) -> (Body, u32) {
         let mut body = Body::START;
         while !motion.is_over() {
@@ -188,8 +183,8 @@ mod tests {
         assert_eq!((body.pose, ticks), (Body::START.pose, 1));
     }
 
-    /// ω = v / (r0 + b·t) is more than 2 rad/s until r = v / 2 = 0.25 m, which is at t = (0.25 − 0.2) / 0.05 = 1 s. Up to there the body
-    /// turns by 2 rad; from there by ∫ v / (r0 + b·t) dt = (v / b) ln(r(20) / r(1)) = 10 ln(1.2 / 0.25).
+    /// ω = v / (r0 + b·t) is more than 2 rad/s until r = v / 2 = 0.25 m, which is at t = (0.25 − 0.2) / 0.05 = 1 s. Until then
+    /// the body turns by 2 rad; from then on by ∫ v / (r0 + b·t) dt = (v / b) ln(r(20) / r(1)) = 10 ln(1.2 / 0.25).
     #[test]
     fn a_spiral_turns_at_most_by_what_the_body_can_in_its_first_second_and_by_the_integral_from_there() {
         let (mut motion, mut body, mut turned) = (of(Phase::MoveInSpiral), Body::START, 0.0);
@@ -204,7 +199,7 @@ mod tests {
         }
         assert_eq!(motion.ticks, 1200);
         assert!((after_a_second - 2.0).abs() < 1e-9, "{after_a_second}");
-        // The speed of a tick is that of its beginning, so the sum is above the integral by less than the first tick's share.
+        // The speed of a tick is that of its beginning, so the sum exceeds the integral by less than the first tick's share.
         let above = turned - 2.0 - 10.0 * (1.2_f64 / 0.25).ln();
         assert!((0.0..2.0 / 60.0).contains(&above), "{above}");
     }

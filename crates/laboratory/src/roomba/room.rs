@@ -1,5 +1,5 @@
-//! The room of the Roomba and its body in it: where it is driven to, and when it touches a wall.
-//! Where it wants to go is not known here, nor how much of the floor it has passed.
+//! The room of the Roomba and its body: where a tick at some speed takes the body, and when it touches a wall. The phases and the
+//! count of the floor are not known here.
 //!
 //! ```text
 //!   (0, 0)  x ─►           The room is continuous: no cells. θ is 0 along x and grows clockwise, from x towards y,
@@ -13,59 +13,56 @@
 
 use hallsweep_sim::BodyPose;
 
-/// How long the room is along x, in metres (docs/laboratory.md).
+/// Length of the room along x, in metres (docs/laboratory.md).
 pub(super) const ROOM_LENGTH_M: f64 = 6.4;
 
-/// How wide the room is along y, in metres (docs/laboratory.md).
+/// Width of the room along y, in metres (docs/laboratory.md).
 pub(super) const ROOM_WIDTH_M: f64 = 4.8;
 
-/// The radius of the round body, in metres (docs/laboratory.md).
+/// Radius of the round body, in metres (docs/laboratory.md).
 pub(super) const RADIUS_M: f64 = 0.17;
 
-/// How often in a second the Roomba decides and moves (docs/laboratory.md).
+/// Number of ticks per second, in each of which the Roomba decides and moves (docs/laboratory.md).
 pub(super) const TICKS_PER_SECOND: u32 = 60;
 
-/// The fastest that it drives, in metres a second (docs/laboratory.md).
+/// Highest driving speed, in metres per second (docs/laboratory.md).
 const MAX_LINEAR: f64 = 1.0;
 
-/// The fastest that it turns, in radians a second (docs/laboratory.md).
+/// Highest turning speed, in radians per second (docs/laboratory.md).
 const MAX_ANGULAR: f64 = 2.0;
 
-/// How long a tick is, in seconds.
+/// Duration of a tick, in seconds.
 pub(super) const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
 
-/// How fast the body is to go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Velocity {
-    /// Metres a second, forward; backward when negative.
+    /// Metres per second, forward; backward when negative.
     pub(super) linear: f64,
-    /// Radians a second; the sign is that of the angle it turns by.
+    /// Radians per second, with the sign of the angle.
     pub(super) angular: f64,
 }
 
 impl Velocity {
-    /// What the body can do of it. Each speed has its own limit: one that turns too fast for the body drives on as fast as it was to, in
-    /// a wider curve.
+    /// Limits each speed by itself to what the body can do: a body that is to turn too fast drives at its speed in a wider curve.
     const fn limited(self) -> Velocity {
         let linear = self.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
         Velocity { linear, angular: self.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR) }
     }
 }
 
-/// The body in the room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
     pub(super) pose: BodyPose,
-    /// Whether a wall cut its last move short. Standing beside a wall or turning there presses nothing.
+    /// Whether a wall cut its last move short. Standing beside a wall or turning there does not press it.
     pub(super) bumper: bool,
 }
 
 impl Body {
-    /// In the middle of the room, facing along x (docs/laboratory.md).
+    /// The middle of the room, facing along x (docs/laboratory.md).
     pub(super) const START: Body =
         Body { pose: BodyPose { x_m: ROOM_LENGTH_M / 2.0, y_m: ROOM_WIDTH_M / 2.0, theta: 0.0 }, bumper: false };
 
-    /// Where it is after a tick at these speeds: a wall stops it, across the wall alone.
+    /// The body after a tick at these speeds. A wall stops only the part of the move that is across the wall.
     pub(super) fn driven(self, velocity: Velocity) -> Body {
         let Velocity { linear, angular } = velocity.limited();
         let free = self.pose.after(linear, angular, TICK_S);

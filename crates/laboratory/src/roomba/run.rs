@@ -1,5 +1,5 @@
-//! A run of the Roomba: what it did tick by tick, and what that came to. Everything happens in simulated time.
-//! How a run is drawn stands in `drawing`; how two are compared, in `compare`.
+//! A run of the Roomba in simulated time: its frames, its transitions and its figures. `drawing` draws a run, `compare` compares
+//! two.
 
 use super::driver::Driver;
 use super::floor::{self, Floor};
@@ -10,80 +10,68 @@ use super::room::{Body, TICKS_PER_SECOND};
 use super::tree::Tree;
 use hallsweep_sim::BodyPose;
 
-/// Who drives the Roomba.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Controller {
-    /// The finite state machine.
     Machine,
-    /// The behaviour tree.
     Tree,
 }
 
-/// How the Roomba stood after a tick.
+/// State after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// How many ticks had passed.
+    /// Number of ticks since the start.
     pub tick: u32,
-    /// Where it stood, from the north-west corner of the room.
+    /// Pose, from the north-west corner of the room.
     pub pose: BodyPose,
-    /// What it had done in that tick.
     pub phase: Phase,
-    /// Whether a wall had cut the tick's move short.
+    /// Whether a wall cut the move of this tick short.
     pub bumper: bool,
-    /// How many squares of the floor it had passed over.
+    /// Number of squares of the floor passed over so far.
     pub passed: u32,
 }
 
-/// A phase that followed another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// How many ticks had passed when the new phase began.
+    /// Number of ticks since the start when the new phase began.
     pub tick: u32,
-    /// The phase that ended.
     pub from: Phase,
-    /// The phase that began.
     pub to: Phase,
-    /// By how much it turns, in radians in `-π..π`, when the new phase is a turn.
+    /// Angle of the turn, in radians in `-π..π`, when the new phase is a turn.
     pub angle: Option<f64>,
 }
 
-/// What a run came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// How long it lasted, in seconds.
+    /// Duration in seconds.
     pub seconds: f64,
-    /// How far the centre of the body went, in metres.
+    /// Way of the centre of the body, in metres.
     pub path_m: f64,
-    /// How often a wall ended a phase.
+    /// Number of phases that a wall ended.
     pub bumps: u32,
-    /// How many squares of 5 cm the body passed over, by their centres.
+    /// Number of squares of 5 cm that the body passed over, by their centres.
     pub passed: u32,
-    /// How many of them a body can pass over at all: all but those in the corners.
+    /// Number of squares that a body can pass over: all but those in the corners.
     pub reachable: u32,
-    /// How long it was in each phase, in seconds, in the order of `Phase::ALL`.
+    /// Duration of each phase in seconds, in the order of `Phase::ALL`.
     pub in_phase_s: [f64; 4],
 }
 
-/// A run from its beginning, in the middle of the room, to its end.
+/// A run from the middle of the room to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Who drove.
     pub controller: Controller,
-    /// Where its angles came from.
+    /// Seed of the angles.
     pub seed: u64,
-    /// The start, and every tick.
+    /// The start and every tick.
     pub frames: Vec<Frame>,
     /// Every change of phase, in order.
     pub transitions: Vec<Transition>,
-    /// What it came to.
     pub figures: Figures,
 }
 
 impl Controller {
-    /// Both.
     pub const ALL: [Controller; 2] = [Controller::Machine, Controller::Tree];
 
-    /// The word for it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -94,7 +82,7 @@ impl Controller {
 }
 
 impl Frame {
-    /// When it was, in seconds since the start.
+    /// Time since the start.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         seconds(self.tick)
@@ -102,7 +90,7 @@ impl Frame {
 }
 
 impl Transition {
-    /// When it was, in seconds since the start.
+    /// Time since the start.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         seconds(self.tick)
@@ -110,7 +98,7 @@ impl Transition {
 }
 
 impl Figures {
-    /// The share of the floor that it passed over, of what it can reach; in `0.0..=1.0`.
+    /// Share of the reachable floor that was passed over, in `0.0..=1.0`.
     #[must_use]
     pub fn share(&self) -> f64 {
         f64::from(self.passed) / f64::from(self.reachable)
@@ -118,7 +106,6 @@ impl Figures {
 }
 
 impl Run {
-    /// Runs it, as long as was asked.
     #[must_use]
     pub fn new(controller: Controller, seed: u64, length: RunLength) -> Run {
         match controller {
@@ -128,7 +115,7 @@ impl Run {
     }
 }
 
-/// A run that begins with the body as it is given.
+/// A run that begins with this body.
 pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u64, length: RunLength, start: Body) -> Run {
     let mut body = start;
     let mut floor = Floor::new();
@@ -146,7 +133,7 @@ pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u
         let before = driver.motion().phase;
         let next = body.driven(driver.tick(body.bumper));
         let motion = driver.motion();
-        // A phase in its first tick has just begun, whatever the one before was; only the first of all follows none.
+        // A phase in its first tick has just begun; only the first phase of all follows no other.
         if motion.ticks == 1 && tick > 0 {
             transitions.push(Transition { tick, from: before, to: motion.phase, angle: motion.angle });
         }

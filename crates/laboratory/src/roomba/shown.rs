@@ -1,4 +1,4 @@
-//! The Roomba's runs as doors and command line show them. What happens in a run stands in `run`.
+//! Runs of the Roomba as the doors and the command line show them.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use super::phase::Phase;
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, TICKS_PER_SECOND};
 use super::run::{Controller, Figures, Frame, Run, Transition};
 
-/// Every which tick is a frame, with those that end a phase: fifteen a second make a picture that moves evenly.
+/// Interval of the frames, in ticks: fifteen per second make an even picture. The end of each phase is a frame too.
 const FRAME_TICKS: u32 = TICKS_PER_SECOND / 15;
 
 /// Runs of one seed and one length: of the machine, of the tree, or of both.
@@ -21,34 +21,34 @@ pub struct Roomba {
     runs: Vec<Run>,
 }
 
-/// A figure in words: its name, and what it is in each run.
+/// Name of a figure, and its value in each run.
 pub type FigureRow = (&'static str, Vec<String>);
 
-/// What a program gets: times in seconds, lengths in metres.
+/// Runs of the Roomba: times in seconds, lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RoombaJson {
     seed: u64,
-    /// How long each run is.
+    /// Duration of each run.
     seconds: f64,
     room: RoomJson,
     robot: BodyJson,
-    /// What the fifth number of a frame counts, from 0.
+    /// Names of the phases; the fifth number of a frame is an index of this list, from 0.
     phases: [&'static str; 4],
     runs: Vec<RunJson>,
-    /// Whether machine and tree made the same transitions; null with one run alone.
+    /// Whether machine and tree made the same transitions; null for a single run.
     same: Option<bool>,
-    /// Where they part and how, in words.
+    /// Where and how the runs part, in words.
     parting: Option<String>,
 }
 
-/// The room: (0, 0) is its north-west corner, x grows along its length.
+/// The room. Its north-west corner is (0, 0), and x grows along its length.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "RoombaRoom")]
 #[serde(rename_all = "camelCase")]
 struct RoomJson {
     length_m: f64,
     width_m: f64,
-    /// The side of a square by which the floor is counted.
+    /// Side of a square of the floor.
     square_m: f64,
 }
 
@@ -69,8 +69,8 @@ struct RunJson {
     figures: FiguresJson,
 }
 
-/// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, the index of what was done until then,
-/// and how many squares of the floor it had passed over.
+/// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, index of the phase until then, and
+/// number of squares of the floor passed over.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "RoombaFrame")]
 struct FrameJson(f64, f64, f64, f64, usize, u32);
@@ -82,7 +82,7 @@ struct TransitionJson {
     t: f64,
     from: &'static str,
     to: &'static str,
-    /// Radians in -π..π, with its sign; of a turn alone.
+    /// Angle of a turn, in radians in -π..π; null for other phases.
     angle_rad: Option<f64>,
 }
 
@@ -94,49 +94,47 @@ struct FiguresJson {
     bumps: u32,
     transitions: usize,
     passed_squares: u32,
-    /// Those that a round body can pass over: all but the ones in the corners.
+    /// Squares that a round body can pass over: all but those in the corners.
     reachable_squares: u32,
-    /// The first divided by the second.
+    /// `passedSquares` divided by `reachableSquares`.
     share: f64,
     /// Seconds in each phase, in the order of `phases`.
     in_phase_s: [f64; 4],
 }
 
 impl Roomba {
-    /// Runs these, one after the other.
     pub fn new(controllers: &[Controller], seed: u64, length: RunLength) -> Roomba {
         Roomba { seed, runs: controllers.iter().map(|controller| Run::new(*controller, seed, length)).collect() }
     }
 
-    /// Machine and tree, for so many seconds.
+    /// Runs of machine and tree of this length, in seconds.
     ///
     /// # Errors
-    /// When that is no length of a run.
+    /// When the length is not within 1 to `RunLength::LONGEST_S` seconds.
     pub fn both(seed: u64, seconds: u32) -> Result<Roomba, RunLengthError> {
         Ok(Roomba::new(&Controller::ALL, seed, RunLength::from_seconds(f64::from(seconds))?))
     }
 
-    /// The word for each run, in order: `machine`, `tree`.
+    /// Name of each run, in order: `machine`, `tree`.
     pub fn names(&self) -> Vec<&'static str> {
         self.runs.iter().map(|run| run.controller.name()).collect()
     }
 
-    /// The runs, in the same order.
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
-    /// How many transitions the first run made.
+    /// Number of transitions of the first run.
     pub fn transitions(&self) -> usize {
         self.runs.first().map_or(0, |run| run.transitions.len())
     }
 
-    /// Whether both were run, so that they can be compared.
+    /// Whether both controllers were run, so that they can be compared.
     pub fn is_comparison(&self) -> bool {
         self.runs.len() > 1
     }
 
-    /// Where machine and tree part, if both were run and do.
+    /// Where machine and tree part, if both were run and differ.
     pub fn parting(&self) -> Option<Parting> {
         match self.runs.as_slice() {
             [one, other] => parting(one, other),
@@ -144,17 +142,16 @@ impl Roomba {
         }
     }
 
-    /// One drawing of all, side by side.
+    /// One drawing with all runs side by side.
     pub fn drawing(&self) -> String {
         svg(&self.runs.iter().collect::<Vec<_>>(), &English)
     }
 
-    /// A drawing of each, in order, with these words.
+    /// A drawing of each run, in order, with these texts.
     pub fn drawings(&self, said: &dyn Words) -> Vec<String> {
         self.runs.iter().map(|run| svg(&[run], said)).collect()
     }
 
-    /// What the runs came to, a row a figure.
     pub fn figures(&self) -> Vec<FigureRow> {
         let row = |name, value: &dyn Fn(&Figures) -> String| {
             (name, self.runs.iter().map(|run| value(&run.figures)).collect::<Vec<String>>())
@@ -172,7 +169,6 @@ impl Roomba {
         rows
     }
 
-    /// Everything in one JSON object.
     pub fn json(&self) -> String {
         serde_json::to_string(&RoombaJson::from(self)).expect("runs are finite numbers and words, which JSON can hold")
     }
@@ -212,7 +208,7 @@ impl From<&Run> for RunJson {
 
 impl From<&Frame> for FrameJson {
     fn from(frame: &Frame) -> FrameJson {
-        // A tenth of a millimetre is finer than any picture.
+        // A tenth of a millimetre is finer than any drawing.
         let short = |number: f64| (number * 10_000.0).round() / 10_000.0;
         let phase = Phase::ALL.iter().position(|phase| *phase == frame.phase).unwrap_or_default();
         FrameJson(

@@ -1,5 +1,5 @@
-//! The Roomba's behaviour tree: `config/behaviours/roomba.xml`, and its four leaves. What a leaf does stands in `phase`; which one
-//! has its turn, the file says.
+//! The Roomba's behaviour tree, `config/behaviours/roomba.xml`, and its four leaves. `phase` describes the leaves; the file has
+//! their order.
 
 use std::time::Duration;
 
@@ -9,14 +9,14 @@ use super::room::{TICKS_PER_SECOND, Velocity};
 use behaviour_trees::{Blackboard, Catalogue, Leaf, LeafKind, Leaves, Status, xml};
 use hallsweep_core::rng::RandomStream;
 
-/// The tree as a file that the usual graphical editor opens.
+/// The tree, as a file that the usual graphical editor opens.
 const FILE: &str = include_str!("../../../../config/behaviours/roomba.xml");
 
-/// How often the tree is ticked within one tick of the body: once, and once more when it has ended there, so that it begins again at
-/// once. Its first leaf, or the one after a wall, then goes on for more than a tick.
+/// Maximum number of ticks of the tree in one tick of the body: a tree that has ended is ticked again and so begins again at
+/// once. Then its first leaf, or the one after a wall, runs for more than a tick.
 const ROUNDS: u32 = 2;
 
-/// The behaviour tree of seed 001.
+/// Behaviour tree of seed 001.
 #[derive(Debug)]
 pub(super) struct Tree {
     tree: behaviour_trees::Tree,
@@ -24,7 +24,7 @@ pub(super) struct Tree {
     leaves: Wheels,
 }
 
-/// What performs the leaves: it has the speeds that they ask for.
+/// Performs the leaves, and has the speeds that they ask for.
 #[derive(Debug)]
 struct Wheels {
     motion: Motion,
@@ -36,7 +36,7 @@ struct Wheels {
 const STILL: Velocity = Velocity { linear: 0.0, angular: 0.0 };
 
 impl Tree {
-    /// At the beginning of its first MoveForward.
+    /// The tree at the beginning of its first MoveForward.
     pub(super) fn new(seed: u64) -> Tree {
         let mut blackboard = Blackboard::new();
         let catalogue = Catalogue::new(Phase::ALL.map(|phase| LeafKind::action(phase.name(), Vec::new())).into());
@@ -57,7 +57,7 @@ impl Driver for Tree {
         for _ in 0..ROUNDS {
             match self.tree.tick(&mut self.blackboard, &mut self.leaves, passed) {
                 Ok(Status::Success | Status::Failure) => passed = Duration::ZERO,
-                // A fault has halted the tree, and with it the body; leaves without ports have none.
+                // A fault halts the tree, and the body with it; leaves without ports have no faults.
                 Ok(Status::Running | Status::Skipped | Status::Idle) | Err(_) => break,
             }
         }
@@ -71,12 +71,12 @@ impl Driver for Tree {
 
 impl Leaves for Wheels {
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        // The catalogue lists the phases in the same order; what is not in it does not get here.
+        // The catalogue lists the phases in the same order, and has no other leaves.
         let Some(phase) = Phase::ALL.get(leaf.kind()).copied() else { return Status::Failure };
         if leaf.is_starting() {
             self.motion = Motion::begin(phase, &mut self.turns);
         }
-        // The bumper is asked before the time.
+        // The bumper is checked before the time.
         if self.motion.meets_wall(self.bumper) {
             return Status::Failure;
         }
@@ -96,7 +96,7 @@ impl Leaves for Wheels {
 mod tests {
     use super::*;
 
-    /// The statuses of all nodes after each of these ticks, each of which says whether the bumper is pressed.
+    /// The names of the running nodes after each of these ticks; each tick says whether the bumper is pressed.
     fn told(ticks: &[bool]) -> Vec<String> {
         let mut tree = Tree::new(1);
         let mut told = Vec::new();

@@ -1,5 +1,5 @@
-//! The pair in halls that nobody has explored: the same trees fetch a bag and bring it to the container outside. What they come to is held
-//! against a search that tries every way.
+//! The pair in unexplored halls: the same trees fetch a bag and bring it to the container outside. Their results are compared
+//! with a search that tries every way.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Heading;
 use hallsweep_sim::{Hall, Truth};
 
-/// A hall with one bag somewhere, the pair outside, and the container at the entrance.
+/// A hall with one bag, the pair outside, and the container at the entrance.
 fn hall_with_bag(seed: u64, share: f64) -> Yard {
     let mut random = RandomStream::new(seed, "hall");
     let (columns, rows) = (5 + random.below(6), 4 + random.below(6));
@@ -36,7 +36,7 @@ fn can_be_fetched(yard: &Yard) -> bool {
         Place::Cell(cell) => yard.hall.truth(*cell) == Truth::Free || *place == bag,
         Place::Outside(_) => true,
     };
-    // Where one base comes alone, the other standing at `other`.
+    // The cells that one base reaches alone while the other stands at `other`.
     let reached = |other: Option<Place>| {
         let mut known = BTreeSet::from([Place::ENTRANCE]);
         let mut border = vec![Place::ENTRANCE];
