@@ -1,4 +1,4 @@
-//! For tests: an archive that has what a test gives it, and nothing else.
+//! An archive for tests that has only what a test puts into it.
 
 use crate::api::journal::{self, Line};
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
@@ -7,7 +7,7 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The questions of `Archive`, each answered with nothing until a test answers it.
+/// The queries of `Archive`, each answered with nothing unless a test overrides it.
 pub(crate) trait PartialArchive: Send + Sync {
     fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
         Ok(None)
@@ -21,7 +21,7 @@ pub(crate) trait PartialArchive: Send + Sync {
         Ok(None)
     }
 
-    /// All of them, newest first.
+    /// All missions, newest first.
     fn missions(&self) -> Vec<MissionRecord> {
         Vec::new()
     }
@@ -38,7 +38,7 @@ pub(crate) trait PartialArchive: Send + Sync {
         Vec::new()
     }
 
-    /// All of a mission.
+    /// All entries of a mission.
     fn entries(&self, _: MissionId) -> Vec<Happened> {
         Vec::new()
     }

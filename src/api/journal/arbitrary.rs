@@ -41,7 +41,7 @@ pub(crate) fn entry() -> impl Strategy<Value = Entry> {
     (wall(), fact()).prop_map(|(wall, fact)| Entry { wall, fact })
 }
 
-/// A fact of any kind; without a photo, whose pixels are kept elsewhere.
+/// A fact of any kind, without the pixels of a photo, which are stored elsewhere.
 pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
@@ -125,7 +125,7 @@ fn command_id() -> impl Strategy<Value = CommandId> {
     "[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length"))
 }
 
-/// What can be asked, of each kind.
+/// A request of any kind.
 fn asked() -> impl Strategy<Value = Asked> {
     let piece = option::of(any::<u64>()).prop_map(|id| id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))));
     let sensor = text().prop_filter_map("a name of a sensor", |text| TemperatureReport::sensor_name(&text));
@@ -176,7 +176,7 @@ fn simulated() -> impl Strategy<Value = Simulated> {
     ]
 }
 
-/// Every refusal there is.
+/// A refusal of any kind.
 fn refused() -> impl Strategy<Value = Refused> {
     let plain = [
         Refused::SentBefore,
@@ -212,7 +212,7 @@ fn refused() -> impl Strategy<Value = Refused> {
     ]
 }
 
-/// What the store says stands with its hold alone.
+/// Adds the store's hold when there is a reason of the store, which only occurs with it.
 fn held(mut holds: BTreeSet<Hold>, why: Option<String>) -> Refused {
     if why.is_some() {
         holds.insert(Hold::Store);
@@ -321,7 +321,7 @@ fn cause() -> impl Strategy<Value = FaultCause> {
     ]
 }
 
-/// A reason that this version knows, and words that it may not know.
+/// A reason that this version knows, or words that it may not know.
 fn not_fetched() -> impl Strategy<Value = NotFetched> {
     let once = || {
         prop_oneof![
@@ -427,7 +427,7 @@ fn alarm() -> impl Strategy<Value = Alarm> {
     )
 }
 
-/// Cells near home and cells at the end of the world.
+/// A map with cells near home and at the greatest distance.
 fn hall_map() -> impl Strategy<Value = HallMap> {
     let near = (-40..40, -40..40);
     let far = (prop_oneof![Just(-REACH), Just(REACH), -REACH..=REACH], -40..40);

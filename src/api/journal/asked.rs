@@ -1,4 +1,4 @@
-//! What was asked, as the journal keeps it.
+//! Requests in the journal.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Why there is an alarm, and why a piece was not fetched, as the journal keeps them.
+//! Causes of alarms, and the reasons why a piece was not fetched, in the journal.
 
 use serde_json::json;
 

@@ -1,5 +1,5 @@
-//! What was asked, refused and caused: in the journal a code with its fields, in an exported line the sentence of today. Which codes there
-//! are stands in `asked`, `refused` and `causes`; how sentences of earlier versions are read, in `earlier`.
+//! Requests, refusals and causes: in the journal a code with fields, in an exported line the present sentence. `asked`, `refused`
+//! and `causes` have the codes; `earlier` reads sentences of earlier versions.
 
 use std::fmt::Display;
 
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use super::Unparsed;
 use crate::api::fields::in_short;
 
-/// For whom a fact is written.
+/// Form in which a fact is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// For the journal.
@@ -19,16 +19,16 @@ pub(super) enum Form {
     Sentences,
 }
 
-/// A value as the journal keeps it.
+/// A value in the journal.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Coded {
     pub(super) code: String,
-    /// Which there are follows from the code; one that is absent says nothing.
+    /// The fields depend on the code; an absent field has no value.
     #[serde(flatten)]
     pub(super) fields: Map<String, Value>,
 }
 
-/// A value as it is written.
+/// A value in either form.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Written {
@@ -36,33 +36,33 @@ pub(super) enum Written {
     Coded(Coded),
 }
 
-/// What has a code and a sentence.
+/// A value that has a code and a sentence.
 pub(super) trait Valued: Display + Sized {
     fn coded(&self) -> Coded;
 
     fn value(coded: &Coded) -> Result<Self, Unparsed>;
 
-    /// The code and the fields of a sentence that an earlier version wrote.
+    /// Code and fields of a sentence that an earlier version wrote.
     fn earlier(sentence: &str) -> Option<Coded>;
 
-    /// A sentence of which nothing is known.
+    /// The value for a sentence that no version wrote.
     fn words(words: String) -> Self;
 }
 
 impl Coded {
-    /// A code with these fields, an object; those that are null are left out.
+    /// A code with the fields of this object; null fields are left out.
     pub(super) fn new(code: &str, fields: Value) -> Coded {
         let Value::Object(mut fields) = fields else { return Coded { code: code.to_owned(), fields: Map::new() } };
         fields.retain(|_, field| !field.is_null());
         Coded { code: code.to_owned(), fields }
     }
 
-    /// A code that says everything.
+    /// A code without fields.
     pub(super) fn bare(code: &str) -> Coded {
         Coded::new(code, Value::Null)
     }
 
-    /// The same as one object.
+    /// Code and fields as one object.
     pub(super) fn object(mut self) -> Value {
         self.fields.insert("code".to_owned(), self.code.into());
         self.fields.into()

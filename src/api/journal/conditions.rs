@@ -1,4 +1,4 @@
-//! Where, and under which threshold, something happened, in the journal and over the interface.
+//! Place and threshold of a mission, in the journal and over the interface.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -9,13 +9,15 @@ use serde::{Deserialize, Serialize};
 use super::{Unparsed, names};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 
-/// No hall has smaller cells, or larger ones, and none a longer name.
+/// Smallest and largest side of a cell, in metres: no hall has smaller or larger cells.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
+/// Longest name of a hall, in bytes.
 const NAME_BYTES: usize = 4096;
 
-/// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is not known. Of a hall that
-/// is known beforehand `"reach":[51,60]` says how many cells can be reached, and how many are free. `"robots":[{"name":"discovery",
-/// "kind":"sim"}]` are those that take part, the one that searches first, and `"seed":"7"` is that of a simulated hall.
+/// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is unknown. For a
+/// hall that is known beforehand `"reach":[51,60]` has the number of reachable cells and of free cells.
+/// `"robots":[{"name":"discovery","kind":"sim"}]` are the robots that take part, the searching one first, and `"seed":"7"` is the
+/// seed of a simulated hall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Conditions")]
 #[serde(rename_all = "camelCase")]
@@ -23,13 +25,14 @@ pub struct ConditionsShape {
     hall: String,
     cell_m: Option<f64>,
     threshold: f64,
-    /// The robot counts its way by time, without a scene file: what it meets may be a cell beside where it is shown.
+    /// Whether the robot counts its way by time, without a scene file: what it meets may be a cell beside the place that is
+    /// shown.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     reckoned: bool,
-    /// Free cells that a robot can come to from its start, and all free cells, of a hall that is known beforehand.
+    /// Numbers of free cells that a robot can reach from its start, and of all free cells, in a hall that is known beforehand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reach: Option<(u32, u32)>,
-    /// Robots that take part, the one that searches first; absent where an earlier version wrote the record.
+    /// Robots that take part, the searching one first; absent in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     robots: Vec<ParticipantShape>,
     /// Seed of a simulated hall, in digits.
@@ -37,14 +40,13 @@ pub struct ConditionsShape {
     seed: Option<String>,
 }
 
-/// A robot that takes part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Participant")]
 struct ParticipantShape {
     name: String,
     /// `sim`, `virtual-tcp`, `virtual-ws` or `line`.
     kind: String,
-    /// Where it is reached, as `localhost:8999`; absent for one that is part of this program.
+    /// Address of the robot, as `localhost:8999`; absent for a robot that is part of this program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     address: Option<String>,
 }

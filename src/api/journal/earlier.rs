@@ -1,12 +1,12 @@
-//! Reads the entries of earlier versions. Up to format 4 the journal kept what was asked, refused and caused as English sentences; each
-//! becomes here the code and the fields that are written since. The sentences stand here as those versions wrote them, whatever the
-//! program says today. What none of them wrote is left as it is. How a code is read is not here.
+//! Reads entries of earlier versions. Up to format 4 the journal stored requests, refusals and causes as English sentences; each
+//! becomes the code with fields that is written since. The sentences here are those of these versions, whatever the program says
+//! today. A sentence that none of them wrote is left as it is.
 
 use serde_json::{Map, Value, json};
 
 use super::coded::Coded;
 
-/// A code, and a sentence that was written for it. Where `{field:kind}` stands, or `{field}` where any words can stand, it had a value.
+/// A code, and a sentence that was written for it. `{field:kind}` stands for a value of this kind, and `{field}` for any words.
 type Sentence = (&'static str, &'static str);
 
 const ASKED: [Sentence; 25] = [
@@ -163,12 +163,12 @@ const STUCK: [Sentence; 2] = [
     ("noWayOut", "no way leads the robots that fetch back outside"),
 ];
 
-/// What somebody asked for.
+/// The code of a request.
 pub(super) fn asked(sentence: &str) -> Option<Coded> {
     one_of(&ASKED, sentence).or_else(|| Some(Coded { code: "simulatorChange".to_owned(), fields: changes(sentence)? }))
 }
 
-/// Why a command was refused with this code.
+/// The fields of a refusal with this code.
 pub(super) fn refused(code: &str, sentence: &str) -> Option<Coded> {
     if code == "held" {
         return held(sentence).map(|fields| Coded::new(code, fields));
@@ -176,17 +176,17 @@ pub(super) fn refused(code: &str, sentence: &str) -> Option<Coded> {
     one_of(REFUSED.iter().filter(|(known, _)| *known == code), sentence)
 }
 
-/// Why there was an alarm.
+/// The code of an alarm's cause.
 pub(super) fn alarm(sentence: &str) -> Option<Coded> {
     one_of(&ALARMS, sentence)
 }
 
-/// Why a piece was not fetched.
+/// The code of the reason why a piece was not fetched.
 pub(super) fn not_fetched(sentence: &str) -> Option<Coded> {
     one_of(&NOT_FETCHED, sentence)
 }
 
-/// The first of these sentences that this is one of.
+/// The code and fields of the first sentence that fits these words.
 fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) -> Option<Coded> {
     sentences.into_iter().find_map(|(code, sentence)| {
         let fields = fields(sentence, words)?;
@@ -194,7 +194,7 @@ fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) ->
     })
 }
 
-/// The fields of words that are written like this sentence. What lies between two fields is looked for from the left.
+/// The values in words that fit this sentence. The text between two fields is searched from the left.
 fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     let Some((before, behind)) = sentence.split_once('{') else { return (sentence == words).then(Map::new) };
     let words = words.strip_prefix(before)?;
@@ -212,7 +212,7 @@ fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     words.match_indices(next).find_map(|(end, _)| ends_at(end))
 }
 
-/// The value of a field that is written so; `None` if no value of this kind is.
+/// The value of a field from its text; `None` when it is not of this kind.
 fn value(kind: &str, words: &str) -> Option<Value> {
     let known = |all: &[Sentence]| all.iter().find(|(_, known)| *known == words).map(|(name, _)| Value::from(*name));
     match kind {
@@ -232,7 +232,7 @@ fn value(kind: &str, words: &str) -> Option<Value> {
         "alone" => known(&ALONE),
         "stuck" => known(&STUCK),
         "fault" => fault(words),
-        // What stands within another is no more than one: words that say many, as a damaged journal may, are taken apart no further.
+        // A sentence within another contains no further one: nested words, as a damaged journal may have, are not split further.
         "asked" => Some(within(&ASKED[..ASKED.len() - 1], words)),
         "notFetched" => Some(within(&NOT_FETCHED[2..], words)),
         "anyNotFetched" => Some(within(&NOT_FETCHED, words)),
@@ -248,29 +248,29 @@ fn number(words: &str) -> Option<u64> {
     words.parse().ok().filter(|number: &u64| number.to_string() == words)
 }
 
-/// `1.2` seconds in milliseconds.
+/// Reads `1.2` seconds as milliseconds.
 fn tenths(words: &str) -> Option<Value> {
     let (seconds, tenths) = words.split_once('.')?;
     let tenths = number(tenths).filter(|tenths| *tenths < 10)?;
     Some(number(seconds)?.checked_mul(1000)?.checked_add(tenths * 100)?.into())
 }
 
-/// `(1, 2)`
+/// Reads `(1, 2)`.
 fn cell(words: &str) -> Option<Value> {
     let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
     let side = |words: &str| words.parse::<i32>().ok().filter(|side| side.to_string() == words);
     Some(json!({ "x": side(x)?, "y": side(y)? }))
 }
 
-/// What a fault of the mission is, as phases have it.
+/// Reads a fault of the mission, in the form that phases have.
 fn fault(words: &str) -> Option<Value> {
     let Coded { code, mut fields } = one_of(&FAULTS, words)?;
     let own = fields.remove("words").or_else(|| fields.remove("why"));
     Some(own.map_or_else(|| Value::from(&*code), |own| json!({ &code: own })))
 }
 
-/// The holds in their order, behind what the store said. As many of the last words as can be are taken for holds, and the rest for those
-/// of the store.
+/// Reads the holds in their order, after the reason of the store. From the end, every text that is a hold is taken for one, and
+/// the rest for the reason of the store.
 fn held(sentence: &str) -> Option<Value> {
     let mut rest = sentence.strip_prefix("not possible while held: ")?;
     let mut holds = Vec::new();
@@ -281,19 +281,19 @@ fn held(sentence: &str) -> Option<Value> {
         rest = before;
     }
     let store_failure = rest.strip_prefix("nothing can be recorded: ").filter(|_| !holds.contains(&"store"))?;
-    // Its words stand first, whatever its place among the holds is.
+    // The reason of the store comes first, whatever the position of its hold is.
     let behind = holds.iter().position(|hold| place(hold) > place("store")).unwrap_or(holds.len());
     holds.insert(behind, "store");
     Some(json!({ "holds": holds, "storeFailure": store_failure }))
 }
 
-/// What stands before this hold, where words end with it.
+/// The words before this hold, where they end with it.
 fn before_last<'w>(words: &'w str, hold: &str) -> Option<Option<&'w str>> {
     let before = words.strip_suffix(hold)?;
     if before.is_empty() { Some(None) } else { before.strip_suffix("; ").map(Some) }
 }
 
-/// `simulator paused, speed 2, camera fails: yes, blocked (1, 2), (3, 4)`: the cells stood last.
+/// Reads `simulator paused, speed 2, camera fails: yes, blocked (1, 2), (3, 4)`: the cells come last.
 fn changes(sentence: &str) -> Option<Map<String, Value>> {
     let words = sentence.strip_prefix("simulator ")?;
     let (before, cells) = words.split_once("blocked (").map_or((words, None), |(before, cells)| (before, Some(cells)));
@@ -321,7 +321,7 @@ fn changes(sentence: &str) -> Option<Map<String, Value>> {
     (!fields.is_empty()).then_some(fields)
 }
 
-/// The text of a literal, as the programming language writes it.
+/// Reads a string literal as Rust writes it.
 fn unquoted(literal: &str) -> Option<Value> {
     let mut letters = literal.strip_prefix('"')?.strip_suffix('"')?.chars();
     let mut text = String::new();
@@ -331,7 +331,7 @@ fn unquoted(literal: &str) -> Option<Value> {
     (format!("{text:?}") == literal).then(|| text.into())
 }
 
-/// The letter that an escape stands for, behind its backslash.
+/// The letter of an escape, after its backslash.
 fn escaped(letters: &mut std::str::Chars<'_>) -> Option<char> {
     Some(match letters.next()? {
         'n' => '\n',

@@ -1,4 +1,4 @@
-//! Sentences as versions up to format 4 wrote them, and what comes of each; and of sentences that none of them wrote.
+//! Sentences as versions up to format 4 wrote them with the codes that they become, and sentences that none of them wrote.
 
 use super::super::coded::{Form, Valued, Written};
 use super::super::refused;
@@ -8,7 +8,7 @@ use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::world::alarm::AlarmCause;
 
-/// What was asked, and what the journal says of it now.
+/// Sentences of requests, and their codes in the journal now.
 const WAS_ASKED: [(&str, &str); 29] = [
     ("START", r#"{"code":"start"}"#),
     ("STOP", r#"{"code":"stop"}"#),
@@ -47,7 +47,7 @@ const WAS_ASKED: [(&str, &str); 29] = [
     ("POST /x, and 7 more that were refused", r#"{"code":"many","last":{"code":"words","words":"POST /x"},"more":7}"#),
 ];
 
-/// With which code and in which words something was refused, and what the journal says of it now.
+/// Codes and sentences of refusals, and their codes in the journal now.
 const WAS_REFUSED: [(&str, &str, &str); 38] = [
     (
         "outdated",
@@ -283,7 +283,7 @@ fn what_no_version_wrote_stays_as_it_is() {
     }
 }
 
-/// Words as somebody wrote them who knew our sentences.
+/// Words by somebody who knows our sentences.
 fn hostile(dice: &mut RandomStream) -> String {
     const PIECES: [&str; 24] = [
         "the wheels slip",
@@ -315,7 +315,7 @@ fn hostile(dice: &mut RandomStream) -> String {
     (0..length).map(|_| PIECES[dice.below(PIECES.len() as u64) as usize]).collect()
 }
 
-/// A value of a kind, and how it was written.
+/// A value of this kind, with its text.
 fn drawn(kind: &str, dice: &mut RandomStream) -> (String, Value) {
     let any = dice.number() >> dice.below(64);
     let of = |all: &[Sentence]| {
@@ -345,7 +345,7 @@ fn drawn(kind: &str, dice: &mut RandomStream) -> (String, Value) {
     }
 }
 
-/// A sentence with drawn values, and these.
+/// A sentence with drawn values, and these values.
 fn filled(sentence: &str, dice: &mut RandomStream) -> (String, Map<String, Value>) {
     let Some((before, (field, rest))) = sentence.split_once('{').and_then(|(before, rest)| Some((before, rest.split_once('}')?)))
     else {

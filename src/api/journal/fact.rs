@@ -1,4 +1,4 @@
-//! One shape for every fact. Their names in JSON are the names of kinds by which the store finds entries.
+//! One shape for every fact. Its names in JSON are the kinds by which the store finds entries.
 
 use std::sync::Arc;
 
@@ -17,7 +17,6 @@ use hallsweep_core::command::{CommandId, Issuer};
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
 
-/// A fact, by its kind.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub(super) enum Shape {
@@ -30,7 +29,7 @@ pub(super) enum Shape {
     ClockSet {
         by_ms: i64,
     },
-    /// Missions `first` to `last`, entries up to `until`, stand in this archive alone.
+    /// Missions `first` to `last`, entries up to `until`, are in this archive only.
     WrittenOut {
         first: u64,
         last: u64,
@@ -38,7 +37,7 @@ pub(super) enum Shape {
         file: String,
         digest: String,
     },
-    /// All before this entry stood in this archive, which begins behind an entry; the digest of that one's page.
+    /// All entries before this one were in this archive. It begins after entry `behind`, whose page has the digest `page`.
     Unpacked {
         file: String,
         digest: String,
@@ -119,7 +118,7 @@ pub(super) enum Shape {
         luggage: u64,
         verdict: String,
         who: String,
-        /// Entries of versions that knew no notes have none.
+        /// Absent in entries of versions without notes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         note: Option<String>,
     },
@@ -147,7 +146,6 @@ pub(super) enum Shape {
     },
 }
 
-/// A command and what became of it.
 #[derive(Serialize, Deserialize)]
 pub(super) struct CommandShape {
     command: Written,
@@ -161,7 +159,7 @@ pub(super) struct CommandShape {
     refused: Option<Coded>,
 }
 
-/// The kind of a fact: the word by which entries are found.
+/// The kind of a fact, by which entries are found.
 pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
@@ -199,7 +197,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
 }
 
 impl Shape {
-    /// The shape of a fact in this form; of a photo only the file is in it.
+    /// The shape of a fact in this form. Of a photo it has only the file.
     pub(super) fn of(fact: &Fact, picture: Option<&Picture>, form: Form) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },

@@ -11,20 +11,19 @@ use hallsweep_core::units::{AlarmId, LuggageId, Piece};
 use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
-/// The record of one piece.
 #[derive(Serialize, Deserialize)]
 pub(super) struct LuggageShape {
     pub(super) id: u64,
     cell: Point,
     pose: PoseShape,
     taken: Moment,
-    /// When the first photo of it was, where a later one is kept.
+    /// Time of the first photo, when a later one is stored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     first_taken: Option<Moment>,
     photo: PhotoShape,
     verdict: Option<DecisionShape>,
     piece: Option<u32>,
-    /// When it was put into the container.
+    /// Time at which it was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     secured: Option<Moment>,
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -36,7 +35,6 @@ pub(super) const fn is_zero(number: &i64) -> bool {
     *number == 0
 }
 
-/// What became of a photo.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum PhotoShape {
@@ -44,7 +42,6 @@ enum PhotoShape {
     Failed(String),
 }
 
-/// A verdict that stands.
 #[derive(Serialize, Deserialize)]
 struct DecisionShape {
     verdict: String,

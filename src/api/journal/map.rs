@@ -1,5 +1,5 @@
-//! The hall map in the journal: for each row its number, its first known column, and runs of equal cells.
-//! Short for walls and floors alike: a hall of 512 × 512 cells takes some kilobytes.
+//! The hall map in the journal: for each row its number, its first known column, and runs of equal cells. Walls and floors are
+//! both short: a hall of 512 × 512 cells takes some kilobytes.
 //!
 //! ```text
 //!   [4, -1, "W1V12.3L1"]   row 4, from column -1: a wall, twelve visited cells, three unknown, a piece of luggage
@@ -39,7 +39,7 @@ pub(super) fn rows(map: &HallMap) -> Vec<Row> {
 
 pub(super) fn map(rows: &[Row]) -> Result<HallMap, Unparsed> {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
-    // A new map knows home; a map on record says everything itself.
+    // A new map knows home; a stored map has all its cells itself.
     map.mark(Cell::HOME, Mark::Unknown, Revision(1));
     rows.iter().try_for_each(|row| draw(&mut map, row))?;
     Ok(map)
@@ -57,7 +57,7 @@ fn row(cells: &[(i32, i32, Mark)]) -> Row {
     Row(y, first, runs.text())
 }
 
-/// Runs as they grow.
+/// Text of the runs so far, with the last run still open.
 #[derive(Default)]
 struct Runs {
     text: String,
@@ -99,7 +99,7 @@ fn mark(letter: char) -> Result<Mark, Unparsed> {
     known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{letter:?} is no mark of a cell")))
 }
 
-/// Draws a row. Nothing beyond the map's reach is taken, so that no number in a file makes the program draw for ever.
+/// Draws a row. Cells beyond the map's reach are refused, so that no number in a file makes the program draw for ever.
 fn draw(map: &mut HallMap, Row(y, first, runs): &Row) -> Result<(), Unparsed> {
     let wrong = || Unparsed(format!("row {y} of the map is no row: {:?}", in_short(runs)));
     let within = |number: i32| (-REACH..=REACH).contains(&number);

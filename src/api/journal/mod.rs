@@ -1,12 +1,12 @@
-//! The shapes of the journal: every fact as JSON and back, for the table of events and for export, one object a line. In the table what was
-//! asked, refused and caused has a code with fields (`coded`), which no wording changes; exported it is a sentence.
-//! Where the lines are kept is the store's business; a photo's pixels are not in them, only the digest of its file.
+//! The shapes of the journal: every fact as JSON and back, for the table of events and for export with one object per line. In
+//! the table, requests, refusals and causes are codes with fields (`coded`), which no wording changes; exported lines have
+//! sentences instead. The store stores the lines, and for a photo they have only the digest of its file.
 //!
 //! ```text
 //!   {"seq":12,"at":"2026-02-03T10:05:12.000+01:00","unixMs":1770109512000,"offsetS":3600,"mission":3,
 //!    "kind":"phase","phase":{"name":"exploring"}}
 //! ```
-//! Reading skips fields that it does not know, so that a later version may add some, and refuses meanings that it does not know.
+//! Unknown fields are skipped when a line is read, so that a later version may add fields. Unknown values are refused.
 
 mod asked;
 mod causes;
@@ -42,31 +42,28 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
-/// Why no fact can be made of what was kept, as a sentence.
+/// Why no fact can be made of a stored text, as a sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unparsed(pub(super) String);
 
-/// The file in which a photo is kept.
+/// File of a photo.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Picture {
-    /// The SHA-256 of its bytes, in 64 lower-case hexadecimal digits.
+    /// SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
-    /// Its media type, as `image/png`.
+    /// Media type, as `image/png`.
     pub media_type: String,
 }
 
-/// An entry with its place in the journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// Its place.
     pub seq: Seq,
-    /// The mission it belongs to; `None` between two.
+    /// `None` between two missions.
     pub mission: Option<MissionId>,
-    /// What happened, and when.
     pub entry: Entry,
-    /// The photo that came with it.
+    /// Photo of a luggage record.
     pub picture: Option<Picture>,
 }
 
@@ -74,7 +71,7 @@ pub struct Line {
 #[serde(rename_all = "camelCase")]
 struct LineShape {
     seq: u64,
-    /// For people; what counts is the two that follow.
+    /// For people; programs read the two fields that follow.
     #[serde(default)]
     at: String,
     unix_ms: i64,
@@ -84,49 +81,50 @@ struct LineShape {
     fact: Shape,
 }
 
-/// A line in a list of entries, as its schema has it: what else is in it follows from its kind (`docs/journal.md`).
+/// A line in a list of entries. Its other fields follow from its kind (`docs/journal.md`).
 #[derive(JsonSchema)]
 #[schemars(rename = "Entry", rename_all = "camelCase")]
 #[expect(dead_code, reason = "it is there for its schema: a list is put together of lines that are written already")]
 pub struct ListedLine {
-    /// Its place in the journal.
+    /// Number of the entry in the journal.
     seq: u64,
-    /// When it was written, RFC 3339 with zone; absent, as what follows, where the entry cannot be understood.
+    /// Time of writing, RFC 3339 with zone; absent, like the fields that follow, where the entry cannot be understood.
     #[schemars(skip_serializing_if = "Option::is_none")]
     at: Option<String>,
-    /// The same in milliseconds since 1970, and the offset of its zone in seconds.
+    /// The same time in milliseconds since 1970 (UTC).
     #[schemars(skip_serializing_if = "Option::is_none")]
     unix_ms: Option<i64>,
+    /// Offset of its zone from UTC, in seconds.
     #[schemars(skip_serializing_if = "Option::is_none")]
     offset_s: Option<i32>,
-    /// The mission it belongs to; null between two.
+    /// Mission of the entry; null between two missions.
     #[schemars(skip_serializing_if = "Option::is_none")]
     mission: Option<u64>,
-    /// What kind of entry it is; `unreadable` with the reason as `why` where it cannot be understood.
+    /// Kind of the entry; `unreadable`, with the reason as `why`, where it cannot be understood.
     kind: String,
 }
 
 impl Picture {
-    /// Whether the digest is one: it becomes the name of a file.
+    /// Whether the digest has the right form: it becomes the name of a file.
     pub fn is_sound(&self) -> bool {
         self.digest.len() == 64 && self.digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
     }
 }
 
-/// A fact as the journal keeps it, a JSON object with its kind.
+/// A fact as it is stored in the journal, a JSON object with its kind.
 pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
     written(&Shape::of(fact, picture, Form::Codes))
 }
 
-/// The fact of a JSON object.
+/// Reads the JSON object of a fact.
 ///
 /// # Errors
-/// What is wrong with it.
+/// What is wrong with the object.
 pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
     parsed::<Shape>(text.as_bytes())?.fact()
 }
 
-/// A line as it is exported, with sentences for what has a code in the journal; without a line break.
+/// A line for export, with sentences in place of the journal's codes, and without a line break.
 pub fn line(line: &Line) -> String {
     let WallTime { unix_ms, offset_s } = line.entry.wall;
     written(&LineShape {
@@ -139,15 +137,15 @@ pub fn line(line: &Line) -> String {
     })
 }
 
-/// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
+/// The line for an entry that cannot be understood: its number, the kind `unreadable`, and the reason.
 pub fn unreadable(seq: Seq, why: &str) -> String {
     format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
 }
 
-/// Reads an exported line. A sentence that no version up to format 4 has said comes back as it is.
+/// Reads an exported line. A sentence that no version up to format 4 wrote is read as `words`.
 ///
 /// # Errors
-/// What is wrong with it; any bytes give a line or that.
+/// What is wrong with the line; any bytes give a line or this.
 pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
     let LineShape { seq, unix_ms, offset_s, mission, fact, .. } = parsed(bytes)?;
     let (fact, picture) = fact.fact()?;
@@ -160,15 +158,14 @@ pub fn record(record: &Luggage) -> String {
     written(&luggage::LuggageShape::from(record))
 }
 
-/// A moment as it stands in a record, as a JSON object.
 pub fn moment(wall: WallTime) -> String {
     written(&places::Moment::from(wall))
 }
 
-/// The record of a piece from its JSON object.
+/// Reads the JSON object of a piece.
 ///
 /// # Errors
-/// What is wrong with it.
+/// What is wrong with the object.
 pub fn read_record(text: &str) -> Result<Luggage, Unparsed> {
     parsed::<luggage::LuggageShape>(text.as_bytes())?.record()
 }

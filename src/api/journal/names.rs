@@ -1,4 +1,4 @@
-//! The words by which the journal writes what has a name, read back: a word that nobody knows is refused.
+//! Names in the journal, and how they are read back: unknown names are refused.
 
 use std::sync::Arc;
 
@@ -16,17 +16,16 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
 
-/// What an obstacle can be taken for.
+/// Kinds of obstacles.
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
-/// Where a search has come to.
+/// Position of a search in its order.
 #[derive(Serialize, Deserialize)]
 pub(super) struct SearchShape {
     strategy: String,
     notes: Vec<i64>,
 }
 
-/// A basic move.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Step {
@@ -38,7 +37,7 @@ pub(super) enum Step {
     NudgeRight,
 }
 
-/// The one of `all` that has this name.
+/// Finds the value with this name.
 fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
     let known = all.iter().copied().find(|one| name_of(*one) == name);
     known.ok_or_else(|| Unparsed(format!("{:?} is no {what} that this version knows", in_short(name))))
@@ -52,13 +51,12 @@ pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {
     RobotId::new(name).ok_or_else(|| Unparsed(format!("`{name}` is no name of a robot")))
 }
 
-/// The note of a verdict, where it has one.
 pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     let sound = |text: String| Note::new(&text).ok_or_else(|| Unparsed(format!("{:?} is no note of a verdict", in_short(&text))));
     text.map(sound).transpose()
 }
 
-/// How many stops there have been: beyond what a store can count to one more would be no further.
+/// Reads a number of stops. The store counts in signed 64-bit numbers, so that a larger number cannot be counted on.
 pub(super) fn epoch(count: u64) -> Result<Epoch, Unparsed> {
     i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} stops cannot have been")))
 }

@@ -1,4 +1,4 @@
-//! Phases in the journal, each with its data, the interrupted ones inside those that interrupt them.
+//! Phases in the journal with their data. An interrupted phase is inside the one that interrupts it.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::state::{Inspection, Phase, Stage};
 use hallsweep_core::units::{LuggageId, Piece};
 
-/// A phase, by the name of the doors.
+/// A phase, by the name that the doors use.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "name", rename_all = "camelCase")]
 pub(super) enum PhaseShape {
@@ -28,7 +28,6 @@ pub(super) enum PhaseShape {
     Fault { cause: CauseShape, interrupted: Box<PhaseShape> },
 }
 
-/// A piece being inspected.
 #[derive(Serialize, Deserialize)]
 pub(super) struct InspectionShape {
     cell: Point,
@@ -37,7 +36,6 @@ pub(super) struct InspectionShape {
     stage: StageShape,
 }
 
-/// How far an inspection has come.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
@@ -48,7 +46,6 @@ enum StageShape {
     RetakingPhoto(u64),
 }
 
-/// Why a mission is in fault.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum CauseShape {

@@ -1,4 +1,4 @@
-//! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
+//! Cells, poses and moments in the journal. A moment has the exact millisecond and offset; its RFC 3339 form is for people.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -9,10 +9,9 @@ use hallsweep_core::search::Goal;
 use hallsweep_core::units::{Cell, Pose, WallTime};
 use hallsweep_core::world::hall_map::REACH;
 
-/// Cells further from home than this are in no journal: no map reaches half so far.
+/// Largest coordinate of a cell in a journal, on either side of home: twice the reach of a map.
 const FARTHEST: i32 = 2 * REACH;
 
-/// A cell.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Point {
     #[serde(deserialize_with = "side")]
@@ -33,14 +32,14 @@ pub(super) struct PoseShape {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Moment {
-    /// For people.
+    /// RFC 3339, for people; not read.
     #[serde(default)]
     at: String,
     unix_ms: i64,
     offset_s: i32,
 }
 
-/// What a search is after: a cell to visit, or home.
+/// Goal of a search: a cell to visit, or home.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum GoalShape {
@@ -102,7 +101,7 @@ impl From<GoalShape> for Goal {
     }
 }
 
-/// Reads one coordinate of a cell.
+/// Reads one coordinate of a cell; refuses one that no map reaches.
 pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D::Error> {
     let side = i32::deserialize(deserializer)?;
     if (-FARTHEST..=FARTHEST).contains(&side) {

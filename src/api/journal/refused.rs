@@ -1,4 +1,4 @@
-//! Why a command was refused, as the journal keeps it. What a door refuses in its own words has these beside its code, in every version.
+//! Reasons of refusals in the journal. A refusal in a door's own words has these words beside its code, in every version.
 
 use serde_json::{Value, json};
 
@@ -48,7 +48,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
     Coded::new(refused.code(), fields)
 }
 
-/// A refusal with a sentence is one of a door, of an earlier version, or from an exported line.
+/// Reads a refusal. One with a sentence comes from a door, from an earlier version, or from an exported line.
 pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
     let Some(words) = coded.field::<Option<String>>("words")? else { return value(coded) };
     let earlier = earlier::refused(&coded.code, &words).and_then(|coded| value(&coded).ok());

@@ -1,4 +1,4 @@
-//! A retrieval in the journal: whom it is about, how far it has come, and who is before the entrance.
+//! A retrieval in the journal: its piece, its fetcher and its stage, and the robots outside the hall.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ pub(super) struct RetrievalShape {
     team: Option<TeamShape>,
 }
 
-/// How far it has come; the reason where it came to nothing.
+/// Stage of a retrieval, with the reason when the piece was not fetched.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 enum StageShape {
@@ -75,7 +75,7 @@ impl RetrievalShape {
     }
 }
 
-/// How many steps from home somebody is, where there are so many.
+/// Checks a number of steps from home: no robot stands further outside.
 pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
     (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("nobody stands {steps} steps outside")))
 }

@@ -1,4 +1,4 @@
-//! Everything that stands, in the journal: what a program that is started again goes on from.
+//! The whole persistent state in the journal, from which a restarted program continues.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,7 +19,6 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Piece, Pose};
 use hallsweep_core::world::records::LuggageRecords;
 
-/// Everything that stands.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct StandingShape {
@@ -33,15 +32,15 @@ pub(super) struct StandingShape {
     goal: Option<GoalShape>,
     blocked: Vec<Point>,
     pose: PoseShape,
-    /// The robots beside the one that searches.
+    /// Robots other than the searching one.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     others: BTreeMap<String, PoseShape>,
-    /// How many steps from home those before the entrance are.
+    /// Distance of the robots outside the hall from home, in steps.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     outside: BTreeMap<String, u8>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     retrieval: Option<RetrievalShape>,
-    /// Where pieces that were known already were met once more.
+    /// Cells where known pieces were met once more.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     met_again: Vec<(Point, u32)>,
     led_blinking: bool,

@@ -1,5 +1,5 @@
-//! The pair's trees in the journal: how they stood after a tick that changed something, so that they go on from there after a restart, and
-//! so that a run can be looked at again.
+//! The pair's trees in the journal, after each tick that changed something: they continue from there after a restart, and a run
+//! can be replayed.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,10 +15,10 @@ use hallsweep_core::units::Piece;
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TeamShape {
-    /// SRM1, SRM2 and the Supervisor, each a line.
+    /// The states of SRM1, SRM2 and the Supervisor, one line each.
     trees: [String; 3],
     said: [String; 3],
-    /// Of each entry its name, the word for what kind of value it holds, and the value.
+    /// Name, type and value of each entry.
     blackboard: Vec<[String; 3]>,
     stage: StageShape,
     losses: u32,

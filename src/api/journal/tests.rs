@@ -1,4 +1,4 @@
-//! What the journal says is read back as it was; what it does not say is refused with a sentence.
+//! Tests that every entry is read back as it was written, and that anything else is refused with a sentence.
 
 use proptest::prelude::*;
 
@@ -30,7 +30,7 @@ proptest! {
         prop_assert_eq!(read_body(&body(&before.entry.fact, None)).unwrap().0, before.entry.fact);
     }
 
-    /// The same of commands, of which there are more kinds than of all else.
+    /// Commands by themselves, which have more kinds than all other facts.
     #[test]
     fn every_command_is_read_back_with_what_became_of_it(facts in prop::collection::vec(arbitrary::command(), 16)) {
         for fact in facts {
@@ -52,7 +52,7 @@ proptest! {
         }
     }
 
-    /// Safety A7: what was whole once and is damaged in one place.
+    /// Safety A7: a valid line with damage in one place.
     #[test]
     fn a_damaged_line_gives_a_line_or_a_sentence(entry in arbitrary::entry(), place in any::<prop::sample::Index>(), with: u8) {
         let mut bytes = line(&Line { seq: Seq(1), mission: None, entry, picture: None }).into_bytes();
@@ -140,7 +140,7 @@ fn a_row_of_the_map_cannot_be_without_end() {
     }
 }
 
-/// Found by fuzzing: one step further there was no number any more.
+/// Found by fuzzing: one step beyond this cell the coordinate overflowed.
 #[test]
 fn a_cell_that_no_map_reaches_is_refused() {
     let pose = r#"{"kind":"pose","x":2147483647,"y":0,"heading":"east"}"#;
@@ -159,7 +159,7 @@ fn a_large_hall_takes_some_kilobytes() {
     assert_eq!(read_body(&text).unwrap().0, Fact::State(Box::new(standing)));
 }
 
-/// A hall of so many columns and rows, walls round it, a pillar here and there.
+/// A hall of `size` columns and rows with walls around it and some pillars.
 fn hall(size: i32) -> HallMap {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
     for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
