@@ -1,5 +1,5 @@
-//! A fact in words: what the journal says, for a person who reads it as a line. How facts are written for programs, so that they can be
-//! read back, is not here.
+//! Facts as English sentences, for a person who reads the journal line by line. The form for programs, which can be read back, is
+//! not here.
 
 use std::fmt::Display;
 
@@ -12,7 +12,7 @@ use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::{Luggage, PhotoState};
 
-/// What happened, in a few words; no line break.
+/// The sentence of a fact, without a line break.
 #[must_use]
 pub fn words(fact: &Fact) -> String {
     said(fact).replace(['\n', '\r'], " ")
@@ -81,14 +81,14 @@ fn said(fact: &Fact) -> String {
     }
 }
 
-/// A time as `13:00:05`, whichever its sign.
+/// A time as `13:00:05`, without its sign.
 #[must_use]
 pub fn hours(ms: i64) -> String {
     let seconds = ms.unsigned_abs() / 1000;
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// A phase with what it interrupts, or how far its inspection has come: each step of it is on record.
+/// A phase with the one that it interrupts, or with the stage of its inspection: each stage is recorded.
 fn in_words(phase: &Phase) -> String {
     let name = phase.name().in_words();
     if let Some(interrupted) = phase.interrupted() {
@@ -104,7 +104,7 @@ fn in_words(phase: &Phase) -> String {
     }
 }
 
-/// Why the robot was held, without what was to be done about it then.
+/// The reason of a hold, without the advice that belonged to it then.
 fn cause(hold: &Hold) -> &'static str {
     let words = hold.in_words();
     words.find([':', ';']).map_or(words, |end| &words[..end])
@@ -139,9 +139,9 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 }
 
 impl Fact {
-    /// The fact as it stands in the journal, when `was_dangerous` says of each piece whether it was found so. Entries are never changed, and
-    /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
-    /// was durable (safety V1), and so it was refused.
+    /// The command as it was finally answered. Entries are never changed, and a verdict *safe* is accepted before it is durable.
+    /// When a *danger* for the same piece arrives before that, the safe is refused after all (safety V1). `was_dangerous` says of
+    /// each piece whether it was found dangerous.
     #[must_use]
     pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
         let Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused: None } = self else { return self };

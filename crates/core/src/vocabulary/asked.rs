@@ -1,5 +1,5 @@
-//! What was asked, as log and journal have it: one command, many STOPs in one entry, something done to the simulator, the last of many
-//! refusals, or the words of a door. How it is written in the journal is not here.
+//! Requests as the log and the journal record them: one command, many STOPs in one entry, a change of the simulator, the last of
+//! many refused requests, or the words of a door. The journal's form is not here.
 
 use std::fmt;
 use std::time::Duration;
@@ -8,33 +8,30 @@ use crate::command::{Command, LuggageRef};
 use crate::simulated::Simulated;
 use crate::units::LuggageId;
 
-/// What was asked. `Display` is what the log says.
+/// A recorded request. `Display` is its sentence in the log.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
-    /// One command.
     Command(Command),
-    /// STOP, so many times.
+    /// STOPs that share one entry.
     Stops {
-        /// How many times.
         count: u64,
-        /// Between the first and the last, in whole milliseconds; `None` when they came at once.
+        /// Time from the first to the last, in whole milliseconds; `None` when they came at once.
         within: Option<Duration>,
     },
-    /// Something done to the hall and robots that are simulated.
+    /// A change of the simulated hall or robots.
     Simulated(Simulated),
-    /// The last of what one sender was refused, and how much more it was.
+    /// Refused requests of one sender that share one entry.
     Many {
-        /// The last.
         last: Box<Asked>,
-        /// So many more.
+        /// Number of requests before the last one.
         more: u64,
     },
-    /// In the words of a door, which knows no command for it, or of another version.
+    /// Words of a door without a command for them, or of another version.
     Words(String),
 }
 
 impl Asked {
-    /// The same with the piece that a bare verdict turned out to be about.
+    /// Names the piece that a verdict without a number was about.
     #[must_use]
     pub fn about(&self, meant: Option<LuggageId>) -> Asked {
         match (self, meant) {

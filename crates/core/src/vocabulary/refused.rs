@@ -1,5 +1,5 @@
-//! Every reason for which a command can be refused, in words for an operator and as a fixed code for programs.
-//! How it is told to whom is decided outside.
+//! Every reason why a command can be refused, as a sentence for an operator and as a fixed code for programs. The doors decide
+//! how it is sent.
 
 use std::sync::Arc;
 
@@ -9,142 +9,109 @@ use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
 use crate::units::{AlarmId, Cell, Epoch, LuggageId};
 
-/// What kind of refusal it is, as far as it makes a difference to whoever is told.
+/// Kind of a refusal, from which doors derive their own codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefusalKind {
-    /// The state forbids it.
+    /// The state forbids the command.
     Conflict,
-    /// There is no such thing.
+    /// The thing that the command names does not exist.
     Unknown,
-    /// It cannot be kept safe just now.
+    /// The command cannot be recorded at present.
     Unavailable,
-    /// It contradicts what the same sender said before.
+    /// The command contradicts another one of the same sender.
     Mismatch,
-    /// Its sender may not.
+    /// The role of the sender does not allow the command.
     Forbidden,
 }
 
-/// Why a command was refused. `Display` is the sentence an operator reads.
+/// Why a command was refused. `Display` is the sentence for an operator.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    /// Holds stand that a movement command does not clear, and why nothing can be recorded if that is one of them and known.
+    /// Holds that a movement command does not clear, with the reason of the store when it is one of them and the reason is known.
     #[error("not possible while held: {}", holds_in_words(.0, .1.as_deref()))]
     Held(Vec<Hold>, Option<String>),
-    /// Somebody pressed STOP after the sender last looked.
     #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]
-    Outdated {
-        /// The epoch the command carried.
-        sent: Epoch,
-        /// The epoch that holds.
-        now: Epoch,
-    },
-    /// It was delivered again, and names no epoch: a STOP, or a restart, may have come since it was given.
+    Outdated { sent: Epoch, now: Epoch },
+    /// The command was delivered again, and names no epoch: a STOP or a restart may have come since it was sent.
     #[error("outdated: it was sent before, and a STOP or a restart may have come since; look again, then give it anew")]
     SentBefore,
-    /// The phase has no use for it.
     #[error("not possible while {}", .0.in_words())]
     NotInPhase(PhaseName),
-    /// A piece waits for its verdict first.
     #[error("luggage #{0} waits for its verdict: answer safe or danger first")]
     VerdictPending(LuggageId),
-    /// A hand is on the robot.
     #[error("the robot is being driven by hand: wait for the end of the move, or press STOP")]
     Driving,
-    /// Manual driving needs a STOP before it.
     #[error("the robot is on its mission: press STOP before driving it by hand")]
     NotStopped,
-    /// The way is known to be blocked.
     #[error("there is an obstacle at {0}")]
     IntoObstacle(Cell),
-    /// This robot cannot do that.
     #[error("this robot has no small corrective turns")]
     NotCapable,
-    /// It must stand still for that.
     #[error("the robot is moving: press STOP first")]
     Moving,
-    /// The piece just met is not on record yet.
     #[error("a piece of luggage is being recorded: wait for its photo")]
     Unrecorded,
-    /// A bomb was found and nobody has said that it may stay.
     #[error("luggage #{0} is dangerous and still in the hall: acknowledge its alarm first")]
     BombUnfetched(LuggageId),
-    /// No piece has this number.
     #[error("there is no luggage #{0}")]
     UnknownLuggage(LuggageId),
-    /// The bare word of an old client found nothing to mean.
+    /// A verdict without a number, as old clients send it, found no waiting piece.
     #[error("no luggage waits for a verdict")]
     NothingPending,
-    /// Another verdict stands; the first is final.
     #[error("luggage #{luggage} was already found {}: a verdict is final", .verdict.name())]
-    Decided {
-        /// The piece.
-        luggage: LuggageId,
-        /// What stands.
-        verdict: Verdict,
-    },
-    /// Without a photo nobody can say that it is safe.
+    Decided { luggage: LuggageId, verdict: Verdict },
+    /// Without a photo nobody can say that the piece is safe.
     #[error("luggage #{0} has no usable photo: take it again, or answer danger")]
     NoPhoto(LuggageId),
     /// Only the piece in front of the robot can be photographed.
     #[error("luggage #{0} is not the one being inspected")]
     NotInspected(LuggageId),
-    /// One photo at a time.
     #[error("the photo is being taken")]
     PhotoUnderWay,
-    /// No alarm has this number.
     #[error("there is no alarm {0}")]
     UnknownAlarm(AlarmId),
-    /// Nothing can fetch the bomb.
     #[error("no retrieval robot is there")]
     NoRetrievalRobot,
-    /// A robot that the retrieval needs is not linked.
     #[error("{0} cannot be reached, and the retrieval needs it: mend its link first")]
     FetcherUnreached(RobotId),
-    /// A retrieval was cut short and can go on; its robots are not where a new mission begins.
+    /// A retrieval was interrupted and can continue; its robots are not where a new mission begins.
     #[error("{0} is not back yet: press START, so that the retrieval goes on")]
     FetcherAbroad(RobotId),
-    /// What put the mission in fault is still so.
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
-    /// Nothing can be put on record.
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
     StoreDown,
-    /// It was carried out, but the store failed before it was on record.
+    /// The command was carried out, but the store failed before it was recorded.
     #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
     NotKept,
-    /// Said of a button, and never as an answer: that something has changed which would forbid it may be told when it is on record.
+    /// Shown at a button, and never sent as an answer: the last change may forbid the command, and is not recorded yet.
     #[error("what was done last is not on record yet: wait a moment")]
     NotOnRecord,
-    /// The sender used one name for two commands.
+    /// One command id was used for two different commands.
     #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]
     OtherContent(CommandId),
-    /// A reading came of a sensor that nobody has configured.
     #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]
     UnknownSensor(Arc<str>),
-    /// Its sender may see, and stop, and no more; in words of the door at which it came.
+    /// The role of the sender allows watching and STOP only; the sentence is the door's.
     #[error("{0}")]
     NotAllowed(String),
-    /// In the words of a door, or of another version.
+    /// A refusal in the words of a door, or of another version.
     #[error("{}", .0.words)]
     InWords(Refusal),
 }
 
-/// The code of `Refused::OtherContent`.
 pub const OTHER_CONTENT: &str = "otherContent";
 
 /// A refusal of which only the code and the sentence are known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// The fixed word for programs.
     pub code: &'static str,
-    /// What kind of refusal it is.
     pub kind: RefusalKind,
-    /// The sentence an operator read.
     pub words: String,
 }
 
-/// Every code with its kind, for refusals read back; a test of a door holds it against the variants. That of `NotOnRecord` is none of
-/// them: no command is answered with it.
+/// Every code with its kind, for refusals that are read back. A test of a door compares the list with the variants. The code of
+/// `NotOnRecord` is not in it, since no command is answered with that.
 pub const CODES: [(&str, RefusalKind); 28] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
@@ -180,7 +147,6 @@ pub const CODES: [(&str, RefusalKind); 28] = {
 };
 
 impl Refused {
-    /// What kind of refusal it is.
     #[must_use]
     pub const fn kind(&self) -> RefusalKind {
         match self {
@@ -213,7 +179,7 @@ impl Refused {
         }
     }
 
-    /// A short fixed word for programs: it never changes, the sentence may.
+    /// A short fixed word for programs. It never changes; the sentence may.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
@@ -251,7 +217,7 @@ impl Refused {
     }
 }
 
-/// What is to be mended is said first, and by its name: other holds may follow from it.
+/// Joins the sentences of the holds. The reason of the store comes first, because other holds may follow from it.
 fn holds_in_words(holds: &[Hold], store_failure: Option<&str>) -> String {
     let store = store_failure.map(|why| format!("nothing can be recorded: {why}"));
     let others = holds.iter().filter(|hold| store.is_none() || **hold != Hold::Store).map(|hold| hold.in_words().to_owned());
