@@ -1,4 +1,4 @@
-//! What somebody asked for, and who it was.
+//! Requests and their senders in words.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
@@ -6,7 +6,7 @@ use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Tem
 use hallsweep_core::units::LuggageId;
 
 impl Language {
-    /// What was asked, with the piece that was meant where it was not named.
+    /// A request, with the piece `meant` by a verdict without a number.
     pub fn asked(self, asked: &Asked, meant: Option<LuggageId>) -> String {
         match asked {
             Asked::Command(command) => self.command(command, meant),
@@ -23,7 +23,7 @@ impl Language {
         }
     }
 
-    /// Whoever asked, as `operator (console, 192.0.2.7)`.
+    /// A sender, as `operator (console, 192.0.2.7)`.
     pub fn issuer(self, Issuer { door, who, from }: &Issuer) -> String {
         let said = self.say(if *door == Door::LOCAL { "issuer-local" } else { "issuer" }).with("who", who).with("door", door.0);
         if *door == Door::LOCAL { said.to_string() } else { said.with("from", from).to_string() }
@@ -74,7 +74,7 @@ impl Language {
     }
 }
 
-/// The letter of a move, as old clients have it.
+/// Letter of a move, as old clients send it.
 const fn letter(step: Move) -> &'static str {
     match step {
         Move::Forward => "w",

@@ -1,4 +1,4 @@
-//! What the journal says.
+//! Facts of the journal in words.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
@@ -9,12 +9,12 @@ use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage}
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 impl Language {
-    /// What happened, in a few words; no line break.
+    /// A fact in a few words, without a line break.
     pub fn fact(self, fact: &Fact) -> String {
         self.happened(fact).replace(['\n', '\r'], " ")
     }
 
-    /// What became of a command: accepted, or refused and why.
+    /// Outcome of a command: accepted, or refused with the reason.
     pub fn outcome(self, refused: Option<&Refused>) -> String {
         let Some(refused) = refused else { return self.say("fact-accepted").to_string() };
         self.say("fact-refused").with("why", self.refused(refused)).to_string()
@@ -109,7 +109,7 @@ impl Language {
         say.with("behind", behind).with("page", page).to_string()
     }
 
-    /// A phase with what it interrupts, or how far its inspection has come.
+    /// A phase with the one that it interrupts, or with the stage of its inspection.
     fn phase_on_record(self, phase: &Phase) -> String {
         let name = phase.name();
         let Some(inspection) = phase.inspection().filter(|_| phase.interrupted().is_none()) else {

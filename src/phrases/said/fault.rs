@@ -1,4 +1,4 @@
-//! What went wrong: why a mission is in fault, why a piece was not fetched, why there is an alarm.
+//! Faults in words: of missions, of retrievals, and the causes of alarms.
 
 use crate::phrases::Language;
 use hallsweep_core::not_fetched::{AloneFault, NotFetched, StuckFault};
@@ -6,7 +6,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::world::alarm::AlarmCause;
 
 impl Language {
-    /// Why a mission is in fault; without a full stop.
+    /// Cause of a mission's fault, without a full stop.
     pub fn fault(self, fault: &FaultCause) -> String {
         match fault {
             FaultCause::NoWayHome => self.say("fault-noWayHome").to_string(),
@@ -17,7 +17,7 @@ impl Language {
         }
     }
 
-    /// Why a piece was not fetched; without a full stop.
+    /// Reason why a piece was not fetched, without a full stop.
     pub fn not_fetched(self, why: &NotFetched) -> String {
         let said = match why {
             NotFetched::Pair(fault, None) => self.say_of("not-fetched", fault.name()),
@@ -37,7 +37,7 @@ impl Language {
         said.to_string()
     }
 
-    /// Why there is an alarm; without a full stop.
+    /// Cause of an alarm, without a full stop.
     pub fn alarm(self, cause: &AlarmCause) -> String {
         let said = match cause {
             AlarmCause::Dangerous(id, cell) => self.say("alarm-dangerous").with("id", id).with("cell", cell),

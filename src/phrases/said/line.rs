@@ -1,4 +1,4 @@
-//! What the log says.
+//! Lines of the log in words.
 
 use crate::phrases::Language;
 use hallsweep_core::event::RobotId;
@@ -6,7 +6,6 @@ use hallsweep_core::hold::{Hold, HoldReason};
 use hallsweep_core::snapshot::said::{Said, Trouble};
 
 impl Language {
-    /// What a line of the log says.
     pub fn said(self, said: &Said) -> String {
         let phrase = match said {
             Said::Asked { asked, meant, issuer, refused } => {

@@ -1,5 +1,6 @@
-//! What the core says, as phrases. The English ones are the core's own sentences, which programs and records have; tests hold that, but for a
-//! piece that was meant and not named, which stands before the note here. What others say stays in their words: a robot, a disk.
+//! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records have, and tests
+//! compare the two. One differs: the piece of a verdict without a number stands before the note here. Words of others, as of a
+//! robot or a disk, stay as they are.
 
 mod asked;
 mod fact;
@@ -21,7 +22,7 @@ impl Language {
         self.say_of("phase", phase.name())
     }
 
-    /// What a mission came to that is in this phase, or was in it when it was put away.
+    /// Result of a mission that is in this phase, or was in it when it was put away.
     pub fn came_to(self, phase: PhaseName, is_put_away: bool) -> Phrase<'static> {
         match phase {
             PhaseName::Explored => self.say("missions-searched"),
@@ -39,12 +40,12 @@ impl Language {
         }
     }
 
-    /// The same of a mission that is in the midst of something.
+    /// Result of a mission in the midst of something: the phase in which it is, or was when it was put away.
     pub fn ended_while(self, phase: impl Display, is_put_away: bool) -> Phrase<'static> {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }
 
-    /// What a mission came to, with what qualifies it beside: what was not searched, and the kind of the robot that searched.
+    /// Result of a mission with its qualifications: what was not searched, and the kind of the searching robot.
     pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
         let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
         let unsearched = match state.map.unsearched() {
@@ -54,7 +55,7 @@ impl Language {
         format!("{came_to}{unsearched} · {}", self.engine(searcher))
     }
 
-    /// Kind of the robot that searches, or that it is not on record.
+    /// Kind of the searching robot, or that it is not recorded.
     pub fn engine(self, searcher: Option<&Participant>) -> Phrase<'_> {
         match searcher.map(|robot| &*robot.kind) {
             None => self.say("engine-not-on-record"),
@@ -80,7 +81,7 @@ impl Language {
         }
     }
 
-    /// A phase, and the one that it interrupts.
+    /// A phase, with the one that it interrupts.
     pub fn phase_and_before(self, phase: PhaseName, interrupted: Option<PhaseName>) -> String {
         let said = self.phase(phase);
         interrupted.map_or_else(
@@ -97,17 +98,17 @@ impl Language {
         self.say_of("heading", heading.name())
     }
 
-    /// `safe`, `danger` or `pending`.
+    /// `name` is `safe`, `danger` or `pending`.
     pub fn verdict(self, name: &str) -> Phrase<'_> {
         self.say_of("verdict", name)
     }
 
-    /// `21.5 °C`
+    /// `21.5 °C`, with the decimal mark of the language.
     pub fn celsius(self, celsius: Celsius) -> String {
         self.number(&celsius.to_string())
     }
 
-    /// A cell in words: `column 3, row 4`.
+    /// A cell as `column 3, row 4`.
     pub fn place(self, cell: Cell) -> String {
         self.say("place").with("column", cell.x).with("row", cell.y).to_string()
     }

@@ -1,10 +1,10 @@
-//! Why a command was refused.
+//! Refusals in words.
 
 use crate::phrases::Language;
 use hallsweep_core::command::Refused;
 use hallsweep_core::hold::Hold;
 
-/// The codes with which the simulator refuses what somebody wants of it.
+/// Codes of the simulator's refusals.
 const OF_THE_SIMULATOR: [&str; 9] = [
     "notPaused",
     "nothingUnderWay",
@@ -18,7 +18,7 @@ const OF_THE_SIMULATOR: [&str; 9] = [
 ];
 
 impl Language {
-    /// Why a command was refused; without a full stop. What a door says in its own words stays as it is.
+    /// Reason of a refusal, without a full stop. A door's own words stay as they are.
     pub fn refused(self, refused: &Refused) -> String {
         let say = || self.say_of("refused", refused.code());
         let said = match refused {
@@ -58,7 +58,7 @@ impl Language {
         said.to_string()
     }
 
-    /// What is to be mended is said first, and by its name: other holds may follow from it.
+    /// Joins the holds. The reason of the store comes first, because other holds may follow from it.
     fn holds(self, holds: &[Hold], store_failure: Option<&str>) -> String {
         let store = store_failure.map(|why| self.say("refused-held-store").with("why", why).to_string());
         let others =

@@ -1,4 +1,4 @@
-//! What the simulator says of itself, and what was done to it.
+//! The simulator's words, and the changes made to it.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -8,7 +8,7 @@ use hallsweep_core::simulated::{Change, Pace, Simulated};
 use hallsweep_core::units::Cell;
 
 impl Language {
-    /// What a robot says: a phrase if these are words of the simulator, else as it was said.
+    /// A robot's words: a phrase if they are the simulator's, otherwise unchanged.
     pub fn robot_said(self, words: &str) -> Cow<'_, str> {
         let said = match words {
             "the simulator keeps it lost" => self.say("simulated-lost"),
@@ -21,7 +21,7 @@ impl Language {
         Cow::Owned(said.to_string())
     }
 
-    /// What somebody did to what is simulated.
+    /// A change of the simulator.
     pub(super) fn simulated(self, simulated: &Simulated) -> String {
         let said = match simulated {
             Simulated::Changed(change) => self.say("simulated").with("changes", self.changes(change)),

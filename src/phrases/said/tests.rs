@@ -1,4 +1,4 @@
-//! In English the pages say what the core says, and in Italian all of it otherwise.
+//! Tests that the English phrases are the core's sentences, and that all of them are translated into Italian.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,7 +31,7 @@ fn issuer() -> Issuer {
     Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() }
 }
 
-/// Says it in both languages. What is not said otherwise in Italian has no words of ours, but in `alike`.
+/// Compares the English phrase with `core`. The Italian one must differ, unless `alike` has the sentence.
 #[track_caller]
 fn check(core: &str, say: impl Fn(Language) -> String, alike: &[&str]) {
     assert_eq!(say(Language::English), core);
