@@ -86,7 +86,7 @@ struct Answer {
 }
 
 impl Answer {
-    /// Reachable cells and free cells, summed over all halls.
+    /// Number of reachable cells and of free cells in all halls together.
     fn reach(&self) -> [usize; 2] {
         let mine = self.trials.first().into_iter().flatten();
         mine.fold([0, 0], |[cells, free], trial| [cells + trial.cells, free + trial.free_cells])
@@ -224,7 +224,7 @@ impl Evaluate {
     }
 }
 
-/// The timings of the simulated robot with default settings; a bump takes as long as a step.
+/// Timings of the simulated robot with default settings; a bump takes as long as a step.
 fn timings() -> Timings {
     let SimSettings { step, turn, .. } = SimSettings::default();
     Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }

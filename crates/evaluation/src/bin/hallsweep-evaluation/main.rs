@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation`: strategies of search compared over many halls, and weights found for the search. The library beside it walks
-//! and counts; here it is asked, and what comes of it printed and written into files.
+//! `hallsweep-evaluation`: compares strategies of search over many halls, and finds weights for the search. The library walks and
+//! counts; this program reads flags, prints results and writes files.
 
 mod evaluate;
 mod output_file;
@@ -26,7 +26,6 @@ enum Task {
     Tune(tune::Tune),
 }
 
-/// Why a task ended without its result.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     /// Flags that do not fit together: exit code 2, as for a mistyped flag.
@@ -43,7 +42,7 @@ fn main() -> ExitCode {
         Task::Tune(flags) => tune::run(&flags),
     };
     let Err(failure) = ended else { return ExitCode::SUCCESS };
-    // Nobody is left to be told when standard error is closed too.
+    // Nobody can be told when standard error is closed too.
     let _told = writeln!(io::stderr(), "hallsweep-evaluation: {failure}");
     ExitCode::from(if matches!(failure, Failure::Usage(_)) { 2 } else { 1 })
 }

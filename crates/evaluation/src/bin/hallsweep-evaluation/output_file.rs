@@ -1,5 +1,6 @@
-//! A file for a result that takes long: opened before the work, so that a place that cannot be written shows at once, and put in the place
-//! of an older file when the result is whole and flushed. Whatever goes wrong before that, the older file stays.
+//! A file for a result that takes long to compute. It is opened before the work, so that a place that cannot be written is
+//! reported at once. It replaces an older file when the result is complete and flushed; after any failure before that, the older
+//! file is unchanged.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
@@ -10,7 +11,6 @@ use tempfile::NamedTempFile;
 
 use super::Failure;
 
-/// Where a result will be written.
 pub(crate) struct OutputFile {
     path: PathBuf,
     to: To,
@@ -18,22 +18,22 @@ pub(crate) struct OutputFile {
 
 enum To {
     StandardOutput,
-    /// What has nothing to be replaced: a pipe, a terminal.
+    /// A pipe or a terminal, where no file is replaced.
     Through(File),
-    /// Beside the place of the result.
+    /// A temporary file in the folder of the result.
     Beside(NamedTempFile),
 }
 
 impl OutputFile {
-    /// The file of this name, which may be there already, or standard output.
+    /// Opens the file of this name, which may exist already, or standard output.
     pub(crate) fn open(path: &Path) -> Result<OutputFile, Failure> {
-        // A link stays one, and leads to the new file.
+        // A link is not replaced, but leads to the new file.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let to = if is_standard_output(path) { Ok(To::StandardOutput) } else { open(&place) };
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Writes the result in the place of what is there.
+    /// Writes the result, in place of an older file.
     pub(crate) fn write(self, text: &str) -> Result<(), Failure> {
         let written = match self.to {
             To::StandardOutput => io::stdout().write_all(text.as_bytes()),
@@ -47,7 +47,7 @@ impl OutputFile {
 fn open(place: &Path) -> io::Result<To> {
     let there = fs::metadata(place).ok();
     if there.is_some() {
-        // One that may not be written to is not replaced either.
+        // A file without permission to write is not replaced either.
         let through = OpenOptions::new().append(true).open(place)?;
         if !place.is_file() {
             return Ok(To::Through(through));
@@ -76,7 +76,7 @@ pub(crate) fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Refuses to write into a file that is read, or written twice.
+/// Refuses a file that is both read and written, or written twice.
 pub(crate) fn distinct<'a>(
     read: impl IntoIterator<Item = &'a Path>,
     written: impl IntoIterator<Item = &'a Path>,
@@ -94,7 +94,6 @@ pub(crate) fn distinct<'a>(
     Ok(())
 }
 
-/// The failure of a place that cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Run(format!("{} cannot be written: {error}", path.display()))
 }

@@ -61,14 +61,15 @@ pub(crate) struct Tune {
     out: PathBuf,
 }
 
-/// Strength of the regression's ridge, and the share of decisions that are tried otherwise: the best values among those tried.
+/// Strength of the regression's ridge; the best of the values that were tried.
 const RIDGE: f64 = 1500.0;
+/// Share of decisions for which another choice is tried; the best of the values that were tried.
 const TRIED: f64 = 0.4;
 
-/// Maximum size of a file of weights in bytes.
+/// Maximum size of a file of weights, in bytes.
 const MOST_BYTES: u64 = 4 * 1024 * 1024;
 
-/// Rows that count for less than this, in thousandths of a step, are not written.
+/// Smallest weight that is written, in thousandths of a step.
 const SMALLEST: i16 = 20;
 
 pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
@@ -143,7 +144,7 @@ fn family(written: &str) -> Result<Family, String> {
         .map_err(|()| "write one of: empty, luggage-1 to luggage-30, walls, islands, pockets, corridors, maze".to_owned())
 }
 
-/// Two numbers, the first not larger than the second.
+/// Two side lengths from 5 to 200, the first not larger than the second.
 fn sides(written: &str) -> Result<(usize, usize), String> {
     let read = || {
         let (least, most) = written.split_once(',')?;

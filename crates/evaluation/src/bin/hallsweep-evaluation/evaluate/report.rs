@@ -1,4 +1,4 @@
-//! The result of a comparison, as tables for people and as a picture.
+//! The result of a comparison, as tables for people and as a drawing.
 
 use super::{Answer, Measure, Question};
 use hallsweep_core::command::Strategy;
@@ -23,8 +23,7 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// The table of the documentation: a line for each comparison, a column for each entrant, and one for `auto` minus `frontier`,
-/// hall by hall.
+/// The table of `docs/search.md`: a line per comparison, a column per entrant, and one for `auto` minus `frontier`, hall by hall.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
@@ -41,7 +40,7 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     format!("{}\n\nMeans of {halls} halls each, with their 95 % intervals.", aligned(&table))
 }
 
-/// A line for each family: how often the stated time left held.
+/// A line per family with the share of the time in which the stated time left held.
 pub(super) fn time_left(held: &[(Family, Held)]) -> String {
     let mut table = vec![["halls", "a range is said", "it holds", "\"at least\" holds"].map(str::to_owned).to_vec()];
     let percent = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", share * 100.0));

@@ -1,4 +1,4 @@
-//! The result of a comparison for programs: JSON with means and intervals, CSV with a line for each search.
+//! The result of a comparison for programs: JSON with means and intervals, and CSV with one line per search.
 
 use std::fmt::Write;
 
@@ -16,8 +16,9 @@ struct EvaluationJson<'a> {
 struct ComparisonJson<'a> {
     halls: String,
     count: usize,
-    /// Sums over all halls: reachable cells, and free cells.
+    /// Number of reachable cells in all halls together.
     cells: usize,
+    /// Number of free cells in all halls together.
     free_cells: usize,
     /// Null for a hall that is not random.
     seed: Option<u64>,
@@ -34,7 +35,7 @@ struct StrategyJson<'a> {
     #[serde(flatten)]
     measured: MeasuresJson,
     decision_us: DecisionJson,
-    /// Differences from the strategy that it was compared to, hall by hall.
+    /// Differences from the strategy of `--against`, hall by hall.
     #[serde(skip_serializing_if = "Option::is_none")]
     more_than: Option<DifferenceJson<'a>>,
 }
@@ -46,7 +47,7 @@ struct DifferenceJson<'a> {
     measured: MeasuresJson,
 }
 
-/// A measure is null when no hall allows to take it.
+/// A measure is null when it can be taken in none of the halls.
 #[derive(Serialize)]
 struct MeasuresJson {
     moves_per_cell: Option<EstimateJson>,
@@ -122,7 +123,7 @@ const CSV_HEAD: &str = "halls,hall,seed,goal,sonar_cells,step_cost,turn_cost,bum
                         moves_to_a_piece_per_cell,steps_over_bound,seconds,complete,decisions,decision_p50_us,decision_p99_us,\
                         decision_worst_us\n";
 
-/// A header, and a line for each search; a field without a value is empty.
+/// A header, and one line per search; a field without a value is empty.
 pub(super) fn csv(answers: &[Answer], entrants: &[Entrant]) -> String {
     let mut out = CSV_HEAD.to_owned();
     for Answer { question, trials } in answers {
@@ -160,7 +161,7 @@ fn csv_line(contest: &Contest, number: usize, entrant: &Entrant, trial: &Trial) 
     )
 }
 
-/// A field, quoted by RFC 4180.
+/// A field of a CSV line, quoted by RFC 4180.
 fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
 }
