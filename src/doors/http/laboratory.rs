@@ -29,11 +29,11 @@ use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// Limits of runs being computed or waiting, each of less than a tenth of a second: one key has three at most, and four are
-/// reserved for keys that have none or one.
+/// Limits of runs that are computed or wait, each of less than a tenth of a second: a key has three at most, and four are
+/// reserved for keys with fewer than two.
 const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
-/// Computes one run after the other, so that a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
+/// Computes one run after the other, so that a crowd in the laboratory takes one thread, and none that carries out a STOP.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
     places: RequestQuota,
@@ -78,7 +78,7 @@ impl Default for Laboratory {
 }
 
 impl HttpDoor {
-    /// Computes a run on a thread that nothing of the robot waits for.
+    /// Computes a run on a thread on which nothing of the robot depends.
     async fn computed<T: Send + 'static>(
         &self,
         caller: &Caller,
@@ -108,7 +108,7 @@ struct Page {
 
 struct Carried {
     drawing: String,
-    /// Columns and rows of the yard.
+    /// Columns and rows of the yard, with half a cell of the wall on each side.
     size: (i32, i32),
     events: Vec<Event>,
     figures: Vec<(String, String)>,
@@ -116,7 +116,7 @@ struct Carried {
     fault: Option<String>,
     /// Requested mishaps that did not happen.
     missed: Vec<String>,
-    /// At the end.
+    /// The trees at the end of the run.
     trees: TreesView,
 }
 

@@ -1,6 +1,6 @@
-//! What comes on one connection, from its first byte to its end: it is pending until its first head has come, gets a
-//! slot or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
-//! hears.
+//! Reads one connection from its first byte to its end. A connection is pending until its first head is complete; then it gets a
+//! slot, or is told that there is none. It is read on whatever becomes of its requests. Everything here runs on the hearing
+//! thread.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -25,53 +25,59 @@ use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::figures::Connected;
 
-/// How long a first request waits for its body before it gets a task: most come whole, and others cost little so long.
+/// Time for which a first request waits for its body before it gets a task: most bodies come at once, and waiting so long costs
+/// little.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
-/// So much is read at once, in bytes, and so much at first; others have their turn after that, and after so many heads. A newcomer waits
-/// for the turns of a thousand at most, which together take some hundredths of a second.
+/// Maximum number of bytes read in one turn; then other connections have theirs. A newcomer waits for the turns of a thousand
+/// connections at most, which together take some hundredths of a second.
 const TURN: usize = 4 * 1024;
+/// Number of bytes for which there is room at the beginning of a turn: most heads are short, and many connections wait.
 const FIRST: usize = 1024;
+/// Maximum number of heads scanned in one turn.
 const HEADS: usize = 32;
 
-/// So much of what was heard waits for room in the pipe, in bytes: the longest head with the longest body, and something over. When
-/// more comes, because a client takes no answers, nothing more is carried out on that connection, and it is heard all the same (safety
+/// Maximum number of bytes that wait for room in the pipe: the longest head with the longest body, and something over. When more
+/// comes, because a client reads no answers, nothing more is carried out on that connection, but STOPs are still found (safety
 /// S8).
 pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 
-/// After the last answer a connection is heard on so long, and so far in bytes, for the end of a head that is coming, and so that the
-/// answer gets to the client.
+/// Maximum time for which a connection is read after its last answer, for the end of a head that is coming, and so that the
+/// answer reaches the client.
 const LINGER_TIME: Duration = Duration::from_secs(5);
+/// Maximum number of bytes read after the last answer.
 const LINGER_BYTES: usize = 1024 * 1024;
 
 pub(super) struct Connection<R, W> {
     from: R,
-    /// Until a task answers the client.
+    /// `None` once a task answers the client.
     to: Option<W>,
     cut: Arc<Notify>,
     waiting: Option<PendingConnection>,
     slot: Option<Arc<ConnectionSlot>>,
-    /// It counts from when it gets its slot.
+    /// Counts the connection from the time when it gets its slot.
     connected: Option<Connected>,
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
     search: StopSearch,
     shared: Arc<ConnectionState>,
-    /// Of whom the first head was.
+    /// Sender of the first head.
     claim: Option<SlotClaim>,
-    /// What was read, and how much of it the scanner has seen.
+    /// Bytes that were read and not passed on.
     read: BytesMut,
+    /// Number of bytes of `read` that the scanner has seen.
     scanned: usize,
-    /// What was heard and waits for room in the pipe,
+    /// Scanned bytes that wait for room in the pipe.
     ahead: BytesMut,
-    /// and whether something behind it was heard and not kept, so that nothing more can be handed on.
+    /// Whether bytes after `ahead` were dropped, so that nothing more can be passed on.
     is_only_heard: bool,
-    /// Where in the stream the head of a request has ended that may hand the connection over, and how much was handed on.
+    /// Position in the stream of the end of a head whose request may hand the connection over.
     upgrade: Option<u64>,
+    /// Number of bytes passed on.
     handed_on: u64,
-    /// What was read since others had their turn.
+    /// Number of bytes read since others had their turn.
     turn: usize,
-    /// Ends when the first head must have come, and then when its body should have.
+    /// Time limit of the first head, and then of its body.
     late: Pin<Box<Sleep>>,
 }
 
@@ -118,11 +124,11 @@ where
         }
     }
 
-    /// Hears what was `said` already, and then on until there is nothing more to hear.
+    /// Reads the connection to its end, beginning with the bytes that were read already.
     pub(super) async fn hear(mut self, said: BytesMut) {
         self.read = said;
         loop {
-            // It is known here before the client can know it, so that nothing of another protocol is heard.
+            // A handover is known here before the client can know it, so that no bytes of another protocol are scanned.
             if self.upgrade.is_some() && self.shared.is_handed_over() {
                 return self.carry().await;
             }
@@ -179,7 +185,7 @@ where
         self.keep(given);
     }
 
-    /// Notes what is to be known of a request that will be carried out.
+    /// Records the sender, the body and the epoch of a request that will be carried out.
     fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
@@ -192,18 +198,18 @@ where
         }
     }
 
-    /// Keeps a STOP for the request that will be answered by it.
+    /// Stores a STOP for the request that it will answer.
     fn keep(&self, given: Option<StopOutcome>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
             self.shared.keep(self.search.number(), given);
         }
     }
 
-    /// What was heard goes on when there is room for it; behind what was not kept nothing does.
+    /// Passes on what was read. When there is no room for it, it is dropped, and so is everything after it.
     fn hand_on(&mut self) {
         self.is_only_heard |= self.ahead.len() + self.read.len() > AHEAD;
         if !self.is_only_heard && self.ahead.is_empty() {
-            // What a burst took is given back.
+            // A new buffer, so that the memory of a burst is freed.
             self.ahead = BytesMut::from(&self.read[..]);
         } else if !self.is_only_heard {
             self.ahead.extend_from_slice(&self.read);
@@ -219,18 +225,18 @@ where
         }
     }
 
-    /// Whether there is something to answer: a head, or what can be none.
+    /// Whether there is something to answer: a head, or bytes that cannot become one.
     fn has_come(&self) -> bool {
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner.is_no_request()
     }
 
     fn take_slot(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
-        // hyper would panic.
+        // hyper panics before 1970.
         if !self.context.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
-        // Somebody else would give way to whoever goes in a moment.
+        // An evicted connection gets no slot, since another connection would be evicted for it.
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
             return Err(Problem::no_slot(has_heard));
         }
@@ -246,7 +252,7 @@ where
         Ok(())
     }
 
-    /// Whether it has a slot and is worth a conversation: only the first of its requests may be one whose body has not come.
+    /// Whether the connection has a slot and its task should begin: only the first request may still wait for its body.
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
@@ -259,12 +265,12 @@ where
         }
     }
 
-    /// Carries the frames of a WebSocket, whose places are its own matter.
+    /// Carries the frames of a WebSocket, which has limits of its own and therefore no slot.
     async fn carry(mut self) {
         (self.slot, self.connected) = (None, None);
-        // Nobody knows what another protocol would say behind what was not kept.
+        // The meaning of another protocol's bytes is unknown after bytes that were dropped.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
-        // What was handed on before may have begun a frame, of a client that did not wait for its answer.
+        // Bytes that were passed on before may have begun a frame, when a client did not wait for its answer.
         let mut frames = (self.upgrade == Some(self.handed_on)).then(Frames::default);
         let carried = async {
             to.write_all(&self.ahead).await?;
@@ -281,14 +287,14 @@ where
             }
         };
         tokio::select! {
-            // What the other side has left to say is none of hearing.
+            // The task sends the rest of the other direction by itself.
             _ = carried => {}
             _ = over.changed() => return,
         }
         drop(over.changed().await);
     }
 
-    /// Hands on what there is room for, else reads.
+    /// Passes on bytes if there is room for them, and otherwise reads.
     async fn go_on(&mut self) -> Next {
         self.take_turns().await;
         let mut closing = self.context.closing.clone();
@@ -322,20 +328,20 @@ where
         }
     }
 
-    /// Lets others have their turn, and makes room to read.
+    /// Yields to other connections after a turn, and makes room for reading.
     async fn take_turns(&mut self) {
         if self.turn >= TURN {
             self.turn = 0;
             tokio::task::yield_now().await;
         }
-        // Most heads are short, and many wait.
+        // Most heads are short, and many connections wait.
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
     }
 
-    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The slot is free
-    /// for others meanwhile; of those who linger the oldest makes room.
+    /// Reads the connection after its last answer: a head that has begun is read to its end, and the answer reaches a client that
+    /// still sends. The slot is free meanwhile, and when too many connections linger, the oldest is evicted.
     async fn linger(mut self) {
-        // What comes now may be no part of that body, nor end soon.
+        // What comes now may not belong to the last body, and may not end soon.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.slot, self.is_only_heard) = (None, None, true);
         let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
@@ -357,7 +363,7 @@ where
         }
     }
 
-    /// Says why nothing is answered; a STOP has been heard all the same.
+    /// Answers why the request is not carried out; a STOP has halted all the same.
     async fn refuse(mut self, problem: &Problem) {
         let body = problem.json();
         let answer = format!(
@@ -367,7 +373,7 @@ where
         );
         if let Some(to) = self.to.take() {
             let mut to = WriteTimeoutStream::new(to);
-            // Whoever does not take it is not waited for.
+            // A client that does not read the answer is not waited for.
             let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
         }
         self.linger().await;

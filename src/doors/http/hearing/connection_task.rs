@@ -1,5 +1,6 @@
-//! Request after request with hyper, from the bytes that were heard; each gets whoever is at the other end, and the STOP that was
-//! heard in it, written into it. A client that is gone is answered into nothing, so that what it sent before is carried out.
+//! Answers the requests of a connection with hyper, from the bytes that the hearing thread passes on. Each request carries its
+//! peer and the STOP that was found in it. When the client is gone, its answers are discarded, so that what it sent before is
+//! still carried out.
 
 use std::io;
 use std::pin::Pin;
@@ -28,29 +29,29 @@ use crate::doors::http::peer::Peer;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 
-/// How long a client may take over a request's headers, and how long it may be silent between two requests.
+/// Time within which the headers of a request must come, and longest silence between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
-/// How long a request's line and headers may be together; longer ones are answered with 431.
+/// Maximum size of a request's line and headers together, in bytes; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
-/// So much waits between hearing and hyper, in bytes.
+/// Size of the pipe between the hearing thread and hyper, in bytes.
 const PIPE: usize = 16 * 1024;
 
-/// So long after a client is gone what it has sent is carried out; an endless answer ends then.
+/// Time for which the requests of a client that is gone are still carried out; an endless answer ends after it.
 const GONE_TIME: Duration = Duration::from_secs(2);
 
 /// The task that answers a connection, on another runtime; it ends when this is dropped.
 pub(super) struct ConnectionTask {
-    /// Where the bytes go that were heard; nothing when no more do.
+    /// The pipe to hyper; `None` when no more bytes follow.
     pub(super) to: Option<DuplexStream>,
-    /// Closed when nothing more can be answered; nothing is ever sent.
+    /// Closed when nothing more can be answered; no value is ever sent.
     pub(super) over: watch::Receiver<()>,
     task: JoinSet<()>,
 }
 
 impl ConnectionTask {
-    /// Begins, on the runtime where the routes are carried out.
+    /// Begins the task on the runtime of the routes.
     pub(super) fn begin<W>(
         to: W,
         (peer, slot): (Peer, &Arc<ConnectionSlot>),
@@ -70,13 +71,14 @@ impl ConnectionTask {
         ConnectionTask { to: Some(ours), over, task }
     }
 
-    /// Says that nothing more comes than these, and waits until all is answered. Whoever looks on and hangs up is gone.
+    /// Passes on the last bytes, and waits until all requests are answered. A client that ends its side during an endless answer
+    /// is taken to be gone.
     pub(super) async fn ended(self, shared: &ConnectionState, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
             if let Some(mut to) = to {
-                // Whoever takes no more has said why.
+                // A task that reads no more has said why.
                 let _ = to.write_all(rest).await;
             }
             task.join_next().await
@@ -88,7 +90,8 @@ impl ConnectionTask {
     }
 }
 
-/// Puts into the pipe what there is room for, when there is some. When nobody takes anything out any more, all of it is gone.
+/// Writes into the pipe as much as there is room for, waiting for some. When nobody reads from the pipe any more, all bytes are
+/// dropped.
 pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
     let is_put = match to {
         Some(to) => to.write_buf(bytes).await.is_ok(),
@@ -129,7 +132,7 @@ async fn run<W>(
                     shared.is_endless.send_replace(true);
                 }
                 if response.status() == StatusCode::SWITCHING_PROTOCOLS {
-                    // Before its client can know it.
+                    // The slot is freed before the client can know of the handover.
                     asked.0.hands_over();
                     shared.is_handed_over.send_replace(true);
                 }
@@ -139,8 +142,8 @@ async fn run<W>(
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
-    // The guard says the date. hyper looks at the clock behind every head all the same, and panics before 1970:
-    // no task is begun then.
+    // The guard writes the date. hyper reads the clock after every head all the same, and panics before 1970: no task begins
+    // then.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
     let connection = http.serve_connection(TokioIo::new(transport), service).with_upgrades();
     tokio::pin!(connection);
@@ -174,7 +177,7 @@ impl Drop for OpenRequest {
     }
 }
 
-/// The body of an answer; its request is over when all of it is on its way.
+/// The body of an answer. Its request counts as open until the whole body is on its way.
 struct AnswerBody {
     body: Body,
     asked: OpenRequest,
@@ -201,7 +204,7 @@ impl hyper::body::Body for AnswerBody {
     }
 }
 
-/// What was heard, and the way back to the client. When it is gone, answers are taken and forgotten.
+/// The bytes of the client, and the way back to it. When the client is gone, answers are accepted and discarded.
 struct Transport<W> {
     from: DuplexStream,
     to: WriteTimeoutStream<W>,

@@ -1,4 +1,5 @@
-//! One connection over pipes: when it ends, what it keeps others from, and that a STOP is heard before it has to go.
+//! Tests of one connection over pipes: when it ends, what it keeps from others, and that a STOP halts before the connection is
+//! evicted.
 
 use std::net::Ipv4Addr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -42,7 +43,7 @@ fn context(app: &TestApp, slots: usize) -> ServerContext {
     }
 }
 
-/// A connection from here, what its client says and hears, and what cuts it.
+/// A connection from this machine, both pipes of its client, and its eviction.
 fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
     let ((says, from), (to, hears)) = (tokio::io::duplex(100_000), tokio::io::duplex(100_000));
     let cut = Arc::new(Notify::new());
@@ -51,7 +52,7 @@ fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexSt
     (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(context)), says, hears, cut)
 }
 
-/// Whether it is there for so long, and gone a second later.
+/// Whether the task runs for this time, and has ended a second later.
 async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
     sleep(Duration::from_secs(seconds - 1)).await;
     let is_there = !hearing.is_finished();
@@ -119,7 +120,7 @@ async fn who_gets_no_further_answer_has_no_slot_and_is_heard_for_five_seconds() 
     assert!(lasts(&mut hearing, 5).await);
 }
 
-/// Safety S8: its word is in other letters, behind the first KiB, and can only be told from the whole body.
+/// Safety S8: the word for STOP is escaped, is behind the first KiB, and only the whole body shows it.
 #[tokio::test(start_paused = true)]
 async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let app = app(searching());
@@ -128,7 +129,7 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
     let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
     says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
-    // Until it was read.
+    // Until the bytes so far were read.
     sleep(Duration::from_millis(1)).await;
     let before = app.door.handle.epoch();
     says.write_all(format!("{:x}\r\n{end}\r\n \r\n", end.len()).as_bytes()).await.unwrap();
@@ -138,7 +139,7 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
     assert_eq!((app.door.handle.epoch() == before, hearing.is_finished()), (false, false));
 }
 
-/// Safety S9: whoever may be about to say STOP goes last.
+/// Safety S9: connections that may be about to send STOP go last.
 #[tokio::test]
 async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_slots_then_of_newcomers() {
     let app = app(searching());
@@ -155,7 +156,7 @@ async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_
     }
 }
 
-/// A connection with a real socket, and the other end.
+/// A connection with a real socket, and the client's end.
 async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHandle<()>) {
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
@@ -164,7 +165,7 @@ async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHan
     (client, tokio::spawn(converse(newcomer, Arc::clone(context))))
 }
 
-/// Safety S9: what has come to the machine has come.
+/// Safety S9: bytes that the system has received count as received.
 #[tokio::test]
 async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     use std::io::Write;
@@ -172,7 +173,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     let context = Arc::new(context(&app, 8));
     for number in 1..20 {
         let (mut client, hearing) = accepted(&context).await;
-        // Half of them wait, half of them rest in a slot.
+        // Half of the connections are pending, half rest in a slot.
         if number % 2 == 0 {
             client.write_all(LOOK.as_bytes()).unwrap();
             while context.slots.held() == 0 {
@@ -188,7 +189,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     }
 }
 
-/// Safety S9: nobody else gives way to one that has to go itself, and its STOP has halted.
+/// Safety S9: no other connection is evicted for one that is evicted itself, and its STOP has halted.
 #[tokio::test]
 async fn who_had_to_make_room_takes_no_slot() {
     let app = app(searching());
@@ -233,7 +234,7 @@ async fn others_have_their_turns_while_much_is_heard_of_one() {
     others.abort();
 }
 
-/// Safety S7, S9: not only when everybody who was here before has had a turn.
+/// Safety S7, S9: the STOP does not wait until every earlier connection has had a turn.
 #[tokio::test]
 async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited_for() {
     let app = app(searching());

@@ -1,4 +1,4 @@
-//! What connections have in common.
+//! State that all connections share.
 
 use axum::Router;
 use tokio::runtime::Handle;
@@ -16,16 +16,16 @@ pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) tls: Option<Tls>,
     pub(in crate::doors::http) slots: ConnectionSlots,
     pub(in crate::doors::http) pending: PendingConnections,
-    /// Where those are heard on who get no further answer.
+    /// Connections that get no further answer, and are still read.
     pub(in crate::doors::http) lingering: PendingConnections,
-    /// Where requests are carried out.
+    /// Runtime of hyper and the routes.
     pub(in crate::doors::http) work: Handle,
     pub(in crate::doors::http) closing: watch::Receiver<bool>,
 }
 
 impl ServerContext {
-    /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
-    /// last of those that may be about to say STOP.
+    /// Evicts some connections when the system has no more descriptors, and returns how many: first connections that get no
+    /// further answer, last those that may be about to send STOP.
     pub(in crate::doors::http) fn evict_some(&self) -> usize {
         let mut relieved = self.lingering.evict_some();
         if relieved == 0 {

@@ -1,5 +1,5 @@
-//! How a connection begins and ends: encrypted where connections are, and cut when its room is needed. What is heard in between stands in
-//! `connection`.
+//! The beginning and the end of a connection: the TLS handshake, if there is TLS, and the eviction. `connection` reads what comes
+//! in between.
 
 use std::io::Read;
 use std::net::SocketAddr;
@@ -18,20 +18,20 @@ use crate::doors::connection_limits::PendingConnection;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::tls::Tls;
 
-/// How long a client may take to agree on encryption.
+/// Maximum duration of a TLS handshake.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
-/// Bytes read from a newcomer before its turn comes; a STOP is shorter.
+/// Maximum number of bytes read from a newcomer before its turn comes; a STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
-/// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
+/// Serves one connection to its end, or until it is evicted. A client's faults are only logged.
 pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, SocketAddr), context: Arc<ServerContext>) {
     let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
-        // What has come already is heard before room is made: it is asked for while others have their turn.
+        // What has come already is read before the eviction, which may be requested while other tasks have their turn.
         tokio::task::yield_now().await;
     };
     tokio::select! {
@@ -41,7 +41,7 @@ pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, Sock
     }
 }
 
-/// Agrees on encryption, where there is any, and then hears.
+/// Performs the TLS handshake, if there is TLS, and reads the connection.
 async fn encrypted(stream: TcpStream, peer: Peer, waiting: (PendingConnection, Arc<Notify>), context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
@@ -51,7 +51,7 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: (PendingConnection, A
         let (from, to) = stream.into_split();
         return Connection::new(from, to, peer, waiting, context).hear(said).await;
     };
-    // Boxed, since most connections have none of this.
+    // Boxed, because most connections do not use TLS.
     match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
@@ -62,10 +62,11 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: (PendingConnection, A
     }
 }
 
-/// What a newcomer has said already: asked of the system itself, as the loop does not know before its next look where something has come.
+/// Reads what a newcomer has sent already. It asks the system, because the event loop learns only at its next poll that bytes
+/// have come.
 fn first_words(stream: &TcpStream) -> BytesMut {
     let mut said = BytesMut::zeroed(FIRST_WORDS);
-    // Nothing, the end or an error is found again by whoever reads on.
+    // No bytes, the end and an error are found again by the next read.
     let length = (&*SockRef::from(stream)).read(&mut said).unwrap_or(0);
     said.truncate(length);
     said

@@ -1,19 +1,20 @@
-//! WebSocket frames on their way to whoever reads them (RFC 6455, section 5.2). Each frame of a binary message becomes a message of its
-//! own, so that a STOP in a frame that has come whole does not wait for the end of a message that may never come (safety S8). For
-//! MQTT it makes no difference where messages begin and end (MQTT 3.1.1, section 6). Frames are not checked here.
+//! Rewrites WebSocket frames on their way to the MQTT door (RFC 6455, section 5.2). Each frame of a binary message becomes a
+//! message of its own, so that a STOP in a complete frame does not wait for the end of a message that may never come (safety S8).
+//! In MQTT the boundaries of messages have no meaning (MQTT 3.1.1, section 6). Frames are not validated here.
 
-/// The bits and opcodes of a frame's first byte.
+/// Bit of a frame's first byte that marks the last frame of a message.
 const FIN: u8 = 0x80;
+/// Bits of a frame's first byte that are its opcode.
 const OPCODE: u8 = 0x0F;
 const CONTINUATION: u8 = 0;
 const TEXT: u8 = 1;
 const BINARY: u8 = 2;
 
-/// The frames of one client, from the first byte behind the head of its request on.
+/// The frames of one client, from the first byte after the head of its request.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
     at: FrameState,
-    /// The last frame of a binary message has not come.
+    /// Whether the last frame of a binary message is still to come.
     is_in_binary: bool,
 }
 
@@ -21,16 +22,16 @@ pub(super) struct Frames {
 enum FrameState {
     #[default]
     First,
-    /// The byte that says whether there is a mask, and the length or how it is written.
+    /// The byte with the mask bit, and with the length or the size of the length field.
     Second,
-    /// The bytes of a longer length that are to come, the value of those before, and the bytes of the mask.
+    /// Number of length bytes to come, value of those before, and number of mask bytes.
     Length(u8, u64, u64),
-    /// The bytes of mask and payload that are to come.
+    /// Number of mask and payload bytes to come.
     Rest(u64),
 }
 
 impl Frames {
-    /// Changes the heads of frames in the next bytes of the stream.
+    /// Rewrites the heads of frames in the next bytes of the stream.
     pub(super) fn pass(&mut self, mut bytes: &mut [u8]) {
         while let Some((byte, behind)) = std::mem::take(&mut bytes).split_first_mut() {
             let mut passed = 0;
@@ -96,7 +97,7 @@ mod tests {
         [head, vec![BINARY; length + if is_masked { 4 } else { 0 }]].concat()
     }
 
-    /// The first bytes of frames as they come, and as they go on.
+    /// First bytes of frames, before and after they are rewritten.
     const PLAYS: [(&[u8], &[u8]); 6] = [
         (&[0x02, 0x00, 0x80, 0x82], &[0x82, 0x82, 0x82, 0x82]),
         (&[0x02, 0x89, 0x00, 0x8A, 0x80, 0x80], &[0x82, 0x89, 0x82, 0x8A, 0x82, 0x80]),

@@ -1,5 +1,5 @@
-//! Who asks, by the same rules as the guard and the gate: what they would turn away does not halt. Of several keys any that is right
-//! is enough, since a STOP with a wrong one too is a STOP with a fault.
+//! Authenticates the sender of a request with the same rules as the guard and the gate: a STOP that they would reject does not
+//! halt. Of several keys one valid key is enough, since a STOP with a wrong key beside it is a STOP with a fault.
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
@@ -14,11 +14,11 @@ use crate::doors::http::peer::Peer;
 use crate::doors::http::scanning::{Field, Head, names};
 use hallsweep_core::command::{Command, Request};
 
-/// A STOP of somebody who may stop.
+/// A STOP of a sender who may stop.
 pub(super) enum StopRequest {
-    /// The head has named it.
+    /// The head names STOP.
     Named(Request),
-    /// It is one if the body says so.
+    /// The request is a STOP if its body says so.
     Unsaid(Request),
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Whose request this is, and the STOP that it is or may be, when its sender may stop.
+    /// The sender of a request, and the STOP that the request is or may be, when its sender may stop.
     pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<StopRequest>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
@@ -46,19 +46,19 @@ impl Judge {
         (claim, Some(if stop.is_some() { StopRequest::Named(request) } else { StopRequest::Unsaid(request) }))
     }
 
-    /// Halts.
+    /// Halts at once; the future waits for the result.
     pub(super) fn give(&self, stop: Request) -> StopOutcome {
         Box::pin(self.door.handle.carry_out(stop))
     }
 
-    /// Whether it was sent to this program by its name, and not by a page of another origin.
+    /// Whether the request names this program as its host, and does not come from a page of another origin.
     fn is_ours(&self, head: &Head, headers: &HeaderMap) -> bool {
         let named = head.host.as_deref().map(String::from_utf8_lossy);
         self.hosts.stranger(named.as_deref(), headers).is_none() && !is_foreign(headers)
     }
 }
 
-/// What was kept of a head, as the guard and the gate read it, and whether nobody can say that host and origin are ours.
+/// The fields of a head for the guard and the gate, and whether it cannot be said that host and origin are ours.
 fn headers(head: &Head) -> (HeaderMap, bool) {
     let (mut headers, mut is_in_doubt) = (HeaderMap::new(), head.is_in_doubt);
     for (field, value) in &head.fields {

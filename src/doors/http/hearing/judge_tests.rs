@@ -1,4 +1,4 @@
-//! Safety S8: a STOP with any single fault halts; one that is excepted never does, whatever fault is beside it.
+//! Safety S8: a STOP with any single fault halts; an excepted request never does, whatever fault it has besides.
 
 use std::net::Ipv4Addr;
 
@@ -13,19 +13,19 @@ use crate::api::fixture::searching;
 use crate::doors::http::hearing::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 
-/// A request by its lines.
+/// A request in lines.
 #[derive(Clone, Debug)]
 struct Sent {
     method: Vec<u8>,
     target: Vec<u8>,
     version: Vec<u8>,
     fields: Vec<Vec<u8>>,
-    /// What ends the request's line and each of the fields.
+    /// The end of the request's line and of each field.
     ends: Vec<Vec<u8>>,
     body: Vec<u8>,
 }
 
-/// What can be wrong with a STOP that is still a STOP of whoever may stop.
+/// Faults of a STOP that is still a STOP of a permitted sender.
 #[derive(Clone, Debug)]
 enum Fault {
     Method(String),
@@ -33,10 +33,10 @@ enum Fault {
     Target(&'static str),
     Version(Vec<u8>),
     LineEnd(usize, &'static str),
-    /// A line at this place.
+    /// An additional line at this place.
     ServerContext(usize, Vec<u8>),
     Again(usize),
-    /// The value of this line begins in the next.
+    /// The value of this line begins on the next line.
     Folded(usize),
     SpaceBeforeColon(usize),
     EmptyLinesBefore(usize),
@@ -74,7 +74,7 @@ impl Sent {
                 self.target = form.replace("/ROUTE", &route).replace("/UPPER", &route.to_uppercase()).into_bytes();
             }
             Fault::Version(version) => self.version = version,
-            // What is no line end of HTTP before the empty line would be none of the head.
+            // A bare carriage return before the empty line would end no head.
             Fault::LineEnd(line, "\r") => self.ends[line % lines] = b"\r".to_vec(),
             Fault::LineEnd(line, end) => self.ends[line % (lines + 1)] = end.into(),
             Fault::ServerContext(place, line) => self.insert(place, line),
@@ -114,7 +114,7 @@ fn judge(app: &TestApp) -> Judge {
     Judge { door: app.door.clone(), hosts: Hosts::new(true, &[]), peer }
 }
 
-/// Whether the first request in these bytes, come in pieces of this size, halts while its connection is open.
+/// Whether the first request in these bytes, in pieces of this size, halts while its connection is open.
 fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
     let (mut search, mut has_head) = (StopSearch::new(judge.clone()), false);
     for mut piece in bytes.chunks(piece) {
@@ -142,7 +142,7 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 const MOVE: &str = "/api/v1/commands/move";
 const BUTTON: &str = "/console/move";
 
-/// Every way to press STOP: where, and what body says so.
+/// Every route for STOP, with a body that says STOP where one is needed.
 const STOPS: [(&str, &str); 14] = [
     (ROUTES[0], ""),
     (ROUTES[1], ""),
@@ -166,7 +166,7 @@ fn line() -> impl Strategy<Value = Vec<u8>> {
         .prop_filter("it is a line of its own", |line| !matches!(line[0], b' ' | b'\t'))
 }
 
-/// A header of which nothing hangs, whatever its value.
+/// A header that changes nothing, whatever its value.
 fn header_line() -> impl Strategy<Value = Vec<u8>> {
     let names = [
         "Content-Length",
@@ -228,10 +228,9 @@ fn fault() -> impl Strategy<Value = Fault> {
     ]
 }
 
-/// Why a request never halts, and what makes it so.
+/// The reason why a request never halts, and the change that makes it such a request.
 type Exception = (&'static str, fn(Sent, &str) -> Sent);
 
-/// All there are.
 fn excepted() -> Vec<Exception> {
     fn adds(mut sent: Sent, line: &str) -> Sent {
         sent.insert(0, line.into());
@@ -266,7 +265,8 @@ fn excepted() -> Vec<Exception> {
     ]
 }
 
-/// A door with keys, what lets a viewer stop, and a session that is over. The loop runs as long as the runtime.
+/// A door with keys, the credentials of a viewer as header and as cookie, and an expired session. The loop runs as long as the
+/// runtime.
 fn guarded() -> (TestApp, [String; 2], String) {
     let (keyring, Tokens { viewer, .. }) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
@@ -303,7 +303,7 @@ fn any_single_fault_that_is_added_to_a_stop_leaves_it_halting() {
 fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
     check(1500, |judge, credentials, expired, (route, credential, fault, piece)| {
         for (why, except) in excepted() {
-            // A fault of the method or of the target would take the place of the exception.
+            // A fault of the method or of the target would replace the exception.
             if matches!(fault, Fault::Method(_) | Fault::Target(_)) && why.contains("method") | why.contains("target") {
                 continue;
             }
@@ -314,7 +314,7 @@ fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
     });
 }
 
-/// Safety S8: as it is answered, so it is heard.
+/// Safety S8: halting and answering apply the same rule.
 #[tokio::test]
 async fn who_may_stop_without_a_key_is_on_this_machine() {
     let app = app(searching());
@@ -327,7 +327,7 @@ async fn who_may_stop_without_a_key_is_on_this_machine() {
     assert!(!halts(&judge, &stop, 9));
 }
 
-/// Safety S8, A2: of so many hosts and origins that not all are kept, one may be another's.
+/// Safety S8, A2: with more hosts and origins than are stored, one of the rest may be foreign.
 #[tokio::test]
 async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
     let app = app(searching());
@@ -361,7 +361,7 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
     }
 }
 
-/// Safety S8: no more of the body need come, nor need it end well.
+/// Safety S8: the rest of the body need not come, and may be invalid.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_when_its_word_has_come() {
     let app = app(searching());
@@ -405,7 +405,7 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
     }
 }
 
-/// Safety S8: a word that only the whole body shows is not always looked for while more of it may come.
+/// Safety S8: a word that only the whole body shows is not always searched for while more of the body may come.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     let app = app(searching());
@@ -426,7 +426,7 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     }
 }
 
-/// Safety S8, A2: what was found of a request before says nothing of the next.
+/// Safety S8, A2: what was found in one request does not count for the next.
 #[tokio::test]
 async fn each_move_on_a_connection_is_looked_at_by_itself() {
     let app = app(searching());
@@ -450,7 +450,7 @@ async fn each_move_on_a_connection_is_looked_at_by_itself() {
     }
 }
 
-/// Safety S8: of sixteen keys any that is right is enough.
+/// Safety S8: of sixteen keys one valid key is enough.
 #[tokio::test]
 async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {
     let (app, credentials, _) = guarded();

@@ -1,5 +1,5 @@
-//! How this door hears: what a client sends is read on a thread of its own (safety S7), followed by the `scanning` before hyper sees
-//! it, and a STOP of whoever may stop halts at the end of its head (S8); then the bytes go on to hyper, which runs elsewhere.
+//! The bytes of every client are read on the hearing thread (safety S7). `scanning` follows them before hyper does, and a STOP of
+//! a permitted sender halts at the end of its head (S8). Then the bytes go on to hyper, on another runtime.
 //!
 //! ```text
 //!   client ─► connection: read, decrypt ─► scanning ─► judge ─► Handle (halts)

@@ -1,4 +1,4 @@
-//! What the thread that hears and the task that answers tell each other of one connection.
+//! State of one connection that the hearing thread and the answering task share.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -9,30 +9,29 @@ use tokio::sync::watch;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::units::Epoch;
 
-/// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
-/// more the requests give a STOP once again.
+/// Maximum number of STOPs of one connection that wait until hyper comes to their requests; each takes some 1.5 KiB. Requests
+/// beyond it carry out their STOP once more.
 pub(super) const STOP_OUTCOMES: usize = 128;
 
-/// A STOP that was given, and what becomes of it.
+/// The result of a STOP that was carried out when its request was read.
 pub(in crate::doors::http) type StopOutcome = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
 
-/// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
+/// The STOP that was found in a request's head, or will be found in its body. The handler of the request takes it.
 #[derive(Clone)]
 pub(in crate::doors::http) struct Pressed {
     pub(super) shared: Arc<ConnectionState>,
     pub(super) number: u64,
 }
 
-/// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
+/// The epoch in which a request's head was read: a later STOP outdates the request, however late that is carried out (safety S4).
 #[derive(Clone, Copy)]
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
-/// What the thread that hears and the task that answers tell each other.
 pub(super) struct ConnectionState {
     stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
-    /// From which request on they came in which epoch.
+    /// Epochs by the number of the first request that came in each.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
-    /// Whether an answer hands the connection over; it is the last.
+    /// Whether an answer hands the connection over; it is the last answer.
     pub(super) is_handed_over: watch::Sender<bool>,
     /// Whether an answer without an end has begun.
     pub(super) is_endless: watch::Sender<bool>,
@@ -58,10 +57,10 @@ impl ConnectionState {
         })
     }
 
-    /// The head of the request of this number was heard in this epoch.
+    /// Records that the head of this request was read in this epoch.
     pub(super) fn came(&self, number: u64, epoch: Epoch) {
         let mut epochs = self.epochs();
-        // Of too many changes the oldest stands: nothing is taken for newer than it is.
+        // After too many changes requests get the last recorded epoch, so that none is taken for newer than it is.
         if epochs.len() < STOP_OUTCOMES && epochs.values().next_back() != Some(&epoch) {
             epochs.insert(number, epoch);
         }
@@ -96,11 +95,11 @@ impl ConnectionState {
 
     pub(super) async fn handed_over(&self) {
         let mut is_handed_over = self.is_handed_over.subscribe();
-        // Whoever waits holds the sender.
+        // This object holds the sender, so that the channel is open.
         drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
     }
 
-    /// Forgets the STOPs of requests before this, which nobody took.
+    /// Removes the STOPs of earlier requests, which nobody has taken.
     pub(super) fn forget_before(&self, number: u64) {
         let mut stop_outcomes = self.stop_outcomes();
         let later = stop_outcomes.split_off(&number);

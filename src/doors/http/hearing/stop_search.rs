@@ -1,5 +1,5 @@
-//! What is heard of one connection: its requests one by one, and a STOP given as soon as it has come, be it named by a head or said by
-//! a body. How the bytes come, and where they go, is the connection's business.
+//! Finds the requests of one connection, and carries out a STOP as soon as it has come, whether a head names it or a body says
+//! it. `connection` reads the bytes and passes them on.
 
 use super::judge::{Judge, StopRequest};
 use super::shared::StopOutcome;
@@ -9,24 +9,25 @@ use crate::doors::http::scanning::{self, BodyLength, Scanner, names};
 use hallsweep_core::command::Request;
 use hallsweep_core::units::Epoch;
 
-/// So long a body is looked at whole whenever more of it has come, in bytes: that of a move is a few dozen. So much of a longer one is
-/// looked at again with what has come behind it.
+/// Length up to which a body is searched whole whenever more of it comes, in bytes: the body of a move is a few dozen. This much
+/// of a longer body is searched again together with what has come after it.
 const SHORT: usize = 1024;
 
 pub(super) struct StopSearch {
     pub(super) judge: Judge,
     pub(super) scanner: Scanner,
-    /// The STOP that the request heard last will be, if its body says so.
+    /// The STOP that the last request is if its body says so.
     unsaid: Option<Request>,
-    /// How much was looked at of what its body says, and how much of it when it was last looked at whole.
+    /// Number of bytes of the body that were searched.
     looked: usize,
+    /// Length of the body when it was last searched whole, in bytes.
     looked_whole: usize,
 }
 
-/// What has come to its end.
+/// The part of a request that is complete.
 pub(super) enum Heard {
     Head(HeardRequest),
-    /// The body of the request whose head was heard last.
+    /// The body of the last request.
     Body,
 }
 
@@ -43,7 +44,7 @@ impl StopSearch {
         StopSearch { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
-    /// Takes bytes up to the first that brings something to its end, and says how many it took; a STOP in them was given.
+    /// Reads up to the first byte that completes a part, and returns the number of bytes. A STOP in them is carried out.
     pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>, Option<StopOutcome>) {
         let (taken, heard) = self.scanner.take(bytes);
         match heard {
@@ -74,8 +75,8 @@ impl StopSearch {
         }
     }
 
-    /// The STOP that a body says although it has no end yet: it need not come, and where it is cannot always be told. A long body is
-    /// looked at whole whenever it has doubled, so that one in many pieces costs little.
+    /// Carries out a STOP that an incomplete body says: the end of a body need not come, and cannot always be found. A long body
+    /// is searched whole whenever it has doubled, so that one in many pieces costs little.
     pub(super) fn look_early(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         if said.len() == self.looked {
@@ -90,20 +91,20 @@ impl StopSearch {
         self.unsaid.take_if(|_| says_halt_from(said, start)).map(|stop| self.judge.give(stop))
     }
 
-    /// The same, when nothing more comes.
+    /// Carries out a STOP that the body says, when nothing more of it comes.
     pub(super) fn look(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
     }
 
-    /// The number of the request whose head was heard last; the first is 0.
+    /// Number of the last request; the first is 0.
     pub(super) fn number(&self) -> u64 {
         self.scanner.heads().saturating_sub(1)
     }
 }
 
 impl Drop for StopSearch {
-    /// However the connection ends, be it cut: nothing more comes.
+    /// Nothing more comes, however the connection has ended.
     fn drop(&mut self) {
         drop(self.look());
     }

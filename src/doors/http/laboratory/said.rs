@@ -8,12 +8,12 @@ use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, 
 pub(super) type Row = (String, Vec<String>);
 
 pub(super) struct Event {
-    /// Seconds since the run began, as programs write them.
+    /// Seconds since the beginning of the run, with a decimal point for programs.
     pub(super) t: String,
     pub(super) parcel: u32,
     pub(super) kind: &'static str,
     pub(super) words: String,
-    /// Text beside the picture until the next such event.
+    /// Text beside the drawing until the next event with such a text.
     pub(super) while_it_lasts: Option<String>,
 }
 

@@ -1,7 +1,7 @@
-//! Where a chunked body ends (RFC 9112, section 7.1), as strictly as hyper reads it: what hyper would not take is an error here
-//! too. What the chunks hold is shown to whoever wants it.
+//! Finds the end of a chunked body (RFC 9112, section 7.1), as strictly as hyper: what hyper would refuse is an error here too.
+//! The contents of the chunks are shown to the caller.
 
-/// A chunked body that is passing by.
+/// State of a chunked body.
 #[derive(Debug, Default)]
 pub(super) struct Chunks {
     at: BodyState,
@@ -13,7 +13,7 @@ enum BodyState {
     #[default]
     Start,
     Size,
-    /// Behind the size only white space, an extension or the end of the line may follow.
+    /// After the size only white space, an extension or the end of the line may follow.
     Space,
     Extension,
     SizeLf,
@@ -28,7 +28,8 @@ enum BodyState {
 }
 
 impl Chunks {
-    /// Takes bytes up to the end of the body, shows what the chunks hold, and says how many it took, and whether it has ended well.
+    /// Reads up to the end of the body, and calls `shown` with the contents of chunks. Returns the number of bytes, and at the
+    /// end whether the body is valid.
     pub(super) fn take(&mut self, bytes: &[u8], mut shown: impl FnMut(&[u8])) -> (usize, Option<Result<(), ()>>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {

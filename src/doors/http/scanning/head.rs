@@ -1,5 +1,5 @@
-//! One head as it comes: of all its lines only what names STOP, who asks, and how long the body is are kept, each bounded.
-//! White space, line ends and names are taken as leniently as can be without taking one header for another.
+//! Reads one head. Of its lines it stores only what names STOP, who sends the request, and how long the body is, each within a
+//! bound. White space, line ends and names are read as leniently as possible without taking one header for another.
 //!
 //! ```text
 //!   POST /api/v1/commands/stop?now HTTP/1.1        method, path
@@ -10,26 +10,26 @@
 //!   X-Anything: …                                  passes by
 //! ```
 
-/// What is kept of a method, of a path, of a host or of a value: the longest token, name or session is shorter.
+/// Maximum number of bytes stored of a method, a path, a host or a value: the longest token, name or session is shorter.
 const TEXT: usize = 1024;
 
-/// The longest name of a header that is looked at.
+/// Longest header name that is compared, in bytes.
 const NAME: usize = 32;
 
-/// Different values of one header that are kept,
+/// Maximum number of different values stored of one header.
 const FIELDS: usize = 4;
 
-/// and keys, of which any that is right is enough.
+/// Maximum number of keys stored, of which one valid key is enough.
 pub const KEYS: usize = 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     Host,
     Origin,
-    /// Whether that is one of ours, in the browser's words.
+    /// Whether the origin is one of ours, in the browser's words.
     SecFetchSite,
     Authorization,
-    /// A session: the pair of the cookie that is ours.
+    /// A session: the pair of the cookie that has our name.
     Cookie,
     IdempotencyKey,
 }
@@ -38,11 +38,10 @@ pub enum Field {
 pub enum BodyLength {
     Known(u64),
     Chunked,
-    /// What the head says of it cannot be.
+    /// The length in the head is invalid, or differs between two fields.
     Unknown,
 }
 
-/// What is kept of a head.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     pub method: Vec<u8>,
@@ -50,9 +49,9 @@ pub struct Head {
     pub path: Vec<u8>,
     /// The host of a target that is a whole address.
     pub host: Option<Vec<u8>>,
-    /// Who asks, in the order in which it came.
+    /// Stored fields, in the order in which they came.
     pub fields: Vec<(Field, Vec<u8>)>,
-    /// Whether something of the host or the origin was not kept, so that nobody can say that they are ours.
+    /// Whether a part of the host or the origin was not stored, so that it cannot be said that they are ours.
     pub is_in_doubt: bool,
     pub body: BodyLength,
     pub wants_upgrade: bool,
@@ -63,17 +62,17 @@ pub(super) struct HeadReader {
     cookie: String,
     head: Head,
     part: HeadPart,
-    /// A carriage return has come: a line feed, or whatever else comes, ends the line.
+    /// Whether the last byte was a carriage return. Whatever comes next ends the line, be it a line feed or not.
     after_cr: bool,
-    /// Nothing of this line has come.
+    /// Whether no byte of this line has come.
     is_new_line: bool,
     line: HeaderLine,
-    /// The last `Transfer-Encoding`, and whether it ends in `chunked`.
+    /// Whether the last `Transfer-Encoding` ends in `chunked`; `None` without one.
     is_chunked: Option<bool>,
     length: Option<u64>,
 }
 
-/// A header's line, as far as it is kept.
+/// The line of one header, as far as it is stored.
 #[derive(Debug, Default)]
 struct HeaderLine {
     name: Vec<u8>,
@@ -122,7 +121,7 @@ impl HeadReader {
         first.is_some_and(|byte| !byte.is_ascii_graphic() || b"\"(),/:;<=>?@[\\]{}".contains(byte))
     }
 
-    /// What is kept so far, in bytes.
+    /// Memory of the stored parts, in bytes.
     #[cfg(test)]
     pub(super) fn memory(&self) -> usize {
         let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
@@ -134,7 +133,8 @@ impl HeadReader {
             + self.line.value.capacity()
     }
 
-    /// How many of these bytes, the next to come, would change nothing one by one: great heads are mostly such.
+    /// Number of the next bytes that can be skipped, since one by one they would change nothing. Large heads consist mostly of
+    /// such bytes.
     pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
         let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
         let end = match (self.part, what) {
@@ -150,7 +150,7 @@ impl HeadReader {
         bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n') || *byte == end).unwrap_or(bytes.len())
     }
 
-    /// One byte; the head, when this was its last.
+    /// Reads one byte; returns the head when this was its last byte.
     pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
         match byte {
             b'\n' if self.is_new_line && self.part == HeadPart::Fields => {
@@ -221,7 +221,7 @@ impl HeadReader {
         }
     }
 
-    /// Whether what has come of the target is a scheme, a colon and the first of two slashes.
+    /// Whether the target so far is a scheme, a colon and the first of two slashes.
     fn is_behind_scheme(&self) -> bool {
         let path = &self.head.path;
         self.head.host.is_none() && path.ends_with(b":/") && !path[..path.len() - 1].contains(&b'/')
@@ -249,7 +249,7 @@ impl HeadReader {
         }
     }
 
-    /// A line of the fields is over, and the next does not go on with it.
+    /// Ends a header that the next line does not continue.
     fn end_field(&mut self) {
         match self.line.what {
             None => {}
@@ -292,7 +292,7 @@ impl HeadReader {
         }
     }
 
-    /// As hyper takes it: digits, the same each time, and of no account behind a `Transfer-Encoding`.
+    /// Reads the length as hyper does: digits, the same value each time, and ignored after a `Transfer-Encoding`.
     fn content_length(&mut self) {
         if self.is_chunked.is_some() {
             return;
@@ -328,7 +328,7 @@ impl Default for BodyLength {
     }
 }
 
-/// Nothing when there is no room for it.
+/// `None` when there is no room for the byte.
 fn keep(text: &mut Vec<u8>, byte: u8) -> Option<()> {
     (text.len() < TEXT).then(|| text.push(byte))
 }

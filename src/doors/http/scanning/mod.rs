@@ -1,5 +1,5 @@
-//! What can be told of requests from their bytes alone, before hyper and the routes: where each begins and ends, what it names, and
-//! who asks. No socket, no clock, and no decision whether anybody may.
+//! What the bytes of requests say before hyper and the routes read them: where each request begins and ends, what it names, and
+//! who sends it. There is no socket, no clock and no decision about permissions here.
 
 mod body;
 mod head;

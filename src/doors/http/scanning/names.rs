@@ -1,21 +1,21 @@
-//! What names STOP: the routes that are STOP whatever is sent there, by any method but those that change nothing. A path with a fault
-//! (a slash too many, another case, blanks, escapes) names the same. What a body says is not read here.
+//! The routes that are STOP whatever is sent there, by any method except those that change nothing. A path with a fault (an extra
+//! slash, another case, blanks, escapes) names the same route. Bodies are not read here.
 
 use crate::api::halt::bare;
 
-/// The routes that are STOP, as the table of routes has them.
+/// The routes that are STOP, as in the table of routes.
 pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
-/// What else people try.
+/// Other paths that people try, with the routes that they mean.
 const OTHERWISE: [(&str, &str); 3] = [("/api/v1/commands/h", STOPS[0]), ("/console/h", STOPS[1]), ("/stop", STOPS[2])];
 
 /// The routes that are STOP when their body says so.
 pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 
-/// The methods that change nothing (RFC 9110, section 9.2.1).
+/// Methods that change nothing (RFC 9110, section 9.2.1).
 const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 
-/// Which route of STOP a request names.
+/// The STOP route that a request names.
 pub fn stop(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -25,7 +25,7 @@ pub fn stop(method: &[u8], path: &[u8]) -> Option<&'static str> {
     routes.find(|(name, _)| is_at(&named, name)).map(|(_, route)| route)
 }
 
-/// Which route a request names that is STOP when its body says so.
+/// The route that a request names and that is STOP when its body says so.
 pub fn says_by_body(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -38,12 +38,12 @@ fn is_safe(method: &[u8]) -> bool {
     SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe))
 }
 
-/// Whether a path is the one where connections are handed over to another protocol.
+/// Whether a path is the one where connections are handed over to MQTT.
 pub fn is_upgrade(path: &[u8]) -> bool {
     is_at(&segments(path), "/mqtt")
 }
 
-/// The words of a path in small letters, as the routes here are.
+/// The segments of a path in lower case, as the routes here are written.
 fn segments(path: &[u8]) -> Vec<String> {
     let path = String::from_utf8_lossy(&unescaped(path)).to_ascii_lowercase();
     path.split('/').map(bare).filter(|segment| !segment.is_empty() && *segment != ".").map(str::to_owned).collect()
@@ -53,7 +53,8 @@ fn is_at(named: &[String], route: &str) -> bool {
     named.iter().map(String::as_str).eq(route.split('/').skip(1))
 }
 
-/// A path without its escapes (RFC 3986, section 2.1), those of slashes too. What is escaped twice stays something else.
+/// A path without its escapes (RFC 3986, section 2.1), those of slashes included. A byte that is escaped twice remains escaped
+/// once.
 fn unescaped(path: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(path.len());
     let mut rest = path;

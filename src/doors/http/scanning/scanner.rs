@@ -1,20 +1,21 @@
-//! Follows the requests of a connection, byte by byte, before anything judges them: where a head ends, what it names and who
-//! asks, how long its body is, where the next one begins. It is lenient, because a STOP with a fault is still a STOP; where hyper
-//! takes a request, both agree on its length. It reads no socket, keeps little however long a head is, and decides nothing.
+//! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body is,
+//! and where the next head begins. It is lenient, because a STOP with a fault is still a STOP; for a request that hyper accepts,
+//! both find the same length. It reads no socket, stores little however long a head is, and decides nothing.
 
 use super::body::Chunks;
 use super::head::{BodyLength, Head, HeadReader};
 use super::names;
 
-/// So much is kept of a body that may say STOP, in bytes: what is longer than any body may be is looked at where it begins.
+/// Maximum number of bytes stored of a body that may say STOP. Of a body that is longer than any allowed one, only the beginning
+/// is searched.
 const BODY: usize = 16 * 1024;
 
-/// What a byte has brought to its end.
+/// The part of a request that is complete.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Heard {
-    /// A head: what it names and who asks has come.
+    /// A head, with what it names and who sends it.
     Head(Head),
-    /// The body of the request whose head was heard last. A request without a body has no such end.
+    /// The body of the last request. A request without a body has no such end.
     Body,
 }
 
@@ -26,7 +27,7 @@ pub struct Scanner {
     said: BodyStart,
 }
 
-/// The beginning of a body that may say STOP, and nothing of any other.
+/// The beginning of a body that may say STOP; empty for any other body.
 #[derive(Debug, Default)]
 struct BodyStart {
     is_kept: bool,
@@ -36,20 +37,20 @@ struct BodyStart {
 #[derive(Debug)]
 enum ScannerState {
     Head,
-    /// So many bytes of a body are to come.
+    /// Number of bytes of a body that are to come.
     Body(u64),
     Chunks(Chunks),
-    /// Nobody can say where the next request begins, and hyper ends such a connection.
+    /// It is unknown where the next request begins; hyper ends such a connection.
     Lost,
 }
 
 impl Scanner {
-    /// Before the first byte; `cookie` is the name of the cookies that say who asks.
+    /// The scanner before the first byte; `cookie` is the name of the cookies with a session.
     pub fn new(cookie: &str) -> Scanner {
         Scanner { head: HeadReader::new(cookie), at: ScannerState::Head, heads: 0, said: BodyStart::default() }
     }
 
-    /// Takes bytes up to the first that brings something to its end, and says how many it took.
+    /// Reads up to the first byte that completes a part, and returns the number of bytes.
     pub fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
@@ -76,7 +77,7 @@ impl Scanner {
                     match ended {
                         Some(Ok(())) => Some(Heard::Body),
                         Some(Err(())) => {
-                            // It may have been no chunk.
+                            // The byte may not belong to a chunk.
                             self.said.keep(&bytes[taken - 1..taken]);
                             self.at = ScannerState::Lost;
                             None
@@ -99,22 +100,22 @@ impl Scanner {
         (taken, None)
     }
 
-    /// How many heads have ended.
+    /// Number of complete heads.
     pub fn heads(&self) -> u64 {
         self.heads
     }
 
-    /// Whether no body is on its way.
+    /// Whether no body is being received.
     pub fn is_between(&self) -> bool {
         matches!(self.at, ScannerState::Head)
     }
 
-    /// Whether the first byte of a head is none of any method: no server waits for the end of that.
+    /// Whether the first byte of a head cannot begin a method: no server waits for the end of that.
     pub fn is_no_request(&self) -> bool {
         matches!(self.at, ScannerState::Head) && self.head.is_no_method()
     }
 
-    /// What has come of the body of the request whose head was heard last, if that may say STOP, as far as it is kept.
+    /// The stored part of the last request's body, if that may say STOP.
     pub fn said(&self) -> &[u8] {
         &self.said.bytes
     }

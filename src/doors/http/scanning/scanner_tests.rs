@@ -1,11 +1,11 @@
-//! The scanner: what it hears, wherever the bytes are cut, and whatever is wrong with them.
+//! Tests of the scanner with bytes cut anywhere, and with faults of every kind.
 
 use proptest::prelude::*;
 
 use super::super::head::Field;
 use super::*;
 
-/// Everything that is heard of these bytes, in pieces of this size.
+/// Everything that the scanner finds in these bytes, in pieces of this size.
 fn heard(bytes: &[u8], piece: usize) -> (Vec<Heard>, Scanner) {
     let (mut scanner, mut all) = (Scanner::new("hallsweep-8080"), Vec::new());
     for mut bytes in bytes.chunks(piece.max(1)) {
@@ -35,10 +35,10 @@ fn fields(head: &Head, field: Field) -> Vec<String> {
     of_it.map(|(_, value)| String::from_utf8_lossy(value).into_owned()).collect()
 }
 
-/// What every request is followed by, to see that the next one is found.
+/// A request after each tested one, which shows that the scanner finds the next head.
 const NEXT: &str = "POST /next HTTP/1.1\r\nHost: localhost\r\n\r\n";
 
-/// The paths of the requests in these bytes, the last being `NEXT`.
+/// The paths of the requests in these bytes; the last is that of `NEXT`.
 fn paths(request: &str) -> Vec<String> {
     let all = heads(format!("{request}{NEXT}").as_bytes());
     all.iter().map(|head| String::from_utf8_lossy(&head.path).into_owned()).collect()
@@ -85,7 +85,7 @@ fn lines_may_end_and_go_on_as_they_like() {
     }
 }
 
-/// Safety S8, A2: a whole address names what its path names, whatever stands in its host.
+/// Safety S8, A2: an absolute address names the same as its path, whatever its host contains.
 #[test]
 fn a_target_that_is_a_whole_address_is_taken_apart() {
     for (target, host, path) in [
@@ -177,7 +177,7 @@ fn what_begins_with_no_method_is_told_at_once() {
 }
 
 proptest! {
-    /// What is passed by at once is what changes nothing byte by byte.
+    /// Skipped bytes are those that would change nothing one by one.
     #[test]
     fn a_head_is_heard_as_if_each_of_its_bytes_were_looked_at(
         parts in proptest::collection::vec(prop_oneof![
@@ -220,7 +220,7 @@ proptest! {
     }
 }
 
-/// Safety S8: what hyper gives up on is not taken for the end of a body.
+/// Safety S8: where hyper gives up, the scanner finds no end of a body either.
 #[test]
 fn the_size_of_a_chunk_that_is_larger_than_any_is_no_size() {
     for size in ["10000000000000000", "fffffffffffffffff", "g", "-1", ""] {
