@@ -125,7 +125,6 @@ fn command_id() -> impl Strategy<Value = CommandId> {
     "[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length"))
 }
 
-/// A request of any kind.
 fn asked() -> impl Strategy<Value = Asked> {
     let piece = option::of(any::<u64>()).prop_map(|id| id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))));
     let sensor = text().prop_filter_map("a name of a sensor", |text| TemperatureReport::sensor_name(&text));
@@ -176,7 +175,6 @@ fn simulated() -> impl Strategy<Value = Simulated> {
     ]
 }
 
-/// A refusal of any kind.
 fn refused() -> impl Strategy<Value = Refused> {
     let plain = [
         Refused::SentBefore,

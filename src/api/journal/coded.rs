@@ -19,7 +19,7 @@ pub(super) enum Form {
     Sentences,
 }
 
-/// A value in the journal.
+/// A value as the journal stores it.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Coded {
     pub(super) code: String,

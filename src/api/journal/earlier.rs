@@ -163,7 +163,6 @@ const STUCK: [Sentence; 2] = [
     ("noWayOut", "no way leads the robots that fetch back outside"),
 ];
 
-/// The code of a request.
 pub(super) fn asked(sentence: &str) -> Option<Coded> {
     one_of(&ASKED, sentence).or_else(|| Some(Coded { code: "simulatorChange".to_owned(), fields: changes(sentence)? }))
 }
@@ -176,12 +175,10 @@ pub(super) fn refused(code: &str, sentence: &str) -> Option<Coded> {
     one_of(REFUSED.iter().filter(|(known, _)| *known == code), sentence)
 }
 
-/// The code of an alarm's cause.
 pub(super) fn alarm(sentence: &str) -> Option<Coded> {
     one_of(&ALARMS, sentence)
 }
 
-/// The code of the reason why a piece was not fetched.
 pub(super) fn not_fetched(sentence: &str) -> Option<Coded> {
     one_of(&NOT_FETCHED, sentence)
 }

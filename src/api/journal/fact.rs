@@ -260,7 +260,7 @@ impl Shape {
         }
     }
 
-    /// The fact, and the file of its photo.
+    /// The fact, and the file of its photo, which only a luggage record has.
     pub(super) fn fact(self) -> Result<(Fact, Option<Picture>), Unparsed> {
         let fact = match self {
             Shape::Luggage { luggage, picture } => {

@@ -47,7 +47,6 @@ use hallsweep_core::world::luggage::Luggage;
 #[error("{0}")]
 pub struct Unparsed(pub(super) String);
 
-/// File of a photo.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Picture {
@@ -63,7 +62,7 @@ pub struct Line {
     /// `None` between two missions.
     pub mission: Option<MissionId>,
     pub entry: Entry,
-    /// Photo of a luggage record.
+    /// Only of a luggage record.
     pub picture: Option<Picture>,
 }
 

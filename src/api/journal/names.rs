@@ -16,7 +16,6 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
 
-/// Kinds of obstacles.
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
 /// Position of a search in its order.
@@ -37,7 +36,6 @@ pub(super) enum Step {
     NudgeRight,
 }
 
-/// Finds the value with this name.
 fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
     let known = all.iter().copied().find(|one| name_of(*one) == name);
     known.ok_or_else(|| Unparsed(format!("{:?} is no {what} that this version knows", in_short(name))))

@@ -48,7 +48,6 @@ struct SlotTable {
     queues: EvictionQueues,
 }
 
-/// Sender for whom a slot is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::doors) struct SlotClaim {
     network: Network,
@@ -65,7 +64,7 @@ struct SlotHolder {
     open: u64,
     is_receiving: bool,
     is_watching: bool,
-    /// Moment of the last progress.
+    /// Moment of the last progress, in the count of `moments`.
     since: u64,
     cut: Arc<Notify>,
 }

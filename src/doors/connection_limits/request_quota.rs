@@ -71,7 +71,7 @@ impl RequestQuota {
         Ok(Permit { quota: self.clone(), key })
     }
 
-    /// Whether no key is counted.
+    /// Whether no key is counted any more, which bounds the memory of the table.
     #[cfg(test)]
     pub(in crate::doors) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()

@@ -33,7 +33,6 @@ const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct SessionOwner {
-    /// Name of the key.
     pub(in crate::doors) who: Arc<str>,
     pub(in crate::doors) is_viewer: bool,
     /// Whether the owner has shown a key. Without keys all owners are one, and none has a share.
@@ -63,7 +62,7 @@ struct Session {
     read_ms: u64,
 }
 
-/// Bytes that wait for a client.
+/// Bytes that wait in the memory of the program for a client that has not read them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::doors) struct UnreadBytes {
     /// Bytes that only this client needs.
@@ -249,7 +248,6 @@ mod tests {
         (0..count).map(|n| limits.take(owner.clone(), Duration::from_millis(n as u64))).collect()
     }
 
-    /// Number of evicted sessions.
     fn lost(crowd: &[SessionPermit]) -> usize {
         let lost = crowd.iter().filter(|permit| permit.evicted().now_or_never().is_some());
         lost.inspect(|permit| permit.evict.notify_one()).count()

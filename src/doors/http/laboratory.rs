@@ -114,7 +114,6 @@ struct Carried {
     figures: Vec<(String, String)>,
     /// Why not all parcels arrived.
     fault: Option<String>,
-    /// Requested mishaps that did not happen.
     missed: Vec<String>,
     /// The trees at the end of the run.
     trees: TreesView,

@@ -4,7 +4,7 @@ use crate::phrases::Language;
 use hallsweep_core::command::Refused;
 use hallsweep_core::hold::Hold;
 
-/// Codes of the simulator's refusals.
+/// Codes of the simulator's refusals, which the core knows only as words and the pages as phrases.
 const OF_THE_SIMULATOR: [&str; 9] = [
     "notPaused",
     "nothingUnderWay",

@@ -21,7 +21,6 @@ impl Language {
         Cow::Owned(said.to_string())
     }
 
-    /// A change of the simulator.
     pub(super) fn simulated(self, simulated: &Simulated) -> String {
         let said = match simulated {
             Simulated::Changed(change) => self.say("simulated").with("changes", self.changes(change)),

@@ -18,7 +18,6 @@ pub enum Asked {
         /// Time from the first to the last, in whole milliseconds; `None` when they came at once.
         within: Option<Duration>,
     },
-    /// A change of the simulated hall or robots.
     Simulated(Simulated),
     /// Refused requests of one sender that share one entry.
     Many {

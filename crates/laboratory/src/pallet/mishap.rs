@@ -20,7 +20,6 @@ pub enum Mishap {
     Unrecognised,
     /// The way into the target area is closed for good once the parcel is lifted.
     Blocked,
-    /// A gripper does not close.
     Jammed,
     /// The operator never comes; this holds for the whole run.
     Absent,

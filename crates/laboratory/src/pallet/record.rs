@@ -46,7 +46,6 @@ impl Phase {
         self as usize + 1
     }
 
-    /// The phase in words, for people.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -85,7 +84,6 @@ pub enum News {
     Started,
     Lost,
     Stopped,
-    /// The program died and was started again.
     Restarted,
 }
 
@@ -104,7 +102,6 @@ pub struct Frame {
     /// Simulated time since the beginning of the run.
     pub at: Duration,
     pub bodies: [BodyPose; 2],
-    /// Whether each gripper is closed.
     pub closed: [bool; 2],
     /// Centre of the held parcel, in metres, and how high it is lifted, from 0 to 1.
     pub load: Option<(f64, f64, f64)>,
@@ -132,13 +129,11 @@ impl Frame {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PalletFault {
-    /// The pair could not go on.
     Pair(RetrievalFault),
-    /// The operator was called and never came.
     OperatorAbsent,
     /// The trees report the end, and the target area holds fewer parcels than the yard had.
     NotAllThere,
-    /// The run exceeded its time limit.
+    /// The run took longer than `run::LONGEST` for each parcel.
     TakesTooLong,
 }
 

@@ -61,12 +61,12 @@ pub struct PalletRun {
     /// Whether an alarm is not acknowledged.
     is_calling: bool,
     awaits_start: bool,
-    /// Since when the run waits for the operator.
+    /// Beginning of the wait for the operator, in simulated time.
     waits_since: Option<Duration>,
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
-    /// Errors of holding before the last restart.
+    /// Errors of holding before the last restart, which the new pair does not know.
     held_before: Holding,
     entries: Vec<Entry>,
     logs: [TickLog; 3],
@@ -167,7 +167,7 @@ impl PalletRun {
         true
     }
 
-    /// Acknowledges the alarm; the operator then presses START.
+    /// Acknowledges the alarm; the operator presses START some seconds later.
     pub fn acknowledge(&mut self) {
         if std::mem::take(&mut self.is_calling) {
             self.note(News::Acknowledged);

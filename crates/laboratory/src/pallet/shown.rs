@@ -81,7 +81,6 @@ impl Pallet {
         trees
     }
 
-    /// Each tree with the log of its ticks.
     pub fn logs(&self) -> impl Iterator<Item = (&Tree, &TickLog)> {
         self.run.team().trees().iter().zip(self.run.logs())
     }

@@ -57,7 +57,6 @@ pub struct Yard {
 }
 
 impl Yard {
-    ///
     /// # Errors
     /// If there would be no parcel, or more than `MOST_PARCELS`.
     pub fn new(parcels: u32, seed: u64) -> Result<Yard, ParcelsError> {

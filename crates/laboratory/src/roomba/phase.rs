@@ -37,7 +37,6 @@ pub(super) const TURNS: &str = "roomba turns";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
     MoveForward,
-    /// In a spiral whose radius grows.
     MoveInSpiral,
     /// Straight back from the wall that was touched.
     GoBack,
@@ -71,7 +70,6 @@ impl Phase {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
     pub(super) phase: Phase,
-    /// Number of ticks that it has lasted.
     pub(super) ticks: u32,
     /// Angle of a turn, in radians in `-π..π`; `None` in other phases.
     pub(super) angle: Option<f64>,
@@ -101,7 +99,7 @@ impl Motion {
         }
     }
 
-    /// The speeds of the next tick, which is counted.
+    /// The speeds of the next tick. Counts the tick.
     pub(super) fn tick(&mut self) -> Velocity {
         let velocity = match self.phase {
             Phase::MoveForward => Velocity { linear: FORWARD_SPEED, angular: 0.0 },

@@ -16,7 +16,6 @@ pub enum Controller {
     Tree,
 }
 
-/// State after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Number of ticks since the start.
@@ -115,7 +114,6 @@ impl Run {
     }
 }
 
-/// A run that begins with this body.
 pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u64, length: RunLength, start: Body) -> Run {
     let mut body = start;
     let mut floor = Floor::new();

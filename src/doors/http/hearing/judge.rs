@@ -14,7 +14,7 @@ use crate::doors::http::peer::Peer;
 use crate::doors::http::scanning::{Field, Head, names};
 use hallsweep_core::command::{Command, Request};
 
-/// A STOP of a sender who may stop.
+/// A STOP whose sender has the permission to stop.
 pub(super) enum StopRequest {
     /// The head names STOP.
     Named(Request),

@@ -100,12 +100,12 @@ impl Scanner {
         (taken, None)
     }
 
-    /// Number of complete heads.
+    /// Number of complete heads since the connection began.
     pub fn heads(&self) -> u64 {
         self.heads
     }
 
-    /// Whether no body is being received.
+    /// Whether the next byte belongs to a head.
     pub fn is_between(&self) -> bool {
         matches!(self.at, ScannerState::Head)
     }

@@ -20,12 +20,12 @@ const CENTRED: f64 = 0.04;
 /// Distance that the robot drives ahead to feel whether a step is complete, in cells.
 const FEELS: f64 = 0.3;
 
-/// Longest latency that is believed; with a longer one the page has hung.
+/// Upper bound of the measured latency; with a longer one the page has hung.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 const LATE_WORD: &str = "the word that it had met something came too late";
 
-/// Shortest and longest time of a step that are believed.
+/// Bounds of the measured time of a step.
 pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
 /// Wait after the end of a move for the message of a contact at its very end, in addition to twice the latency.
