@@ -19,9 +19,10 @@ const LATE: Duration = Duration::from_secs(3);
 /// Number of contacts allowed on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// Number of corrections of the position after which the room is taken to be another one, times `FOUND`. Each completed step or
-/// turn makes good a third of a correction.
+/// Limit of the counter of corrections, beyond which the room is taken to be another one: four corrections of the position in a
+/// row, of which each completed step or turn makes good a third.
 const ASTRAY: u8 = 4 * FOUND;
+/// What one correction of the position adds to that counter; each completed step or turn subtracts 1.
 const FOUND: u8 = 3;
 
 /// Corrections of the position allowed before the robot enters a new cell, so that it does not wander between two places for
