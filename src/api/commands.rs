@@ -33,6 +33,20 @@ pub enum Subject {
     Alarm,
 }
 
+/// The body of a command at doors with paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Takes {
+    /// Its body is not read.
+    Nothing,
+    /// A body may be missing.
+    Epoch,
+    Move,
+    Goto,
+    Verdict,
+    Strategy,
+    Temperature,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
     /// The command acts each time: POST.
@@ -56,8 +70,7 @@ pub struct CommandRow {
     pub subject: Subject,
     /// Examples of its payload at doors without paths, without the command id.
     pub body: &'static [&'static str],
-    /// Whether the payload may be missing, so that MQTT accepts the bare name.
-    pub is_word: bool,
+    pub takes: Takes,
 }
 
 const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
@@ -66,24 +79,24 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 #[rustfmt::skip]
 pub const COMMANDS: [CommandRow; 12] = [
     word("start", "/commands/start", "begin, or go on", CommandKind::Start, EPOCH),
-    CommandRow { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
+    CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
     word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, &[]),
-    CommandRow { need: Need::Stop, ..with("move", "/commands/move", "one move by hand", CommandKind::Move,
+    CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "one move by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
-    with("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),
-    CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut,
-        ..with("verdict", "/luggage/{id}/verdict", "safe or danger", CommandKind::Verdict,
+    CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
+    CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut, takes: Takes::Verdict,
+        ..word("verdict", "/luggage/{id}/verdict", "safe or danger", CommandKind::Verdict,
             &[r#"{"luggage":3,"verdict":"safe"}"#, r#"{"luggage":3,"verdict":"danger","note":"wires"}"#]) },
     CommandRow { subject: Subject::Luggage,
-        ..with("retake", "/luggage/{id}/photo", "take the photo again", CommandKind::Retake, &[r#"{"luggage":3}"#]) },
+        ..word("retake", "/luggage/{id}/photo", "take the photo again", CommandKind::Retake, &[r#"{"luggage":3}"#]) },
     CommandRow { subject: Subject::Alarm,
-        ..with("acknowledge", "/alarms/{id}/acknowledge", "the alarm was seen", CommandKind::Acknowledge, &[r#"{"alarm":2}"#]) },
-    CommandRow { methods: Methods::Put,
-        ..with("strategy", "/strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]) },
-    CommandRow { methods: Methods::Put,
-        ..with("temperature", "/temperature", "what is known of the temperature", CommandKind::Temperature,
+        ..word("acknowledge", "/alarms/{id}/acknowledge", "the alarm was seen", CommandKind::Acknowledge, &[r#"{"alarm":2}"#]) },
+    CommandRow { methods: Methods::Put, takes: Takes::Strategy,
+        ..word("strategy", "/strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]) },
+    CommandRow { methods: Methods::Put, takes: Takes::Temperature,
+        ..word("temperature", "/temperature", "what is known of the temperature", CommandKind::Temperature,
             &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#]) },
 ];
 
@@ -127,6 +140,19 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
     }
 }
 
+impl CommandRow {
+    /// Whether the payload may be missing where there are no paths, so that MQTT accepts the bare name.
+    pub fn is_word(&self) -> bool {
+        self.subject == Subject::None && !self.needs_body()
+    }
+
+    /// Whether the body may not be missing where there are paths.
+    pub const fn needs_body(&self) -> bool {
+        !matches!(self.takes, Takes::Nothing | Takes::Epoch)
+    }
+}
+
+/// A command for operators that is about nothing with a number and carries an epoch at most.
 const fn word(
     name: &'static str,
     path: &'static str,
@@ -134,17 +160,8 @@ const fn word(
     kind: CommandKind,
     body: &'static [&'static str],
 ) -> CommandRow {
-    CommandRow { name, title, kind, need: Need::Act, path, methods: Methods::Post, subject: Subject::None, body, is_word: true }
-}
-
-const fn with(
-    name: &'static str,
-    path: &'static str,
-    title: &'static str,
-    kind: CommandKind,
-    body: &'static [&'static str],
-) -> CommandRow {
-    CommandRow { is_word: false, ..word(name, path, title, kind, body) }
+    let (need, methods, subject, takes) = (Need::Act, Methods::Post, Subject::None, Takes::Epoch);
+    CommandRow { name, title, kind, need, path, methods, subject, body, takes }
 }
 
 #[cfg(test)]

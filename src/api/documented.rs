@@ -16,7 +16,7 @@ pub(crate) fn bodies(command: &CommandRow) -> String {
     let subjects = [r#""luggage":3,"#, r#""luggage":3"#, r#""alarm":2"#];
     let bare = |body: &&str| subjects.iter().fold((*body).to_owned(), |body, subject| body.replace(subject, ""));
     let written = command.body.iter().map(bare).filter(|body| body != "{}").map(|body| format!("`{body}`"));
-    let none = command.is_word || command.body.iter().all(|body| bare(body) == "{}");
+    let none = command.is_word() || command.body.iter().all(|body| bare(body) == "{}");
     none.then(|| "none".to_owned()).into_iter().chain(written).collect::<Vec<_>>().join(", ")
 }
 

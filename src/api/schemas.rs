@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
-use super::commands::CommandKind;
+use super::commands::Takes;
 use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapJson;
@@ -63,20 +63,15 @@ impl Schemas {
     }
 
     /// The schema of a command's body; `None` for STOP, whose body is not read.
-    pub fn body(&mut self, kind: CommandKind) -> Option<Value> {
-        Some(match kind {
-            CommandKind::Stop => return None,
-            CommandKind::Start
-            | CommandKind::BackHome
-            | CommandKind::Retrieve
-            | CommandKind::Reset
-            | CommandKind::Retake
-            | CommandKind::Acknowledge => self.taken::<EpochBody>(),
-            CommandKind::Move => self.taken::<MoveBody>(),
-            CommandKind::Goto => self.taken::<GotoBody>(),
-            CommandKind::Verdict => self.taken::<VerdictBody>(),
-            CommandKind::Strategy => self.taken::<StrategyBody>(),
-            CommandKind::Temperature => self.taken::<TemperatureBody>(),
+    pub fn body(&mut self, takes: Takes) -> Option<Value> {
+        Some(match takes {
+            Takes::Nothing => return None,
+            Takes::Epoch => self.taken::<EpochBody>(),
+            Takes::Move => self.taken::<MoveBody>(),
+            Takes::Goto => self.taken::<GotoBody>(),
+            Takes::Verdict => self.taken::<VerdictBody>(),
+            Takes::Strategy => self.taken::<StrategyBody>(),
+            Takes::Temperature => self.taken::<TemperatureBody>(),
         })
     }
 
@@ -156,7 +151,7 @@ mod tests {
         let mut schemas = Schemas::default();
         let shown: Vec<Value> = RESOURCES.iter().filter_map(|row| schemas.resource(row.kind)).collect();
         assert_eq!(shown.len(), RESOURCES.len() - 1, "all but the picture");
-        let bodies: Vec<Value> = COMMANDS.iter().filter_map(|row| schemas.body(row.kind)).collect();
+        let bodies: Vec<Value> = COMMANDS.iter().filter_map(|row| schemas.body(row.takes)).collect();
         assert_eq!(bodies.len(), COMMANDS.len() - 1, "all but STOP's");
         let written: BTreeSet<&String> = schemas.sent.definitions().keys().chain(schemas.taken.definitions().keys()).collect();
         let named: BTreeSet<&str> = written.iter().map(|name| public(name)).collect();

@@ -135,7 +135,7 @@ fn asked() -> impl Strategy<Value = Asked> {
         (sensor, celsius()).prop_map(|(sensor, celsius)| TemperatureReport::Sensor(sensor, celsius)),
     ];
     let command = prop_oneof![
-        prop::sample::select(vec![Command::Start, Command::Stop, Command::BackHome, Command::Retrieve, Command::Reset]),
+        prop::sample::select(Command::BARE.to_vec()),
         one_of(&Move::ALL).prop_map(Command::Move),
         cell().prop_map(Command::Goto),
         (piece, verdict(), note()).prop_map(|(luggage, verdict, note)| Command::Verdict { luggage, verdict, note }),

@@ -9,7 +9,7 @@ use super::names::{self, Step};
 use super::places::Point;
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, LuggageRef, TemperatureReport};
+use hallsweep_core::command::{Carries, Command, LuggageRef, TemperatureReport};
 use hallsweep_core::simulated::{Change, Pace, Simulated};
 use hallsweep_core::units::{AlarmId, LuggageId};
 
@@ -58,28 +58,25 @@ impl Valued for Asked {
 }
 
 fn of_command(command: &Command) -> Coded {
-    match command {
-        Command::Start => Coded::bare("start"),
-        Command::Stop => Coded::bare("stop"),
-        Command::BackHome => Coded::bare("backHome"),
-        Command::Retrieve => Coded::bare("retrieve"),
-        Command::Reset => Coded::bare("reset"),
-        Command::Move(step) => Coded::new("move", json!({ "step": Step::from(*step) })),
-        Command::Goto(cell) => Coded::new("goto", json!({ "cell": Point::from(*cell) })),
-        Command::Verdict { luggage, verdict, note } => {
+    let code = command.code();
+    match command.carries() {
+        Carries::Nothing => Coded::bare(code),
+        Carries::Luggage(id) => Coded::new(code, json!({ "luggage": id.0 })),
+        Carries::Alarm(id) => Coded::new(code, json!({ "alarm": id.0 })),
+        Carries::Move(step) => Coded::new(code, json!({ "step": Step::from(step) })),
+        Carries::Cell(cell) => Coded::new(code, json!({ "cell": Point::from(cell) })),
+        Carries::Verdict(luggage, verdict, note) => {
             let luggage = if let LuggageRef::Id(id) = luggage { Some(id.0) } else { None };
-            let note = note.as_ref().map(|note| note.text());
-            Coded::new("verdict", json!({ "luggage": luggage, "verdict": verdict.name(), "note": note }))
+            let note = note.map(|note| note.text());
+            Coded::new(code, json!({ "luggage": luggage, "verdict": verdict.name(), "note": note }))
         }
-        Command::RetakePhoto(id) => Coded::new("retake", json!({ "luggage": id.0 })),
-        Command::Acknowledge(id) => Coded::new("acknowledge", json!({ "alarm": id.0 })),
-        Command::ChooseStrategy(strategy) => Coded::new("strategy", json!({ "strategy": strategy.name() })),
-        Command::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
-        Command::Temperature(TemperatureReport::TooHigh) => Coded::bare("temperatureTooHigh"),
-        Command::Temperature(TemperatureReport::Reading(celsius)) => {
+        Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
+        Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
+        Carries::Temperature(TemperatureReport::TooHigh) => Coded::bare("temperatureTooHigh"),
+        Carries::Temperature(TemperatureReport::Reading(celsius)) => {
             Coded::new("reading", json!({ "celsius": celsius.degrees() }))
         }
-        Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
+        Carries::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
             Coded::new("sensorReading", json!({ "sensor": &**sensor, "celsius": celsius.degrees() }))
         }
     }
@@ -87,12 +84,10 @@ fn of_command(command: &Command) -> Coded {
 
 fn command(coded: &Coded) -> Result<Command, Unparsed> {
     let celsius = || names::celsius(coded.field("celsius")?);
+    if let Some(bare) = Command::BARE.into_iter().find(|bare| bare.code() == coded.code) {
+        return Ok(bare);
+    }
     Ok(match &*coded.code {
-        "start" => Command::Start,
-        "stop" => Command::Stop,
-        "backHome" => Command::BackHome,
-        "retrieve" => Command::Retrieve,
-        "reset" => Command::Reset,
         "move" => Command::Move(coded.field::<Step>("step")?.into()),
         "goto" => Command::Goto(coded.field::<Point>("cell")?.into()),
         "verdict" => Command::Verdict {

@@ -9,6 +9,7 @@ use crate::api::fixture::searching;
 use crate::api::{documented, door};
 use crate::doors::http::testing::{app, text};
 use crate::runtime::figures::{self, OTHER};
+use hallsweep_core::command::Command;
 
 #[derive(Debug, Default)]
 struct Family {
@@ -143,7 +144,7 @@ fn what_stands_is_of_the_snapshot() {
 
 #[test]
 fn commands_and_doors_have_the_names_that_they_have_everywhere() {
-    assert_eq!(figures::COMMANDS, COMMANDS.map(|row| row.name));
+    assert_eq!(Command::CODES, COMMANDS.map(|row| row.name));
     assert_eq!(figures::DOORS, [door::HTTP, door::MQTT, door::COAP].map(|door| door.0));
     let families: BTreeMap<_, _> = families(&shown()).into_iter().collect();
     assert_eq!(families["hallsweep_commands"].labels["command"], [&COMMANDS.map(|row| row.name)[..], &[OTHER]].concat());

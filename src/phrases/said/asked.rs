@@ -2,8 +2,8 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
-use hallsweep_core::units::LuggageId;
+use hallsweep_core::command::{Carries, Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::units::{Celsius, LuggageId};
 
 impl Language {
     /// A request, with the piece `meant` by a verdict without a number.
@@ -30,27 +30,21 @@ impl Language {
     }
 
     fn command(self, command: &Command, meant: Option<LuggageId>) -> String {
-        let said = match command {
-            Command::Start => self.say("asked-start"),
-            Command::Stop => self.say("asked-stop"),
-            Command::BackHome => self.say("asked-backHome"),
-            Command::Retrieve => self.say("asked-retrieve"),
-            Command::Reset => self.say("asked-reset"),
-            Command::Move(step) => self.say("asked-move").with("move", self.say_of("move", letter(*step))),
-            Command::Goto(cell) => self.say("asked-goto").with("cell", cell),
-            Command::Verdict { luggage, verdict, note } => return self.verdict_given((*luggage, meant), *verdict, note.as_ref()),
-            Command::RetakePhoto(id) => self.say("asked-retake").with("id", id),
-            Command::Acknowledge(id) => self.say("asked-acknowledge").with("id", id),
-            Command::ChooseStrategy(strategy) => {
-                self.say("asked-strategy").with("strategy", self.say_of("strategy", strategy.name()))
-            }
-            Command::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
-            Command::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
-            Command::Temperature(TemperatureReport::Reading(celsius)) => {
-                self.say("asked-reading").with("celsius", self.number(&format!("{} °C", celsius.degrees())))
-            }
-            Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
-                self.say("asked-sensor").with("sensor", sensor).with("celsius", self.number(&format!("{} °C", celsius.degrees())))
+        let named = self.say_of("asked", command.code());
+        let celsius = |celsius: &Celsius| self.number(&format!("{} °C", celsius.degrees()));
+        let said = match command.carries() {
+            Carries::Nothing => named,
+            Carries::Luggage(id) => named.with("id", id),
+            Carries::Alarm(id) => named.with("id", id),
+            Carries::Move(step) => named.with("move", self.say_of("move", letter(step))),
+            Carries::Cell(cell) => named.with("cell", cell),
+            Carries::Verdict(luggage, verdict, note) => return self.verdict_given((luggage, meant), verdict, note),
+            Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
+            Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
+            Carries::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
+            Carries::Temperature(TemperatureReport::Reading(read)) => self.say("asked-reading").with("celsius", celsius(read)),
+            Carries::Temperature(TemperatureReport::Sensor(sensor, read)) => {
+                self.say("asked-sensor").with("sensor", sensor).with("celsius", celsius(read))
             }
         };
         said.to_string()

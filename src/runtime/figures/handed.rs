@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::{Families, Figures, OTHER};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{CODES, Command, Refused, Verdict};
+use hallsweep_core::command::{CODES, Refused, Verdict};
 use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
@@ -170,20 +170,7 @@ const fn name(asked: &Asked) -> &'static str {
     match asked {
         Asked::Stops { .. } => "stop",
         Asked::Simulated(_) | Asked::Many { .. } | Asked::Words(_) => OTHER,
-        Asked::Command(command) => match command {
-            Command::Start => "start",
-            Command::Stop => "stop",
-            Command::BackHome => "backHome",
-            Command::Retrieve => "retrieve",
-            Command::Reset => "reset",
-            Command::Move(_) => "move",
-            Command::Goto(_) => "goto",
-            Command::Verdict { .. } => "verdict",
-            Command::RetakePhoto(_) => "retake",
-            Command::Acknowledge(_) => "acknowledge",
-            Command::ChooseStrategy(_) => "strategy",
-            Command::Temperature(_) => "temperature",
-        },
+        Asked::Command(command) => command.code(),
     }
 }
 
@@ -192,8 +179,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::runtime::figures::COMMANDS;
-    use hallsweep_core::command::{Door, Issuer, LuggageRef, Move, RefusalKind, Strategy, TemperatureReport};
+    use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, RefusalKind, Strategy, TemperatureReport};
     use hallsweep_core::effect::Entry;
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
@@ -344,7 +330,7 @@ mod tests {
         let accepted = commands().map(|asked| command(Asked::Command(asked), None));
         let refused = commands().map(|asked| command(Asked::Command(asked), Some("held")));
         let figures = counted([&accepted[..], &refused, &refused].concat());
-        for name in COMMANDS {
+        for name in Command::CODES {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }

@@ -17,7 +17,7 @@ use prometheus_client::registry::{Registry, Unit};
 
 use super::clock::Clock;
 use super::store::StoreStatus;
-use hallsweep_core::command::{CODES, Door, Verdict};
+use hallsweep_core::command::{CODES, Command, Door, Verdict};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::units::WallTime;
 
@@ -27,22 +27,6 @@ pub use series::{OTHER, Series, flag};
 
 /// Doors whose connections are counted, by their names in records.
 pub const DOORS: [&str; 3] = ["http", "mqtt", "coap"];
-
-/// Names of the commands; a command that no door could parse counts as `OTHER`.
-pub const COMMANDS: [&str; 12] = [
-    "start",
-    "stop",
-    "backHome",
-    "retrieve",
-    "reset",
-    "move",
-    "goto",
-    "verdict",
-    "retake",
-    "acknowledge",
-    "strategy",
-    "temperature",
-];
 
 /// Lines of the program's log that were lost. A static, because the log exists before the figures.
 pub static LOG_LINES_LOST: LazyLock<Counter> = LazyLock::new(Counter::default);
@@ -91,7 +75,7 @@ impl Default for Families {
     fn default() -> Families {
         let clock = Clock::default();
         let phases = || Series::new(["phase"], PhaseName::ALL.map(|phase| [phase.name()]));
-        let commands = COMMANDS.into_iter().chain([OTHER]);
+        let commands = Command::CODES.into_iter().chain([OTHER]);
         let codes = CODES.into_iter().map(|(code, _)| code).chain([OTHER]);
         Families {
             clock,

@@ -84,22 +84,82 @@ pub enum Command {
     Temperature(TemperatureReport),
 }
 
+/// What a command carries beside its code.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carries<'a> {
+    Nothing,
+    Luggage(LuggageId),
+    Alarm(AlarmId),
+    Move(Move),
+    Cell(Cell),
+    Verdict(LuggageRef, Verdict, Option<&'a Note>),
+    Strategy(Strategy),
+    Temperature(&'a TemperatureReport),
+}
+
 impl Command {
+    /// The codes of all commands. They stand in the journal, so a code never changes.
+    pub const CODES: [&str; 12] = [
+        "start",
+        "stop",
+        "backHome",
+        "retrieve",
+        "reset",
+        "move",
+        "goto",
+        "verdict",
+        "retake",
+        "acknowledge",
+        "strategy",
+        "temperature",
+    ];
+
+    /// The commands that carry nothing.
+    pub const BARE: [Command; 5] = [Command::Start, Command::Stop, Command::BackHome, Command::Retrieve, Command::Reset];
+
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Command::Start => "start",
+            Command::Stop => "stop",
+            Command::BackHome => "backHome",
+            Command::Retrieve => "retrieve",
+            Command::Reset => "reset",
+            Command::Move(_) => "move",
+            Command::Goto(_) => "goto",
+            Command::Verdict { .. } => "verdict",
+            Command::RetakePhoto(_) => "retake",
+            Command::Acknowledge(_) => "acknowledge",
+            Command::ChooseStrategy(_) => "strategy",
+            Command::Temperature(_) => "temperature",
+        }
+    }
+
+    #[must_use]
+    pub const fn carries(&self) -> Carries<'_> {
+        match self {
+            Command::Start | Command::Stop | Command::BackHome | Command::Retrieve | Command::Reset => Carries::Nothing,
+            Command::Move(step) => Carries::Move(*step),
+            Command::Goto(cell) => Carries::Cell(*cell),
+            Command::Verdict { luggage, verdict, note } => Carries::Verdict(*luggage, *verdict, note.as_ref()),
+            Command::RetakePhoto(id) => Carries::Luggage(*id),
+            Command::Acknowledge(id) => Carries::Alarm(*id),
+            Command::ChooseStrategy(strategy) => Carries::Strategy(*strategy),
+            Command::Temperature(report) => Carries::Temperature(report),
+        }
+    }
+
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageRef> {
-        match self {
-            Command::Verdict { luggage, .. } => Some(*luggage),
-            Command::RetakePhoto(id) => Some(LuggageRef::Id(*id)),
-            Command::Start
-            | Command::Stop
-            | Command::BackHome
-            | Command::Retrieve
-            | Command::Reset
-            | Command::Move(_)
-            | Command::Goto(_)
-            | Command::Acknowledge(_)
-            | Command::ChooseStrategy(_)
-            | Command::Temperature(_) => None,
+        match self.carries() {
+            Carries::Verdict(luggage, ..) => Some(luggage),
+            Carries::Luggage(id) => Some(LuggageRef::Id(id)),
+            Carries::Nothing
+            | Carries::Alarm(_)
+            | Carries::Move(_)
+            | Carries::Cell(_)
+            | Carries::Strategy(_)
+            | Carries::Temperature(_) => None,
         }
     }
 

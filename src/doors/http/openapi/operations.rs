@@ -69,9 +69,8 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
     let operation = Operation::new(method, format!("/api/v1{}", row.path), row.name, (Commands, row.title))
         .answers(JSON, answer)
         .once(row.kind == CommandKind::Stop);
-    let is_needed = !row.is_word && !matches!(row.kind, CommandKind::Retake | CommandKind::Acknowledge);
-    let operation = match schemas.body(row.kind) {
-        Some(body) => operation.takes(&[JSON], body, is_needed),
+    let operation = match schemas.body(row.takes) {
+        Some(body) => operation.takes(&[JSON], body, row.needs_body()),
         None => operation,
     };
     // The sensor may not be in the settings.

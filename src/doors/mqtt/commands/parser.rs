@@ -115,7 +115,7 @@ impl CommandParser {
         if let Err(problem) = sized(payload) {
             return self.unknown(UNKNOWN, word, problem);
         }
-        match commands::named(word).filter(|row| row.is_word) {
+        match commands::named(word).filter(|row| row.is_word()) {
             Some(row) => self.named(row.name, &[]),
             None => self.unknown(self.unknown.answered_as(word), word, Problem::no_word(word)),
         }

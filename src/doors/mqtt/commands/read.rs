@@ -76,7 +76,7 @@ impl Payload for CarriedFields<'_> {
 
 /// The fields of a payload; none for an empty payload, if the command needs none.
 fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
-    match (payload.trim_ascii().is_empty(), row.is_word) {
+    match (payload.trim_ascii().is_empty(), row.is_word()) {
         (true, true) => Ok(BodyFields::default()),
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
         (false, _) => Ok(fields(payload)?),

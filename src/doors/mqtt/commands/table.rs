@@ -3,7 +3,7 @@
 use crate::api::commands::COMMANDS;
 
 pub(super) fn names(bare: bool) -> String {
-    let names: Vec<&str> = COMMANDS.iter().filter(|row| row.is_word || !bare).map(|row| row.name).collect();
+    let names: Vec<&str> = COMMANDS.iter().filter(|row| row.is_word() || !bare).map(|row| row.name).collect();
     names.join(", ")
 }
 
@@ -19,12 +19,12 @@ mod tests {
 
     fn line(row: &CommandRow) -> String {
         let bodies: Vec<String> = row.body.iter().map(|body| format!("`{body}`")).collect();
-        let payload = match (row.kind, row.is_word) {
+        let payload = match (row.kind, row.is_word()) {
             (CommandKind::Stop, _) => "not read".to_owned(),
             (_, true) => [vec!["none".to_owned(), "`{}`".to_owned()], bodies].concat().join(", "),
             (_, false) => bodies.join(", "),
         };
-        let bare = if row.is_word { "yes" } else { "" };
+        let bare = if row.is_word() { "yes" } else { "" };
         let whom = if row.kind == CommandKind::Move { "operator; `h` anyone signed in" } else { row.need.in_words() };
         format!("| `{}` | {} | {payload} | {bare} | {whom} |", row.name, row.title)
     }

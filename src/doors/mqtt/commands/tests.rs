@@ -92,7 +92,7 @@ async fn a_command_goes_with_its_own_name_its_epoch_and_its_sender() {
 #[tokio::test]
 async fn a_bare_word_is_a_command_without_arguments() {
     let mut app = app(searching());
-    for row in COMMANDS.iter().filter(|row| row.is_word) {
+    for row in COMMANDS.iter().filter(|row| row.is_word()) {
         for word in [row.name.to_owned(), format!("\"{}\"", row.name), format!(" {}\n", row.name)] {
             let (topic, json) = app.ask("command", &word).await;
             assert_eq!((topic, &json["accepted"]), (format!("command/{}/result", row.name), &true.into()), "{word}");
