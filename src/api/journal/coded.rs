@@ -31,7 +31,7 @@ pub(super) struct Coded {
 /// A value in either form.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
-pub(super) enum Written {
+pub(super) enum CodeOrSentence {
     Sentence(String),
     Coded(Coded),
 }
@@ -79,18 +79,18 @@ impl Coded {
     }
 }
 
-impl Written {
-    pub(super) fn of(value: &impl Valued, form: Form) -> Written {
+impl CodeOrSentence {
+    pub(super) fn of(value: &impl Valued, form: Form) -> CodeOrSentence {
         match form {
-            Form::Codes => Written::Coded(value.coded()),
-            Form::Sentences => Written::Sentence(value.to_string()),
+            Form::Codes => CodeOrSentence::Coded(value.coded()),
+            Form::Sentences => CodeOrSentence::Sentence(value.to_string()),
         }
     }
 
     pub(super) fn value<T: Valued>(self) -> Result<T, Unparsed> {
         match self {
-            Written::Coded(coded) => T::value(&coded),
-            Written::Sentence(words) => {
+            CodeOrSentence::Coded(coded) => T::value(&coded),
+            CodeOrSentence::Sentence(words) => {
                 let read = T::earlier(&words).and_then(|coded| T::value(&coded).ok());
                 Ok(read.unwrap_or_else(|| T::words(words)))
             }

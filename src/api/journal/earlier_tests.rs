@@ -1,6 +1,6 @@
 //! Sentences as versions up to format 4 wrote them with the codes that they become, and sentences that none of them wrote.
 
-use super::super::coded::{Form, Valued, Written};
+use super::super::coded::{CodeOrSentence, Form, Valued};
 use super::super::refused;
 use super::*;
 use hallsweep_core::asked::Asked;
@@ -206,7 +206,7 @@ fn now(coded: Coded) -> String {
 }
 
 fn read<T: Valued>(sentence: &str) -> T {
-    Written::Sentence(sentence.to_owned()).value().unwrap()
+    CodeOrSentence::Sentence(sentence.to_owned()).value().unwrap()
 }
 
 fn reads_as<T: Valued>(sentences: &[(&str, &str)]) {

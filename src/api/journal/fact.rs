@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::coded::{Coded, Form, Written};
+use super::coded::{CodeOrSentence, Coded, Form};
 use super::conditions::ConditionsShape;
 use super::luggage::LuggageShape;
 use super::names::SearchShape;
@@ -132,7 +132,7 @@ pub(super) enum Shape {
     AlarmRaised {
         alarm: u64,
         luggage: Option<u64>,
-        text: Written,
+        text: CodeOrSentence,
     },
     AlarmAcknowledged {
         alarm: u64,
@@ -148,7 +148,7 @@ pub(super) enum Shape {
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct CommandShape {
-    command: Written,
+    command: CodeOrSentence,
     door: String,
     who: String,
     from: String,
@@ -212,7 +212,7 @@ impl Shape {
             Fact::Conditions(conditions) => Shape::Conditions(conditions.into()),
             Fact::State(state) => Shape::Standing { standing: Box::new(StandingShape::of(state, form)) },
             Fact::Command { issuer, id, asked, epoch, luggage, refused } => Shape::Command(CommandShape {
-                command: Written::of(asked, form),
+                command: CodeOrSentence::of(asked, form),
                 door: issuer.door.0.to_owned(),
                 who: issuer.who.to_string(),
                 from: issuer.from.to_string(),
@@ -252,7 +252,7 @@ impl Shape {
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
-                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: Written::of(cause, form) }
+                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: CodeOrSentence::of(cause, form) }
             }
             Fact::AlarmAcknowledged(alarm, who) => Shape::AlarmAcknowledged { alarm: alarm.0, who: who.to_string() },
             Fact::Strategy(strategy) => Shape::Strategy { strategy: strategy.name().to_owned() },

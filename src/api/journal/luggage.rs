@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::coded::{Form, Written};
+use super::coded::{CodeOrSentence, Form};
 use super::places::{Moment, Point, PoseShape};
 use super::{Unparsed, names};
 use hallsweep_core::units::{AlarmId, LuggageId, Piece};
@@ -55,7 +55,7 @@ struct DecisionShape {
 pub(super) struct AlarmShape {
     id: u64,
     raised: Moment,
-    text: Written,
+    text: CodeOrSentence,
     luggage: Option<u64>,
     acknowledged: Option<SeenShape>,
 }
@@ -128,7 +128,7 @@ impl AlarmShape {
         AlarmShape {
             id: alarm.id.0,
             raised: alarm.raised.into(),
-            text: Written::of(&alarm.cause, form),
+            text: CodeOrSentence::of(&alarm.cause, form),
             luggage: alarm.luggage.map(|id| id.0),
             acknowledged: seen.map(|(who, wall)| SeenShape { who: who.to_string(), when: (*wall).into() }),
         }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
-use super::coded::{Form, Written};
+use super::coded::{CodeOrSentence, Form};
 use super::names::Step;
 use super::places::{Point, PoseShape};
 use hallsweep_core::phase::FaultCause;
@@ -53,7 +53,7 @@ pub(super) enum CauseShape {
     Unanswered,
     Undecided,
     Robot(String),
-    NotFetched(Written),
+    NotFetched(CodeOrSentence),
 }
 
 impl PhaseShape {
@@ -140,7 +140,7 @@ impl CauseShape {
             FaultCause::Unanswered => CauseShape::Unanswered,
             FaultCause::Undecided => CauseShape::Undecided,
             FaultCause::Robot(words) => CauseShape::Robot(words.clone()),
-            FaultCause::NotFetched(why) => CauseShape::NotFetched(Written::of(why, form)),
+            FaultCause::NotFetched(why) => CauseShape::NotFetched(CodeOrSentence::of(why, form)),
         }
     }
 

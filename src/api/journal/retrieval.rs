@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::coded::{Form, Written};
+use super::coded::{CodeOrSentence, Form};
 use super::places::Point;
 use super::team::TeamShape;
 use super::{Unparsed, names};
@@ -34,13 +34,13 @@ enum StageShape {
     MakingRoom,
     Fetching,
     LettingGo,
-    GoingOut(Option<Written>),
-    ComingHome(Option<Written>),
+    GoingOut(Option<CodeOrSentence>),
+    ComingHome(Option<CodeOrSentence>),
 }
 
 impl RetrievalShape {
     pub(super) fn of(retrieval: &Retrieval, form: Form) -> RetrievalShape {
-        let why = |reason: &Option<NotFetched>| reason.as_ref().map(|reason| Written::of(reason, form));
+        let why = |reason: &Option<NotFetched>| reason.as_ref().map(|reason| CodeOrSentence::of(reason, form));
         RetrievalShape {
             luggage: retrieval.luggage.0,
             fetcher: retrieval.fetcher.name().to_owned(),
@@ -65,8 +65,8 @@ impl RetrievalShape {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
                 StageShape::LettingGo => RetrievalStage::LettingGo,
-                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason.map(Written::value).transpose()?),
-                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason.map(Written::value).transpose()?),
+                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason.map(CodeOrSentence::value).transpose()?),
+                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason.map(CodeOrSentence::value).transpose()?),
             },
             piece: self.piece.into_iter().map(Into::into).collect(),
             call: self.call.map(AlarmId),
