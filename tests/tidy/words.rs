@@ -16,10 +16,10 @@ pub(crate) fn header(source: &Source) -> Vec<String> {
     vec![source.at(1, "it must open with `//!`: a sentence on its job, then what is deliberately not here")]
 }
 
-/// Only `runtime/clock.rs` looks at the clock, and examples and benchmarks, which are programs of their own; everybody else is told
-/// the time.
+/// Only `runtime/clock.rs` looks at the clock, and examples, benchmarks and binaries of crates, which are programs of their
+/// own; everybody else is told the time.
 pub(crate) fn clock(source: &Source) -> Vec<String> {
-    let is_a_program = ["/examples/", "/benches/"].iter().any(|folder| source.path.contains(folder));
+    let is_a_program = ["/examples/", "/benches/", "/src/bin/"].iter().any(|folder| source.path.contains(folder));
     if source.path == "src/runtime/clock.rs" || is_a_program {
         return Vec::new();
     }
