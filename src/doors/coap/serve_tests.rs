@@ -339,8 +339,9 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
     (driver, address)
 }
 
-/// Safety S1, S7, S9. There are more datagrams than can be received in a turn, whatever the time.
-#[tokio::test]
+/// Safety S1, S7, S9. There are more datagrams than can be received in a turn, in which the time stands still here: on a busy
+/// machine a turn is over after a few.
+#[tokio::test(start_paused = true)]
 async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
     let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
     (0..100).for_each(|id| {
