@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use super::journal::{self, Line};
+use crate::runtime::archive::{Happened, Unreadable};
 use hallsweep_core::command::{Refused, Strategy, Verdict};
 use hallsweep_core::event::{Parts, RobotId};
 use hallsweep_core::phase::PhaseName;
@@ -11,7 +13,7 @@ use hallsweep_core::snapshot::log::{LogLine, Tone};
 use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::snapshot::said::Said;
 use hallsweep_core::snapshot::{MissionView, Progress, Refusals, Snapshot};
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{AlarmCause, AlarmView};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
@@ -20,6 +22,15 @@ use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
 /// 10:00 on 3 February 2026, one hour east of Greenwich.
 pub(crate) const TEN: WallTime = WallTime { unix_ms: 1_770_109_200_000, offset_s: 3600 };
+
+/// These entries as they are exported.
+pub(crate) fn exported(mission: MissionId, happened: Vec<Happened>) -> Vec<(Seq, String)> {
+    let line = |(seq, entry): Happened| match entry {
+        Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
+        Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
+    };
+    happened.into_iter().map(line).collect()
+}
 
 /// An idle robot at home that knows only its cell, at revision 1.
 pub(crate) fn idle() -> Snapshot {

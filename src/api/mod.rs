@@ -29,8 +29,6 @@ pub mod mission;
 pub mod mission_record;
 pub mod old_clients;
 pub mod old_items;
-#[cfg(test)]
-pub(crate) mod partial_archive;
 pub mod problem;
 pub mod replay;
 pub mod resources;

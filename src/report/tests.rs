@@ -10,10 +10,11 @@ use sha2::{Digest, Sha256};
 use super::edition_tests::words;
 use super::scaled::tests::{noise, png};
 use super::{Claim, Comparison, Difference, Failure, Report, list};
+use crate::api::fixture::exported;
 use crate::api::journal::arbitrary;
-use crate::api::partial_archive::PartialArchive;
 use crate::phrases::{Language, said_here};
 use crate::runtime::archive::{At, Happened, Head, NoTake, PastMoment, Sound, Unreadable, hex};
+use crate::runtime::partial_archive::PartialArchive;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Strategy};
 use hallsweep_core::effect::{Entry, Fact};
@@ -80,6 +81,10 @@ impl PartialArchive for Mission {
         let damaged = |seq| (seq == 3).then(|| Unreadable("a mouse was at it".to_owned()));
         let happened = |(entry, seq): (&Entry, u64)| (Seq(seq), damaged(seq).map_or_else(|| Ok(entry.clone()), Err));
         self.entries.iter().zip(1..).map(happened).collect()
+    }
+
+    fn lines(&self, mission: MissionId, happened: Vec<Happened>) -> Vec<(Seq, String)> {
+        exported(mission, happened)
     }
 
     fn head(&self, until: Seq) -> Option<Head> {

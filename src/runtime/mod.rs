@@ -12,6 +12,8 @@ mod links;
 #[cfg(test)]
 pub(crate) mod obedient;
 mod overflow;
+#[cfg(test)]
+pub(crate) mod partial_archive;
 pub mod simulator;
 pub mod store;
 pub mod task;

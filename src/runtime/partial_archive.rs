@@ -1,7 +1,6 @@
 //! An archive for tests that has only what a test puts into it.
 
-use crate::api::journal::{self, Line};
-use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
+use super::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
@@ -40,6 +39,11 @@ pub(crate) trait PartialArchive: Send + Sync {
 
     /// All entries of a mission.
     fn entries(&self, _: MissionId) -> Vec<Happened> {
+        Vec::new()
+    }
+
+    /// These entries as they are exported.
+    fn lines(&self, _: MissionId, _: Vec<Happened>) -> Vec<(Seq, String)> {
         Vec::new()
     }
 
@@ -101,11 +105,7 @@ impl<A: PartialArchive> Archive for A {
     }
 
     fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable> {
-        let line = |(seq, entry): Happened| match entry {
-            Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
-            Err(Unreadable(why)) => (seq, journal::unreadable(seq, &why)),
-        };
-        Ok(Archive::entries(self, mission, span, most)?.into_iter().map(line).collect())
+        Ok(PartialArchive::lines(self, mission, Archive::entries(self, mission, span, most)?))
     }
 
     fn head(&self, _: MissionId, until: Seq) -> Result<Option<Head>, Unreadable> {

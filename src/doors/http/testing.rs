@@ -18,18 +18,19 @@ use super::peer::Peer;
 use super::prefix::root;
 use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
-use crate::api::partial_archive::PartialArchive;
+use crate::api::fixture::exported;
 use crate::runtime::archive::{At, Happened, MissionRecord, NoTake, PastMoment, Sound, Unreadable};
 use crate::runtime::archive_reader::ArchiveReader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::partial_archive::PartialArchive;
 use crate::runtime::within::within;
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Photo;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{LuggageId, MissionId};
+use hallsweep_core::units::{LuggageId, MissionId, Seq};
 
 pub(super) struct TestApp {
     pub(super) door: HttpDoor,
@@ -77,6 +78,10 @@ impl PartialArchive for Pictures {
 
     fn entries(&self, mission: MissionId) -> Vec<Happened> {
         if mission == MissionId(1) { past::entries() } else { Vec::new() }
+    }
+
+    fn lines(&self, mission: MissionId, happened: Vec<Happened>) -> Vec<(Seq, String)> {
+        exported(mission, happened)
     }
 
     fn is_on_timeline(&self, (_, entry): &Happened) -> bool {
