@@ -34,7 +34,7 @@ enum Fault {
     Version(Vec<u8>),
     LineEnd(usize, &'static str),
     /// An additional line at this place.
-    ServerContext(usize, Vec<u8>),
+    Line(usize, Vec<u8>),
     Again(usize),
     /// The value of this line begins on the next line.
     Folded(usize),
@@ -77,7 +77,7 @@ impl Sent {
             // A bare carriage return before the empty line would end no head.
             Fault::LineEnd(line, "\r") => self.ends[line % lines] = b"\r".to_vec(),
             Fault::LineEnd(line, end) => self.ends[line % (lines + 1)] = end.into(),
-            Fault::ServerContext(place, line) => self.insert(place, line),
+            Fault::Line(place, line) => self.insert(place, line),
             Fault::Again(line) => self.insert(line + 1, self.fields[line % lines].clone()),
             Fault::Folded(line) => {
                 let colon = self.colon(line);
@@ -215,10 +215,10 @@ fn fault() -> impl Strategy<Value = Fault> {
         targets.prop_map(Fault::Target),
         line().prop_map(Fault::Version),
         (any::<usize>(), select(vec!["\n", "\r\r\n", "\r", "  \r\n", "\t\n"])).prop_map(|(line, end)| Fault::LineEnd(line, end)),
-        (any::<usize>(), line()).prop_map(|(place, line)| Fault::ServerContext(place, line)),
-        (any::<usize>(), header_line()).prop_map(|(place, line)| Fault::ServerContext(place, line)),
+        (any::<usize>(), line()).prop_map(|(place, line)| Fault::Line(place, line)),
+        (any::<usize>(), header_line()).prop_map(|(place, line)| Fault::Line(place, line)),
         (any::<usize>(), select(vec!["Authorization: Bearer wrong", "Authorization: Basic eDp5", "Authorization:"]))
-            .prop_map(|(place, line)| Fault::ServerContext(place, line.into())),
+            .prop_map(|(place, line)| Fault::Line(place, line.into())),
         (0..1_000usize).prop_map(Fault::Again),
         any::<usize>().prop_map(Fault::Folded),
         any::<usize>().prop_map(Fault::SpaceBeforeColon),
