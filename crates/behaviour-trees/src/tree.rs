@@ -131,8 +131,8 @@ pub struct Tree {
 pub struct NodeView<'a> {
     /// Its number.
     pub node: NodeId,
-    /// Its path, as BehaviorTree.CPP makes it (`fullPath`): names of subtrees, and its own, joined with `/`; with `::`
-    /// and its UID where it has no name of its own. No two nodes have the same.
+    /// Its path, as BehaviorTree.CPP makes it (`fullPath`): names of subtrees and its own name, joined with `/`. If it has
+    /// no name of its own, or another node has that path, `::` and its UID follow. No two nodes have the same path.
     pub path: &'a str,
     /// Its name, or that of its kind.
     pub name: &'a str,

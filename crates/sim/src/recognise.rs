@@ -1,5 +1,5 @@
-//! What the camera takes an obstacle for that the robot has met, or has seen ahead. Its errors are made in `senses`,
-//! and its pictures in `camera`.
+//! What the camera takes an obstacle for that the robot has met, or has seen ahead. The camera's errors are made in
+//! `senses`, its pictures in `camera`.
 
 use super::hall::{Hall, Truth};
 use hallsweep_core::event::Obstacle;

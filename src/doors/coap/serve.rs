@@ -1,5 +1,5 @@
-//! The loop of the door: passes datagrams to the endpoint, its requests to the application, answers, changes and time back to it,
-//! and its output to the socket. It interprets nothing.
+//! The loop of the door. Datagrams go to the endpoint, and its requests to the application; answers, changes and time go
+//! back to the endpoint, whose output goes to the socket. Nothing is interpreted here.
 
 use std::sync::Arc;
 use std::time::Duration;

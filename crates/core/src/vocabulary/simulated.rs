@@ -41,7 +41,7 @@ pub struct Change {
 /// How fast simulated time runs beside the real one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// So many times as fast.
+    /// A factor of real time.
     Times(f64),
     /// It jumps to the end of what is under way.
     Max,
