@@ -55,7 +55,8 @@ fn inspected(engine: &ContainerEngine, image: &str) -> Value {
 
 /// The third parties' crates that are in the program, as cargo resolves them.
 fn crates() -> BTreeSet<(String, String)> {
-    let tree = ["tree", "--locked", "--offline", "--prefix=none", "--edges=normal,no-proc-macro", "--format={p}"];
+    let tree =
+        ["tree", "--locked", "--offline", "--package=hallsweep", "--prefix=none", "--edges=normal,no-proc-macro", "--format={p}"];
     let target = format!("--target={}-unknown-linux-gnu", std::env::consts::ARCH);
     let listed = Command::new(env!("CARGO")).args(tree).arg(target).output().expect("cargo is there");
     assert!(listed.status.success(), "{}", text(&listed.stderr));
