@@ -102,9 +102,11 @@ impl Engine {
         // This hold concerns the link of the robot that searches, or of one that fetches with others; the rest have
         // holds of their own.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
-            self.halt_searching()
+            self.halt_searching();
         } else {
-            self.halt_moving()
+            for robot in self.robots.moving() {
+                self.send_halt_to(&robot);
+            }
         }
         self.stop_trees_clock();
         let mut holds = self.state.holds.clone();
@@ -138,12 +140,6 @@ impl Engine {
     pub(super) fn halt_searching(&mut self) {
         if self.robots.searching().controller.is_moving() {
             self.send_halt_to(&self.robots.searching_id().clone());
-        }
-    }
-
-    fn halt_moving(&mut self) {
-        for robot in self.robots.moving() {
-            self.send_halt_to(&robot);
         }
     }
 

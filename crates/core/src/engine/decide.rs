@@ -62,21 +62,40 @@ impl Engine {
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
-            Guard::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
+            Guard::VerdictAwaited => {
+                let explores = matches!(phase.underlying(), Phase::Exploring | Phase::AtHome);
+                self.first_pending(true).filter(|_| explores).map(Refused::VerdictPending)
+            }
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
             Guard::OperatorAsked => self.asked().map(Refused::VerdictPending),
             Guard::Driving => Some(Refused::Driving),
             Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
             Guard::IntoObstacle => {
-                self.aims_at(context).filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
+                // The cell that a move would enter first, or that a goto aims at.
+                let pose = self.state.pose;
+                let entered = context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell);
+                entered.filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
-            Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
+            Guard::NotCapable => {
+                let is_nudge = matches!(context.step, Some(Move::NudgeLeft | Move::NudgeRight));
+                let can_nudge = self.robots.searching().controller.capabilities.is_some_and(|can| can.nudges);
+                forbids(is_nudge && !can_nudge, Refused::NotCapable)
+            }
             Guard::Moving => {
                 let is_about_to = self.state.phase.is_motion() && self.state.holds.is_empty();
                 forbids(is_about_to || !self.robots.moving().is_empty(), Refused::Moving)
             }
-            Guard::Unrecorded => forbids(self.is_unrecorded(), Refused::Unrecorded),
-            Guard::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
+            Guard::Unrecorded => {
+                let is_photo_awaited = matches!(self.stage(), Some(Stage::TakingPhoto));
+                forbids(!self.mission.recording.is_empty() || is_photo_awaited, Refused::Unrecorded)
+            }
+            Guard::BombUnfetched => {
+                let mut bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id);
+                let unseen = |id: LuggageId| {
+                    self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none())
+                };
+                bombs.find(|id| unseen(*id)).map(Refused::BombUnfetched)
+            }
             Guard::UnknownLuggage => match context.luggage {
                 None => Some(Refused::NothingPending),
                 Some(id) => forbids(luggage.is_none(), Refused::UnknownLuggage(id)),
@@ -123,7 +142,8 @@ impl Engine {
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
             Case::SameVerdict => {
-                context.verdict.is_some() && context.luggage.and_then(|id| self.verdict_of(id)) == context.verdict
+                let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
+                context.verdict.is_some() && verdict == context.verdict
             }
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
@@ -138,10 +158,6 @@ impl Engine {
         self.verdict_kept(luggage).or_else(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
     }
 
-    fn verdict_of(&self, luggage: LuggageId) -> Option<Verdict> {
-        self.verdict_kept(luggage).or_else(|| self.mission.deciding(luggage))
-    }
-
     /// The first piece with a pending verdict, or with a pending verdict and a usable photo.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
         self.state.luggage.pending().find(|luggage| !with_photo || luggage.has_photo()).map(|luggage| luggage.id)
@@ -150,27 +166,6 @@ impl Engine {
     /// The piece in front of the robot, if it waits for its verdict.
     pub(super) fn asked(&self) -> Option<LuggageId> {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
-    }
-
-    /// The cell that a move or goto would enter first, or aims at.
-    fn aims_at(&self, context: &InputContext) -> Option<Cell> {
-        let pose = self.state.pose;
-        context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
-    }
-
-    fn cannot(&self, step: Option<Move>) -> bool {
-        let nudge = matches!(step, Some(Move::NudgeLeft | Move::NudgeRight));
-        nudge && !self.robots.searching().controller.capabilities.is_some_and(|can| can.nudges)
-    }
-
-    fn is_unrecorded(&self) -> bool {
-        !self.mission.recording.is_empty() || matches!(self.stage(), Some(Stage::TakingPhoto))
-    }
-
-    fn bomb_unseen(&self) -> Option<LuggageId> {
-        let unseen =
-            |id: LuggageId| self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
-        self.state.luggage.bombs_left().map(|luggage| luggage.id).find(|id| unseen(*id))
     }
 
     /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
@@ -191,8 +186,4 @@ impl Engine {
     pub(super) fn phase_name(&self) -> PhaseName {
         self.state.phase.name()
     }
-}
-
-fn explores(phase: &Phase) -> bool {
-    matches!(phase.underlying(), Phase::Exploring | Phase::AtHome)
 }

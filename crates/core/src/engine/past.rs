@@ -41,7 +41,11 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             if cells.last() != Some(&pose.cell) {
                 cells.push(pose.cell);
             }
-        } else if begins_a_way(&entry.fact) {
+        } else if matches!(
+            &entry.fact,
+            Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MapEmptied(_) | Fact::Strategy(_)
+        ) {
+            // A new way begins.
             cells.drain(..cells.len().saturating_sub(1));
         }
     }
@@ -53,10 +57,6 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
         cells.remove(0);
     }
     cells.split_off(cells.len().saturating_sub(TRAIL))
-}
-
-const fn begins_a_way(fact: &Fact) -> bool {
-    matches!(fact, Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MapEmptied(_) | Fact::Strategy(_))
 }
 
 impl Past {

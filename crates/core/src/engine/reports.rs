@@ -6,7 +6,7 @@ use super::Engine;
 use crate::arm::{ArmAction, ArmState};
 use crate::command::{Move, ROBOT};
 use crate::effect::{Action, Fact, Order};
-use crate::event::{Capabilities, Obstacle, OffCentre, Photo, RobotEvent, RobotId, Whereabouts};
+use crate::event::{Capabilities, Obstacle, OffCentre, RobotEvent, RobotId, Whereabouts};
 use crate::hold::{Hold, HoldReason};
 use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
@@ -44,9 +44,21 @@ impl Engine {
             }
             RobotEvent::Done(id) => self.done(robot, id),
             RobotEvent::Blocked(id, obstacle) => self.blocked(robot, id, obstacle),
-            RobotEvent::Halted(id, off_centre) => self.halted(robot, id, off_centre),
-            RobotEvent::Photo(id, photo) => self.photo_taken(robot, id, photo),
-            RobotEvent::PhotoFailed(id, words) => self.photo_failed(robot, id, words),
+            RobotEvent::Halted(id, off_centre) => {
+                if self.close(robot, id).is_some() && off_centre {
+                    self.set_off_centre(robot, true);
+                }
+            }
+            RobotEvent::Photo(id, photo) => {
+                if self.close(robot, id).is_some() && self.searches(robot) {
+                    self.feed(Input::PhotoTaken, &InputContext { photo: Some(photo), ..InputContext::default() });
+                }
+            }
+            RobotEvent::PhotoFailed(id, words) => {
+                if self.close(robot, id).is_some() {
+                    self.say_photo_failed(robot, words);
+                }
+            }
             RobotEvent::Failed(id, words) => self.failed(robot, id, words),
             RobotEvent::Sonar(cm) => self.sonar(robot, cm),
             RobotEvent::Ahead(ahead) => {
@@ -302,24 +314,6 @@ impl Engine {
         };
         self.meet(cell, pose.heading, obstacle);
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
-    }
-
-    fn halted(&mut self, robot: &RobotId, id: OrderId, off_centre: OffCentre) {
-        if self.close(robot, id).is_some() && off_centre {
-            self.set_off_centre(robot, true);
-        }
-    }
-
-    fn photo_taken(&mut self, robot: &RobotId, id: OrderId, photo: Photo) {
-        if self.close(robot, id).is_some() && self.searches(robot) {
-            self.feed(Input::PhotoTaken, &InputContext { photo: Some(photo), ..InputContext::default() });
-        }
-    }
-
-    fn photo_failed(&mut self, robot: &RobotId, id: OrderId, words: String) {
-        if self.close(robot, id).is_some() {
-            self.say_photo_failed(robot, words);
-        }
     }
 
     fn failed(&mut self, robot: &RobotId, id: OrderId, words: String) {

@@ -27,17 +27,14 @@ use crate::world::resource::Resource;
 impl Engine {
     /// The robots that fetch, by the settings; `None` when they do not exist, or nobody is to fetch.
     pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
+        // Until a robot has reported its capabilities it is assumed to have a gripper.
+        let can_take = self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper));
         let fetchers = match self.settings.fetcher {
             Fetcher::Pair => Which::ALL.map(Which::robot).to_vec(),
-            Fetcher::Discovery if self.can_take() => vec![self.robots.searching_id().clone()],
+            Fetcher::Discovery if can_take => vec![self.robots.searching_id().clone()],
             Fetcher::Discovery | Fetcher::None => return None,
         };
         fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
-    }
-
-    /// Whether the robot that searches has something to take a piece with, as far as is known.
-    fn can_take(&self) -> bool {
-        self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper))
     }
 
     /// The first robot needed for a retrieval whose link is not up.
@@ -215,8 +212,10 @@ impl Engine {
             return Turn::Again;
         }
         for which in inside.into_iter().rev() {
-            let taken = [stands[which.other().index()].place];
-            if let Some(action) = self.next_step_out(stands[which.index()], &taken) {
+            let (base, taken) = (stands[which.index()], [stands[which.other().index()].place]);
+            let floor = Floor { map: &self.state.map, way_out: true, freed: &BTreeSet::new(), taken: &taken };
+            let way = floor.approach(base.place, Place::ENTRANCE);
+            if let Some(action) = way.and_then(|way| steer(base, *way.first()?, Gear::Forwards)) {
                 return self.all(&[which], action);
             }
         }
@@ -244,12 +243,6 @@ impl Engine {
             self.let_through(*one, action);
         }
         Turn::Rest
-    }
-
-    fn next_step_out(&self, stands: BasePose, taken: &[Place]) -> Option<Action> {
-        let floor = Floor { map: &self.state.map, way_out: true, freed: &BTreeSet::new(), taken };
-        let way = floor.approach(stands.place, Place::ENTRANCE)?;
-        steer(stands, *way.first()?, Gear::Forwards)
     }
 
     /// The robot that searches goes to where a mission begins: home.

@@ -4,12 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
-use super::on_record::StateView;
 use crate::command::{Move, Refused};
 use crate::engine::robots::Robot;
 use crate::hold::Hold;
 use crate::mission::{Input, InputContext};
-use crate::phase::{FaultCause, PhaseName};
+use crate::phase::PhaseName;
 use crate::robot::{Part, RobotId, RobotState};
 use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;
@@ -98,7 +97,11 @@ impl Engine {
         let shown = &self.on_record.shown;
         let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
         let route = if as_it_is { cells_along(self.state.pose, self.mission.route.iter().copied()) } else { Vec::new() };
-        let (phase, interrupted, fault) = self.phase_shown(shown);
+        // A fault is a warning, so it is shown at once; the phase that it interrupts is the one that was shown before.
+        let (phase, interrupted, fault) = match self.state.phase.fault() {
+            Some(cause) => (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.clone())),
+            None => (shown.phase, shown.interrupted, shown.fault.clone()),
+        };
         MissionView {
             id: shown.mission,
             phase,
@@ -116,12 +119,6 @@ impl Engine {
             clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
         }
-    }
-
-    /// A fault is a warning, so it is shown at once; the phase that it interrupts is the one that was shown before.
-    fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<FaultCause>) {
-        let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
-        (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.clone()))
     }
 
     /// A hold is shown as soon as it stands. One that a command has cleared is shown until that is on record.

@@ -175,6 +175,8 @@ impl<'a> Sight<'a> {
         let seen =
             (0..RUN.cast_signed()).take_while(|n| grid.here(onward(self.entry.target, n * self.forward)) == Square::Seen).count();
         let (sides, behind, straight_on) = (pair((0, 1)), self.is_unknown((1, 0)), self.turn == Turn::StraightOn);
+        let side = if self.entry.at.heading == self.looking.heading.right() { 1 } else { -1 };
+        let is_same_turn = self.turn == Turn::Aside && side == self.looking.gait.turn;
         let count = |n: usize| i16::try_from(n).unwrap_or(0) * 1000;
         let whole = |n: i16| n * 1000;
         let is = |so: bool| whole(i16::from(so));
@@ -201,7 +203,7 @@ impl<'a> Sight<'a> {
             whole(blocked((-1, 1))),
             is(straight_on),
             is(self.turn == Turn::Back),
-            is(self.is_same_turn()),
+            is(is_same_turn),
             whole(diagonal(1, true) + diagonal(-1, true)),
             whole(diagonal(1, false) + diagonal(-1, false)),
             is(matches!(self.entry.at.heading, Heading::North | Heading::South)),
@@ -215,11 +217,6 @@ impl<'a> Sight<'a> {
         let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
         let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
         i16::try_from(cells * 100).unwrap_or(if cells > 0 { i16::MAX } else { i16::MIN })
-    }
-
-    fn is_same_turn(&self) -> bool {
-        let side = if self.entry.at.heading == self.looking.heading.right() { 1 } else { -1 };
-        self.turn == Turn::Aside && side == self.looking.gait.turn
     }
 
     fn rows(&self) -> [u32; TABLES.len()] {

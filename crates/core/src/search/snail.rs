@@ -70,7 +70,11 @@ impl Snail {
                     return NextGoal::GoHome;
                 }
                 SnailStage::NextRing => {
-                    self.stage = if nothing_lies_beyond(view, ways, self.ring) { SnailStage::Finish } else { SnailStage::Corner };
+                    // Both far walls are known when south-east of home nothing unknown can be reached outside the
+                    // ring's square.
+                    let ring = self.ring;
+                    let beyond = nearest(view, ways, |cell| cell.x >= 0 && cell.y >= 0 && cell.x.max(cell.y) > ring);
+                    self.stage = if beyond.is_none() { SnailStage::Finish } else { SnailStage::Corner };
                     self.ring += 1;
                 }
                 SnailStage::Finish => {
@@ -101,11 +105,6 @@ impl Snail {
         });
         Cell::new(self.ring.min(most.x), self.ring.min(most.y))
     }
-}
-
-/// Whether both far walls are known: south-east of home nothing unknown can be reached outside the ring's square.
-fn nothing_lies_beyond(view: &View<'_>, ways: &mut Ways, ring: i32) -> bool {
-    nearest(view, ways, |cell| cell.x >= 0 && cell.y >= 0 && cell.x.max(cell.y) > ring).is_none()
 }
 
 #[cfg(test)]

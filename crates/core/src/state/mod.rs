@@ -141,17 +141,23 @@ impl PersistentState {
             Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
             Fact::Retrieval(retrieval) => self.retrieval = retrieval.as_deref().cloned(),
             Fact::MetAgain(cell, piece) => drop(self.met_again.insert(*cell, *piece)),
-            Fact::Secured(luggage) => self.secure(*luggage, wall),
+            // The piece is in the container; it is not met again.
+            Fact::Secured(luggage) => self.luggage.change(*luggage, |record| record.secured = Some(wall)),
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),
             Fact::Verdict { luggage, verdict, who, note } => {
-                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone() });
+                let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone() };
+                self.luggage.change(*luggage, |record| record.verdict = Some(decision));
             }
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) | Fact::ThermometerSilent(_) => {}
             Fact::AlarmRaised(id, luggage, cause) => self.alarm(*id, *luggage, cause, wall),
-            Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, wall),
+            Fact::AlarmAcknowledged(id, who) => {
+                if let Some(alarm) = self.alarms.iter_mut().find(|alarm| alarm.id == *id) {
+                    *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(who), wall)), ..Alarm::clone(alarm) });
+                }
+            }
             Fact::Strategy(strategy) => {
                 self.strategy = *strategy;
                 self.search_anew();
@@ -212,11 +218,6 @@ impl PersistentState {
         self.last_luggage = self.last_luggage.max(record.id);
     }
 
-    /// The piece is in the container; it is not met again.
-    fn secure(&mut self, luggage: LuggageId, wall: WallTime) {
-        self.luggage.change(luggage, |record| record.secured = Some(wall));
-    }
-
     /// Times that were noted earlier are shifted, as if the clock had always been as it is now.
     fn set_clock(&mut self, by_ms: i64) {
         self.clock_set_ms = self.clock_set_ms.saturating_add(by_ms);
@@ -226,18 +227,8 @@ impl PersistentState {
         }
     }
 
-    fn decide(&mut self, luggage: LuggageId, decision: Decision) {
-        self.luggage.change(luggage, |record| record.verdict = Some(decision));
-    }
-
     fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, cause: &AlarmCause, raised: WallTime) {
         self.alarms.push(Arc::new(Alarm { id, raised, cause: cause.clone(), luggage, acknowledged: None }));
         self.last_alarm = self.last_alarm.max(id);
-    }
-
-    fn acknowledge(&mut self, id: AlarmId, who: &Arc<str>, wall: WallTime) {
-        if let Some(alarm) = self.alarms.iter_mut().find(|alarm| alarm.id == id) {
-            *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(who), wall)), ..Alarm::clone(alarm) });
-        }
     }
 }
