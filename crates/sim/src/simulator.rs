@@ -291,7 +291,12 @@ impl Sim {
             self.unkept = true;
             match due {
                 Due::End => self.finish(),
-                Due::Deadline => self.give_up(),
+                Due::Deadline => {
+                    if let Some(order) = self.task.as_ref().map(|task| task.order) {
+                        self.stop_wheels();
+                        self.fail(order, "it did not finish in time and has halted by itself");
+                    }
+                }
                 Due::Temperature => self.events.extend(self.thermometer.read()),
             }
         }
@@ -332,12 +337,6 @@ impl Sim {
             Work::Photograph { film, .. } => self.deliver(order, film),
             Work::Handle { what, .. } => self.handled(order, what),
         }
-    }
-
-    fn give_up(&mut self) {
-        let Some(order) = self.task.as_ref().map(|task| task.order) else { return };
-        self.stop_wheels();
-        self.fail(order, "it did not finish in time and has halted by itself");
     }
 
     fn fail(&mut self, order: OrderId, words: &str) {

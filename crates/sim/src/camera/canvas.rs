@@ -57,7 +57,9 @@ impl Canvas {
                 let around = [place - 1, place + 1, place - WIDTH, place + WIDTH];
                 if around.iter().any(|other| self.solids[*other] != self.solids[place]) {
                     let sum = |part: usize| around.iter().map(|other| u16::from(sharp[*other][part])).sum::<u16>();
-                    self.pixels[place] = [0, 1, 2].map(|part| mean(u16::from(sharp[place][part]) * 4 + sum(part)));
+                    // The mean of eight bytes fits into a byte.
+                    self.pixels[place] =
+                        [0, 1, 2].map(|part| ((u16::from(sharp[place][part]) * 4 + sum(part)) / 8).to_le_bytes()[0]);
                 }
             }
         }
@@ -67,11 +69,6 @@ impl Canvas {
     pub(super) fn into_bytes(self) -> Vec<u8> {
         self.pixels.into_flattened()
     }
-}
-
-/// An eighth, which fits into a byte when the sum is of eight bytes.
-const fn mean(sum_of_eight: u16) -> u8 {
-    (sum_of_eight / 8).to_le_bytes()[0]
 }
 
 impl Frame {

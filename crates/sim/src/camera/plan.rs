@@ -47,14 +47,12 @@ pub fn plan(stamp: Stamp, name: Option<&str>) -> Photo {
     caption::write_large(&mut canvas, "no camera: ahead is up", (112, 78), INK, WORDS);
     let name: String = name.unwrap_or("unknown").chars().take(NAME).collect();
     caption::write_large(&mut canvas, &name, (LEFT + CELL + 12, TOP - CELL / 2 - 10), INK, WORDS);
-    caption::draw_plain(&mut canvas, &place(stamp), stamp.wall);
+    let pose = stamp.pose;
+    let place = format!("ahead {}  robot {} {}", pose.ahead(), pose.cell, pose.heading.name());
+    caption::draw_plain(&mut canvas, &place, stamp.wall);
     let size = |pixels: usize| u32::try_from(pixels).expect("a picture is a few hundred pixels wide");
     let bytes = png(size(WIDTH), size(HEIGHT), &canvas.into_bytes());
     Photo { bytes: bytes.into(), media_type: "image/png" }
-}
-
-fn place(stamp: Stamp) -> String {
-    format!("ahead {}  robot {} {}", stamp.pose.ahead(), stamp.pose.cell, stamp.pose.heading.name())
 }
 
 fn fill(canvas: &mut Canvas, (left, top): (usize, usize), (right, bottom): (usize, usize), paint: Paint) {

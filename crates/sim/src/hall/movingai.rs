@@ -24,14 +24,19 @@ struct Header {
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     let header = header(file, &lines)?;
-    let (width, height) = header.cells();
+    // A map of corners has one more column and one more row than the hall has.
+    let more = usize::from(header.has_corners);
+    let (width, height) = (header.width.saturating_sub(more), header.height.saturating_sub(more));
     let worst = if width == 0 || (width > height && height > 0) { WIDTH_LINE } else { HEIGHT_LINE };
     let size = sides(width as u64, height as u64).map_err(|fault| fault.at(file, worst))?;
     let rows = rows(file, &lines, &header)?;
     let above = if header.has_corners { header.height } else { 0 };
     for (index, row) in rows.iter().enumerate() {
         let line = HEADER_LINES + index + 1;
-        check_width(index, row, header.width).map_err(|fault| fault.at(file, line))?;
+        let found = row.chars().count();
+        if found != header.width {
+            return Err(HallFault::ColumnCount { row: index + 1, said: header.width, found }.at(file, line));
+        }
         if index < above {
             check_corners(index, row).map_err(|fault| fault.at(file, line))?;
         }
@@ -43,14 +48,6 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     let home =
         reading.start_in_largest_part(width.max(1)).ok_or_else(|| HallFault::NoFreeCell.at(file, HEADER_LINES + above + 1))?;
     Ok(Hall::of(name, reading.plan(home, size)))
-}
-
-impl Header {
-    /// Columns and rows of the hall. A map of corners has one more of each than of cells.
-    fn cells(&self) -> (usize, usize) {
-        let less = usize::from(self.has_corners);
-        (self.width.saturating_sub(less), self.height.saturating_sub(less))
-    }
 }
 
 fn header(file: &str, lines: &[&str]) -> Result<Header, HallError> {
@@ -90,11 +87,6 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
         false if header.has_corners => Err(HallFault::CornerRowCount { height, wanted, found }.at(file, line)),
         false => Err(HallFault::RowCount { said: height, found }.at(file, line)),
     }
-}
-
-fn check_width(index: usize, row: &str, width: usize) -> Result<(), HallFault> {
-    let found = row.chars().count();
-    if found == width { Ok(()) } else { Err(HallFault::ColumnCount { row: index + 1, said: width, found }) }
 }
 
 /// The heights of corners do not matter to a robot, but a row of terrain among them means that a row is missing.

@@ -202,7 +202,9 @@ impl Description {
         let of_image = |fault: HallFault| fault.of(image_file);
         let mut image = Image::open(image).map_err(of_image)?;
         let (columns, rows) = image.size();
-        let ratio = whole_if_near(cell_m / self.resolution);
+        // Pixels per cell: 0.5 m over 0.05 m is 10, even if a 32-bit float made 0.0500000007 m of it.
+        let exact = cell_m / self.resolution;
+        let ratio = if is_same(exact, exact.round()) { exact.round() } else { exact };
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
         let size = rows::sides(columns.count as u64, rows.count as u64).map_err(of_image)?;
         let mut truths = vec![PixelGround::Free; columns.count * rows.count];
@@ -330,11 +332,6 @@ pub(super) fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() < ROUNDING * one.abs()
 }
 
-/// Pixels per cell: 0.5 m over 0.05 m is 10, even if a 32-bit float made 0.0500000007 m of it.
-fn whole_if_near(ratio: f64) -> f64 {
-    if is_same(ratio, ratio.round()) { ratio.round() } else { ratio }
-}
-
 /// The pixel, counted from 0, at this distance in pixels from the border of the first one.
 fn pixel_at(pixels: f64) -> Option<usize> {
     let is_near = (pixels - pixels.round()).abs() < NEAR;
@@ -350,8 +347,9 @@ fn whole(cells: f64) -> usize {
 /// The YAML file; `image_file` is the name of its image.
 pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
-    // World (0, 0) is the centre of the home cell; the image is placed by its south-west corner.
-    let metres = |cells: i32| to_micrometres(-(f64::from(cells) + 0.5) * cell_m);
+    // World (0, 0) is the centre of the home cell; the image is placed by its south-west corner,
+    // to the micrometre.
+    let metres = |cells: i32| (-(f64::from(cells) + 0.5) * cell_m * 1e6).round() / 1e6;
     let (x, y) = (metres(home.x), metres(bounds.height() - 1 - home.y));
     format!(
         "image: {}\nmode: trinary\nresolution: {cell_m}\norigin: [{x}, {y}, 0]\n{GREYS}\
@@ -372,10 +370,6 @@ pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Ma
     };
     let pixels: Vec<u8> = squares.map(grey).collect();
     pgm::write(usize::try_from(hall.bounds().width()).unwrap_or(1), &pixels)
-}
-
-fn to_micrometres(metres: f64) -> f64 {
-    (metres * 1e6).round() / 1e6
 }
 
 /// A file name as YAML reads it, in quotes where it needs them.

@@ -116,9 +116,11 @@ impl Scene {
         let mut bytes = Vec::new();
         let limit = MAX_SCENE_BYTES as u64 + 1;
         // Reading a pipe could block.
-        let is_plain = || std::fs::metadata(path).and_then(|about| if about.is_file() { Ok(()) } else { Err(no_file()) });
-        let read =
-            is_plain().and_then(|()| File::open(Path::new(path))).and_then(|file| file.take(limit).read_to_end(&mut bytes));
+        let file = std::fs::metadata(path).and_then(|about| match about.is_file() {
+            true => File::open(Path::new(path)),
+            false => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no plain file")),
+        });
+        let read = file.and_then(|file| file.take(limit).read_to_end(&mut bytes));
         read.map_err(|error| HallFault::UnreadableScene(error.to_string()).of(path))?;
         Scene::parse(path, &bytes)
     }
@@ -157,10 +159,6 @@ impl Scene {
         let step = Duration::try_from_secs_f64(PLAYER / (speed * FRAMES)).ok();
         step.filter(|step| (least..=most).contains(step)).ok_or(HallFault::PlayerSpeed(speed.to_string()))
     }
-}
-
-fn no_file() -> std::io::Error {
-    std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no plain file")
 }
 
 /// The literal as it is written, without the parts that are not needed.

@@ -84,15 +84,20 @@ pub fn explore_and_tell(
     let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
     let (mut bomb_found_at, mut inspected, mut retaken) = (None, BTreeSet::new(), 0);
     let mut tell = |run: &mut Run, state: &Snapshot| {
-        inspected.extend(run.journal.iter().filter_map(|entry| inspected_piece(entry, hall)));
+        for entry in &run.journal {
+            if let Fact::Luggage { record, .. } = &entry.fact {
+                inspected.extend(piece_at(hall, record.cell));
+            }
+        }
         watch(state, &run.journal);
         run.journal.clear();
     };
     let mut stuck = start(&mut run).err();
-    while stuck.is_none() && !has_ended(&mut run) {
+    while stuck.is_none() && !matches!(run.phase(), PhaseName::Explored | PhaseName::BombLocated | PhaseName::BagSecured) {
         let state = run.state();
         tell(&mut run, &state);
-        if bomb_found_at.is_none() && meets_bomb(&state, hall) {
+        let in_front = state.mission.inspected.and_then(|id| state.luggage(id));
+        if bomb_found_at.is_none() && in_front.is_some_and(|luggage| is_bomb(luggage, hall)) {
             bomb_found_at = Some(run.moves.total());
         }
         let answer = answer(&state, hall, verdicts);
@@ -107,16 +112,15 @@ pub fn explore_and_tell(
             }
             Some(command) => run.give(command).err().map(|refused| refused.to_string()),
             None if state.mission.phase == PhaseName::Fault => state.mission.fault.as_ref().map(ToString::to_string),
-            None => (!run.advance()).then(|| why_not(&state)),
+            None => (!run.advance()).then(|| {
+                let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
+                if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
+            }),
         };
     }
     let state = run.state();
     tell(&mut run, &state);
     figures(&mut run, hall, sim.seed, bomb_found_at, stuck, &inspected)
-}
-
-fn inspected_piece(entry: &Entry, hall: &Hall) -> Option<Piece> {
-    if let Fact::Luggage { record, .. } = &entry.fact { piece_at(hall, record.cell) } else { None }
 }
 
 fn piece_at(hall: &Hall, cell: Cell) -> Option<Piece> {
@@ -131,15 +135,6 @@ fn start(run: &mut Run) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-fn has_ended(run: &mut Run) -> bool {
-    matches!(run.phase(), PhaseName::Explored | PhaseName::BombLocated | PhaseName::BagSecured)
-}
-
-fn why_not(state: &Snapshot) -> String {
-    let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
-    if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
 }
 
 /// The operator's next command: a verdict on the piece in front of the robot, a new photo of it, or START once a heat
@@ -158,10 +153,6 @@ fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> 
 
 fn is_bomb(luggage: &Luggage, hall: &Hall) -> bool {
     matches!(hall.truth(luggage.cell), Truth::Luggage(piece) if hall.is_dangerous(piece))
-}
-
-fn meets_bomb(state: &Snapshot, hall: &Hall) -> bool {
-    state.mission.inspected.and_then(|id| state.luggage(id)).is_some_and(|luggage| is_bomb(luggage, hall))
 }
 
 fn figures(

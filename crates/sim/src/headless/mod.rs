@@ -12,7 +12,7 @@ use std::time::Duration;
 use crate::pair::{Pair, PairSettings};
 use crate::{Hall, Sim, SimSettings};
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request, Strategy};
-use hallsweep_core::effect::{Action, Effect, Entry, Page};
+use hallsweep_core::effect::{Action, Effect, Entry};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::phase::PhaseName;
@@ -228,15 +228,13 @@ impl Run {
                 (Some(_) | None, _) => self.sim.handle_halt(self.now),
             },
             Effect::Led(_, blinks) => self.sim.handle_led(blinks),
-            Effect::Record(page) => self.record(page),
+            Effect::Record(page) => {
+                let last = page.last();
+                self.journal.extend(page.entries);
+                self.engine.handle_event(Event::Recorded(last), self.now);
+            }
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }
-    }
-
-    fn record(&mut self, page: Page) {
-        let last = page.last();
-        self.journal.extend(page.entries);
-        self.engine.handle_event(Event::Recorded(last), self.now);
     }
 
     fn count(&mut self, report: &RobotEvent) {

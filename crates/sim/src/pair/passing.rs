@@ -82,7 +82,10 @@ impl Pair {
             }
             Work::Step { to, against: None, .. } => {
                 robot.stands = moved(robot.stands, to);
-                self.leave_parcel(which);
+                // A gripper at a parcel is no longer there once its base has left.
+                if robot.aligned.take().is_some() {
+                    self.tell_arm(which);
+                }
                 self.done(which, order);
             }
             Work::Turn { clockwise } => {
@@ -95,13 +98,6 @@ impl Pair {
                 self.done(which, order);
             }
             Work::Arm(action) => self.finish_arm(which, order, action),
-        }
-    }
-
-    /// A gripper at a parcel is no longer there once its base has left.
-    fn leave_parcel(&mut self, which: Which) {
-        if self.robots[which.index()].aligned.take().is_some() {
-            self.tell_arm(which);
         }
     }
 
