@@ -9,7 +9,7 @@ use super::numbers::Seq;
 use super::picture::{MOST_BYTES, Picture};
 use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
 use hallsweep_core::robot::Part;
-use hallsweep_core::units::{Celsius, Now, OrderId};
+use hallsweep_core::units::{Now, OrderId};
 
 /// Longest time for which the bytes of an unwanted photo are skipped.
 const UNWANTED: Duration = Duration::from_secs(30);
@@ -35,18 +35,16 @@ impl LineDriver {
             (FromRobot::Photo(seq, length, crc), _) => self.expose(seq, length, crc, now),
             (_, LinkStage::Down | LinkStage::Greeting(_)) => {}
             (FromRobot::Sonar(cm), LinkStage::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
-            (FromRobot::Temperature(celsius), LinkStage::Up(_)) => self.warm(celsius),
+            (FromRobot::Temperature(celsius), LinkStage::Up(_)) => {
+                // The hottest between two reports is reported.
+                if self.has(Part::Thermometer) {
+                    self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
+                }
+            }
             (said, LinkStage::Up(_)) => self.answered(said),
         }
         if self.next_readings().is_some_and(|at| at <= now.since_start) {
             self.tell_readings(now);
-        }
-    }
-
-    /// Notes a temperature; the hottest between two reports is reported.
-    fn warm(&mut self, celsius: Celsius) {
-        if self.has(Part::Thermometer) {
-            self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
         }
     }
 
@@ -67,7 +65,9 @@ impl LineDriver {
             FromRobot::Done(seq, ahead) => {
                 if let Some(id) = self.close_done(seq) {
                     self.unasked = 0;
-                    self.events.extend(ahead.map(bounded).map(RobotEvent::Ahead));
+                    let ahead =
+                        ahead.map(|Ahead { free, obstacle }| Ahead { free: free.min(SEEN), obstacle: obstacle.map(seen) });
+                    self.events.extend(ahead.map(RobotEvent::Ahead));
                     self.events.push_back(RobotEvent::Done(id));
                 }
             }
@@ -156,10 +156,6 @@ impl LineDriver {
             Err(why) => RobotEvent::PhotoFailed(id, why),
         });
     }
-}
-
-fn bounded(ahead: Ahead) -> Ahead {
-    Ahead { free: ahead.free.min(SEEN), obstacle: ahead.obstacle.map(seen) }
 }
 
 fn seen(obstacle: Obstacle) -> Obstacle {

@@ -237,11 +237,6 @@ impl LineDriver {
         self.outputs.push_back(Output::GiveUp(words));
     }
 
-    fn miss_drawing(&mut self) {
-        let missed = self.drawing.take().map(|(id, _)| RobotEvent::PhotoFailed(id, "it was not drawn in time".to_owned()));
-        self.events.extend(missed);
-    }
-
     /// How long the robot may be silent; `None` without a connection.
     const fn patience(&self) -> Option<Duration> {
         match self.link {
@@ -362,7 +357,8 @@ impl Driver for LineDriver {
             self.expire(now);
         }
         if is_due(self.drawing.map(|(_, until)| until)) {
-            self.miss_drawing();
+            let missed = self.drawing.take().map(|(id, _)| RobotEvent::PhotoFailed(id, "it was not drawn in time".to_owned()));
+            self.events.extend(missed);
         }
         if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {
             return self.give_up(patience);

@@ -81,8 +81,10 @@ impl FromStr for Kind {
 
     fn from_str(written: &str) -> Result<Kind, KindError> {
         let (family, size) = written.split_once(':').unwrap_or((written, ""));
-        let family: Family =
-            family.parse().map_err(|()| if is_share(family) { KindError::Share } else { KindError::NoFamily })?;
+        let family: Family = family.parse().map_err(|()| match family.strip_prefix("luggage-") {
+            Some(percent) if percent.bytes().all(|digit| digit.is_ascii_digit()) => KindError::Share,
+            Some(_) | None => KindError::NoFamily,
+        })?;
         let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST_SIDE).contains(side));
         let sides = size.split_once('x').and_then(|(columns, lines)| Some((side(columns)?, side(lines)?)));
         let (columns, lines) = sides.ok_or_else(|| KindError::Size(size.to_owned()))?;
@@ -91,11 +93,6 @@ impl FromStr for Kind {
         }
         Ok(Kind { family, columns, lines })
     }
-}
-
-/// Whether this names luggage in a percentage of the cells.
-fn is_share(family: &str) -> bool {
-    family.strip_prefix("luggage-").is_some_and(|share| share.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// Why a text names no kind of random halls.

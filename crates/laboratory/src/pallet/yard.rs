@@ -145,17 +145,14 @@ impl Plan {
         for y in 0..rows {
             for x in 0..columns {
                 let cell = Cell::new(x, y);
-                if random.happens(share) && !plan.must_be_clear(cell) {
+                let near = |other: Cell| (x - other.x).abs() <= CLEAR && (y - other.y).abs() <= CLEAR;
+                let must_be_clear = near(start) || near(target) || plan.parcels.iter().any(|parcel| near(*parcel));
+                if random.happens(share) && !must_be_clear {
                     plan.obstacles.insert(cell);
                 }
             }
         }
         plan
-    }
-
-    fn must_be_clear(&self, cell: Cell) -> bool {
-        let near = |other: Cell| (cell.x - other.x).abs() <= CLEAR && (cell.y - other.y).abs() <= CLEAR;
-        near(self.start) || near(self.target) || self.parcels.iter().any(|parcel| near(*parcel))
     }
 
     fn yard(&self) -> Yard {

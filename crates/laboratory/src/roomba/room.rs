@@ -42,14 +42,6 @@ pub(super) struct Velocity {
     pub(super) angular: f64,
 }
 
-impl Velocity {
-    /// Limits each speed by itself to what the body can do: a body that is to turn too fast drives at its speed in a wider curve.
-    const fn limited(self) -> Velocity {
-        let linear = self.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
-        Velocity { linear, angular: self.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR) }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
     pub(super) pose: BodyPose,
@@ -64,7 +56,9 @@ impl Body {
 
     /// The body after a tick at these speeds. A wall stops only the part of the move that is across the wall.
     pub(super) fn driven(self, velocity: Velocity) -> Body {
-        let Velocity { linear, angular } = velocity.limited();
+        // Each speed is limited by itself: a body that is to turn too fast drives at its speed in a wider curve.
+        let linear = velocity.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
+        let angular = velocity.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR);
         let free = self.pose.after(linear, angular, TICK_S);
         let x_m = free.x_m.clamp(RADIUS_M, ROOM_LENGTH_M - RADIUS_M);
         let y_m = free.y_m.clamp(RADIUS_M, ROOM_WIDTH_M - RADIUS_M);

@@ -168,7 +168,11 @@ impl VirtualRobot {
         let Some(leg) = self.leg().copied() else { return };
         match leg.stage {
             LegStage::Refused(_) => self.queue(),
-            LegStage::Halting { lasted, .. } => self.halted(leg, lasted),
+            LegStage::Halting { lasted, .. } => {
+                self.moved_for(leg, lasted);
+                (self.off_centre, self.met) = (true, None);
+                self.answer(|order| RobotEvent::Halted(order, true));
+            }
             LegStage::Sent(_) if self.awaits_word(&leg) => {
                 self.alarm();
                 self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
@@ -337,12 +341,6 @@ impl VirtualRobot {
         }
     }
 
-    fn halted(&mut self, leg: Leg, lasted: Duration) {
-        self.moved_for(leg, lasted);
-        (self.off_centre, self.met) = (true, None);
-        self.answer(|order| RobotEvent::Halted(order, true));
-    }
-
     fn cut_short(&mut self, leg: Leg) {
         match leg.stage {
             LegStage::Sent(sent) => self.moved_for(leg, self.now.saturating_sub(sent)),
@@ -392,17 +390,14 @@ impl VirtualRobot {
         let Pose { cell, heading } = self.reckoning.pose();
         let ahead = self.reckoning.way_to(cell, heading);
         if ahead.abs() <= CENTRED {
-            return if self.is_recentring() && self.room.is_some() { self.turn_aside() } else { self.came_back() };
+            let is_recentring = self.task.as_ref().is_some_and(|task| (task.action, task.aim) == (Action::Recentre, Aim::Back));
+            return if is_recentring && self.room.is_some() { self.turn_aside() } else { self.came_back() };
         }
         if !matches!(self.task.as_ref().map(|task| task.aim), Some(Aim::Return | Aim::Gauged)) {
             self.aim(Aim::Back);
         }
         let cells = ahead.abs();
         if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
-    }
-
-    fn is_recentring(&self) -> bool {
-        self.task.as_ref().is_some_and(|task| (task.action, task.aim) == (Action::Recentre, Aim::Back))
     }
 
     /// A scene file may show that the robot stands beside the centre as well. The robot must not meet what lies there, so it

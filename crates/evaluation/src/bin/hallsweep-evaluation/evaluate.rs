@@ -98,7 +98,12 @@ pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
         return super::print(&time_left(flags));
     }
     let entrants = flags.entrants()?;
-    let against = flags.against.map(|other| place_of(other, &entrants)).transpose()?;
+    let against = flags.against.map(|other| {
+        entrants.iter().position(|entrant| *entrant == Entrant::Strategy(other)).ok_or_else(|| {
+            Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", other.name()))
+        })
+    });
+    let against = against.transpose()?;
     let questions = flags.questions()?;
     distinct(flags.halls.iter().map(Path::new), flags.csv.as_deref().into_iter().chain(flags.plot.as_deref()))?;
     let (csv, plot) = (open(flags.csv.as_deref())?, open(flags.plot.as_deref())?);
@@ -200,7 +205,8 @@ impl Evaluate {
         let all = questions.iter().flat_map(|question| entrants.iter().map(move |entrant| (question, entrant)));
         let opened = |(question, entrant): (&'a Question, &'a Entrant)| {
             let name = format!("{}-{}", entrant.name(), question.contest.halls);
-            let plain: String = name.chars().map(|letter| if is_plain(letter) { letter } else { '-' }).collect();
+            // Only these characters are allowed in file names on every system.
+            let plain = name.replace(|letter: char| !letter.is_ascii_alphanumeric() && letter != '.', "-");
             let named = |n: usize| if n == 1 { format!("{plain}.svg") } else { format!("{plain}-{n}.svg") };
             // Two halls may have the same name.
             let name = (1..).map(named).find(|name| taken.insert(name.clone())).expect("there is always another number");
@@ -230,22 +236,11 @@ fn timings() -> Timings {
     Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }
 }
 
-fn place_of(strategy: Strategy, entrants: &[Entrant]) -> Result<usize, Failure> {
-    entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy)).ok_or_else(|| {
-        Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", strategy.name()))
-    })
-}
-
 fn picture(question: &Question, entrant: &Entrant) -> String {
     let Contest { halls, terms, .. } = &question.contest;
     let hall = halls.hall(0);
     let way = tour(&Ground::of(&hall), *terms, entrant, &mut Ways::default());
     drawing::tour(&hall, &way, &format!("{} · {halls} · {}", entrant.name(), report::asked(*terms)))
-}
-
-/// Whether a character is allowed in file names on every system.
-const fn is_plain(letter: char) -> bool {
-    letter.is_ascii_alphanumeric() || letter == '.'
 }
 
 fn open(path: Option<&Path>) -> Result<Option<OutputFile>, Failure> {

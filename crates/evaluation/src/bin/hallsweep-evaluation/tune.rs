@@ -75,7 +75,11 @@ const SMALLEST: i16 = 20;
 pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
-    let bar = progress_bar(if flags.from.is_some() { 0 } else { flags.generations } + flags.rounds);
+    // On standard error, and only on a terminal.
+    let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}")
+        .expect("the template is a constant and names only existing fields");
+    let parts = if flags.from.is_some() { 0 } else { flags.generations } + flags.rounds;
+    let bar = ProgressBar::new(parts).with_style(style);
     let halls = flags.halls as usize;
     let mut origin = flags.origin();
     let from = flags.from.as_deref().map(read_weights).transpose()?;
@@ -161,10 +165,4 @@ pub(super) fn objective(written: &str) -> Result<Objective, String> {
 
 pub(super) fn costs(written: &str) -> Result<Costs, String> {
     Costs::read(written).ok_or_else(|| "write what a step, a turn and a bump cost, as 1,1,1".to_owned())
-}
-
-/// A progress bar on standard error, shown only on a terminal.
-fn progress_bar(parts: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}");
-    ProgressBar::new(parts).with_style(style.expect("the template is a constant and names only existing fields"))
 }

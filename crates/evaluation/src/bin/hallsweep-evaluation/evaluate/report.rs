@@ -28,7 +28,7 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
     let mut table = vec![["halls", "asked", "measured"].map(str::to_owned).to_vec()];
-    table[0].extend(names(entrants).into_iter().chain(["auto less frontier".to_owned()]));
+    table[0].extend(entrants.iter().map(|entrant| entrant.name().to_owned()).chain(["auto less frontier".to_owned()]));
     for Answer { question, trials } in answers {
         let Question { contest, measure } = question;
         let mut line = vec![contest.halls.to_string(), asked(contest.terms), head(*measure).to_owned()];
@@ -94,10 +94,6 @@ pub(super) fn plot(answers: &[Answer], entrants: &[Entrant]) -> String {
         })
         .collect();
     drawing::plot("Strategies side by side: the mean and its 95 % interval, less is better", &bands)
-}
-
-fn names(entrants: &[Entrant]) -> Vec<String> {
-    entrants.iter().map(|entrant| entrant.name().to_owned()).collect()
 }
 
 fn shown(estimate: Option<Estimate>) -> String {
