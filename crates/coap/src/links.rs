@@ -34,7 +34,9 @@ impl Link {
 
     /// Whether this link matches a query, such as `rt=map`, `href=/rob*`, `sz=*` or `obs`.
     fn matches(&self, query: &str) -> bool {
-        let Some((name, wanted)) = query.split_once('=') else { return self.has(query) };
+        let Some((name, wanted)) = query.split_once('=') else {
+            return query == "href" || self.attributes.iter().any(|(known, _)| *known == query);
+        };
         if name == "href" {
             return is_wanted(&self.href, wanted);
         }
@@ -43,10 +45,6 @@ impl Link {
             Some(value) => is_wanted(value, wanted),
             None => wanted == "*",
         })
-    }
-
-    fn has(&self, name: &str) -> bool {
-        name == "href" || self.attributes.iter().any(|(known, _)| *known == name)
     }
 
     fn print(&self, list: &mut String) {

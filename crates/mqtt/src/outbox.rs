@@ -118,16 +118,10 @@ impl Buf for Outbox {
             }
         }
         self.last.advance(count);
-        if self.last.is_empty() {
-            give_back(&mut self.last);
+        // Releases a large buffer that has been sent. Its capacity does not tell, since sent bytes are no part of it.
+        if self.last.is_empty() && self.last.try_reclaim(ROOM + 1) {
+            self.last = BytesMut::new();
         }
-    }
-}
-
-/// Releases a large buffer that has been sent. Its capacity does not tell, since sent bytes are no part of it.
-fn give_back(gone: &mut BytesMut) {
-    if gone.is_empty() && gone.try_reclaim(ROOM + 1) {
-        *gone = BytesMut::new();
     }
 }
 

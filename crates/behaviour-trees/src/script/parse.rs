@@ -153,7 +153,7 @@ impl Parser<'_> {
     fn operand(&mut self) -> Result<usize, ScriptError> {
         let is_bits = self.is_next("~") || self.is_next("!");
         let is_arithmetic = self.is_next("-");
-        let first = self.prefixed()?;
+        let first = if is_bits { self.bit_operand()? } else { self.number_operand()? };
         let after =
             |parser: &Self, levels: &[Level<Infix>]| levels.iter().copied().flatten().any(|(sign, _)| parser.is_next(sign));
         let result = if after(self, &ARITHMETIC) && !is_bits {
@@ -219,10 +219,6 @@ impl Parser<'_> {
         }
         let atom = self.atom()?;
         Ok(prefixes.into_iter().rev().fold(atom, |operand, prefix| self.push(Expression::Prefix(prefix, operand))))
-    }
-
-    fn prefixed(&mut self) -> Result<usize, ScriptError> {
-        if self.is_next("~") || self.is_next("!") { self.bit_operand() } else { self.number_operand() }
     }
 
     fn atom(&mut self) -> Result<usize, ScriptError> {
