@@ -55,18 +55,22 @@ impl<T> CoalescedEntries<T> {
     }
 
     /// Takes an item and its count. Returns it when it is to be written at once, and not later with more.
-    pub(super) fn come(&mut self, sender: Sender, note: (T, u64), now: Duration) -> Option<CoalescedEntry<T>> {
+    pub(super) fn come(&mut self, sender: Sender, note: T, count: u64, now: Duration) -> Option<CoalescedEntry<T>> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
         if !is_known && self.senders.len() >= limits.senders {
-            self.senders.retain(|_, tally| !tally.rests(limits, now));
+            // A sender is forgotten only if nothing is lost by that.
+            self.senders.retain(|_, tally| {
+                tally.earn(limits, now);
+                tally.unwritten.is_some() || tally.room != limits.burst
+            });
         }
         let tally = if is_known || self.senders.len() < limits.senders {
             self.senders.entry(sender).or_insert_with(|| Tally::new(limits, now))
         } else {
             &mut self.others
         };
-        tally.come(note, limits, now)
+        tally.come(note, count, limits, now)
     }
 
     pub(super) fn due(&self) -> Option<Duration> {
@@ -90,7 +94,7 @@ impl<T> Tally<T> {
         Tally { room: limits.burst, since: now, unwritten: None }
     }
 
-    fn come(&mut self, (note, count): (T, u64), limits: CoalescingLimits, now: Duration) -> Option<CoalescedEntry<T>> {
+    fn come(&mut self, note: T, count: u64, limits: CoalescingLimits, now: Duration) -> Option<CoalescedEntry<T>> {
         self.earn(limits, now);
         if let Some((shared, first)) = &mut self.unwritten {
             *shared = CoalescedEntry { last: note, count: shared.count + count, lasted: now.saturating_sub(*first) };
@@ -103,12 +107,6 @@ impl<T> Tally<T> {
         }
         self.room -= 1;
         Some(one)
-    }
-
-    /// Whether nothing is lost by forgetting it.
-    fn rests(&mut self, limits: CoalescingLimits, now: Duration) -> bool {
-        self.earn(limits, now);
-        self.unwritten.is_none() && self.room == limits.burst
     }
 
     fn earn(&mut self, limits: CoalescingLimits, now: Duration) {
@@ -152,7 +150,7 @@ mod tests {
         for n in 0..50_000_u32 {
             let now = Duration::from_micros(100) * n;
             entries.extend(coalesced.fall_due(now));
-            entries.extend(coalesced.come(sender("lobby"), (n, 1), now));
+            entries.extend(coalesced.come(sender("lobby"), n, 1, now));
         }
         entries.extend(coalesced.rest(SECOND * 5));
         assert_eq!(written(&entries), (LIMITS.burst as usize + 5, 50_000));
@@ -167,11 +165,11 @@ mod tests {
         let mut coalesced = CoalescedEntries::new(LIMITS);
         for n in 0..1000_u32 {
             let now = LIMITS.earned * n;
-            let _flood = (0..100).filter_map(|_| coalesced.come(sender("lobby"), (n, 1), now)).count();
+            let _flood = (0..100).filter_map(|_| coalesced.come(sender("lobby"), n, 1, now)).count();
             let _due = coalesced.fall_due(now);
-            assert_eq!(coalesced.come(sender("anna"), (n, 1), now).map(|entry| entry.last), Some(n));
+            assert_eq!(coalesced.come(sender("anna"), n, 1, now).map(|entry| entry.last), Some(n));
             assert_eq!(
-                coalesced.come((sender("lobby").0, Door("mqtt")), (n, 1), now).map(|entry| entry.last),
+                coalesced.come((sender("lobby").0, Door("mqtt")), n, 1, now).map(|entry| entry.last),
                 Some(n),
                 "another door"
             );
@@ -182,7 +180,7 @@ mod tests {
     fn what_was_earned_in_part_counts_too() {
         let mut coalesced = CoalescedEntries::new(LIMITS);
         let step = LIMITS.earned - Duration::from_millis(1);
-        let alone = (0..LIMITS.burst * 40).filter_map(|n| coalesced.come(sender("anna"), (n, 1), step * n)).count();
+        let alone = (0..LIMITS.burst * 40).filter_map(|n| coalesced.come(sender("anna"), n, 1, step * n)).count();
         assert!(alone > LIMITS.burst as usize * 39, "{alone} one by one");
     }
 
@@ -191,11 +189,11 @@ mod tests {
         let mut coalesced = CoalescedEntries::new(LIMITS);
         let mut entries = Vec::new();
         for n in 0..1000_u32 {
-            entries.extend(coalesced.come(sender(&format!("127.0.{n}.1")), (n, 1), Duration::ZERO));
+            entries.extend(coalesced.come(sender(&format!("127.0.{n}.1")), n, 1, Duration::ZERO));
         }
         assert_eq!((coalesced.senders.len(), entries.len()), (LIMITS.senders, LIMITS.senders + LIMITS.burst as usize));
         assert_eq!(
-            coalesced.come(sender("127.0.3.1"), (3, 1), Duration::ZERO).map(|entry| entry.count),
+            coalesced.come(sender("127.0.3.1"), 3, 1, Duration::ZERO).map(|entry| entry.count),
             Some(1),
             "it has its room"
         );
@@ -210,9 +208,9 @@ mod tests {
     fn what_came_as_many_at_once_is_not_forgotten_for_a_newcomer() {
         let mut coalesced = CoalescedEntries::new(LIMITS);
         for n in 0..LIMITS.senders {
-            assert_eq!(coalesced.come(sender(&format!("key-{n}")), (1, 1000), Duration::ZERO), None);
+            assert_eq!(coalesced.come(sender(&format!("key-{n}")), 1, 1000, Duration::ZERO), None);
         }
-        assert!(coalesced.come(sender("anna"), (7, 1), Duration::ZERO).is_some());
+        assert!(coalesced.come(sender("anna"), 7, 1, Duration::ZERO).is_some());
         assert_eq!(written(&coalesced.rest(Duration::ZERO)), (LIMITS.senders, 1000 * LIMITS.senders as u64));
     }
 
@@ -220,13 +218,10 @@ mod tests {
     fn whoever_has_rested_makes_room_and_nothing_of_who_has_not_is_lost() {
         let mut coalesced = CoalescedEntries::new(LIMITS);
         for n in 0..LIMITS.senders - 1 {
-            assert!(coalesced.come(sender(&format!("key-{n}")), (1, 1), Duration::ZERO).is_some());
+            assert!(coalesced.come(sender(&format!("key-{n}")), 1, 1, Duration::ZERO).is_some());
         }
-        assert_eq!(
-            (0..100).filter_map(|n| coalesced.come(sender("lobby"), (n, 1), Duration::ZERO)).count(),
-            LIMITS.burst as usize
-        );
-        assert!(coalesced.come(sender("anna"), (7, 1), SECOND).is_some());
+        assert_eq!((0..100).filter_map(|n| coalesced.come(sender("lobby"), n, 1, Duration::ZERO)).count(), LIMITS.burst as usize);
+        assert!(coalesced.come(sender("anna"), 7, 1, SECOND).is_some());
         assert_eq!(coalesced.senders.keys().map(|(name, _)| &**name).collect::<Vec<_>>(), ["anna", "lobby"]);
         assert_eq!(written(&coalesced.fall_due(SECOND)), (1, 100 - u64::from(LIMITS.burst)));
     }

@@ -165,7 +165,7 @@ impl Engine {
         };
         self.write_command(&request, &context, outcome.as_ref().err().map(|(refused, _)| refused));
         let answer = match outcome {
-            Ok(step) => Ok(self.carry_out((&request, count), input, step, &context)),
+            Ok(step) => Ok(self.carry_out(&request, count, input, step, &context)),
             Err((refused, acts)) => {
                 self.perform_all(acts, &context);
                 self.remember(&request, Outcome::Answered(Err(refused.clone())));
@@ -322,7 +322,7 @@ impl Engine {
     /// Carries out an accepted command; it is answered once everything that followed from it is in the store. A stop
     /// waits for no record; and the commands that the table still accepts while the store cannot write are on record
     /// already, or need not be.
-    fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, context: &InputContext) -> Ticket {
+    fn carry_out(&mut self, request: &Request, count: u64, input: Input, step: Step, context: &InputContext) -> Ticket {
         // The effect of a stop took place when it was raised, ahead of the queue: a command that has released the robot
         // since then stands.
         let is_over = |raised: Epoch| raised <= self.state.epoch && self.released.is_some_and(|released| released >= raised);

@@ -34,7 +34,7 @@ impl Engine {
     pub fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
         let note = Note { issuer, asked, refused: refused.clone() };
-        let due = self.refusals.come(note.sender(), (note, count), now.since_start);
+        let due = self.refusals.come(note.sender(), note, count, now.since_start);
         let is_written = due.is_some();
         self.write_refusals(due);
         is_written.then(|| self.outbox.written())
@@ -78,7 +78,7 @@ mod tests {
     }
 
     fn come(refusals: &mut CoalescedEntries<Note>, note: Note, count: u64, now: Duration) -> Option<CoalescedEntry<Note>> {
-        refusals.come(note.sender(), (note, count), now)
+        refusals.come(note.sender(), note, count, now)
     }
 
     fn asked(due: impl IntoIterator<Item = CoalescedEntry<Note>>) -> Vec<String> {

@@ -107,7 +107,7 @@ impl Engine {
             return;
         }
         let stop_request = StopRequest { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
-        let due = self.stops.records.come(sender(&request.issuer), (stop_request, count), self.now.since_start);
+        let due = self.stops.records.come(sender(&request.issuer), stop_request, count, self.now.since_start);
         self.write_stops(due);
     }
 
