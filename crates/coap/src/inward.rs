@@ -82,7 +82,7 @@ impl Endpoint {
         if let About::Notification(observer, thing, version) = sent.about {
             // After a retransmission nobody knows which of the two was acknowledged (Karn's rule).
             let away = once.then(|| now.saturating_sub(sent.first));
-            self.observers.acknowledged(observer, (thing, version), away, now);
+            self.observers.acknowledged(observer, thing, version, away, now);
         }
         self.go_on(peer, now);
     }

@@ -108,6 +108,18 @@ struct Observer {
     due: Option<Duration>,
 }
 
+/// A request to observe, and its answer.
+pub(super) struct Registration<'a> {
+    pub(super) request: &'a Request,
+    pub(super) token: Token,
+    /// The size exponent of the blocks that the observer wants.
+    pub(super) exponent: u8,
+    /// The answer, which shows the present state.
+    pub(super) shown: &'a Arc<Response>,
+    /// Whether the answer is sure to arrive.
+    pub(super) is_sure: bool,
+}
+
 impl Observers {
     pub(super) fn new(began: Duration) -> Observers {
         Observers { began, ..Observers::default() }
@@ -127,12 +139,12 @@ impl Observers {
     /// that.
     pub(super) fn register(
         &mut self,
-        (request, token, exponent): (&Request, Token, u8),
-        (shown, things): (&Arc<Response>, Vec<Arc<Response>>),
-        is_sure: bool,
+        registration: Registration<'_>,
+        things: Vec<Arc<Response>>,
         before: Option<Acknowledging>,
         now: Duration,
     ) -> Option<u32> {
+        let Registration { request, token, exponent, shown, is_sure } = registration;
         if self.crowd(request).is_some() {
             return None;
         }
@@ -283,7 +295,7 @@ impl Observers {
     }
 
     /// Notes that a notification arrived, with its round-trip time where that is known.
-    pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
+    pub(super) fn acknowledged(&mut self, id: ObserverId, thing: usize, version: u64, away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
         (observer.acknowledging.unanswered, observer.acknowledging.is_proved) = (None, true);

@@ -10,7 +10,7 @@ use super::exchange::MessageKey;
 use super::inward::ReplyTo;
 use super::limits::PEERS;
 use super::message::{MessageKind, Outgoing, Token, empty};
-use super::observe::Notification;
+use super::observe::{Notification, Registration};
 use super::reliable::{About, Late, Sent};
 use super::reply::{self, ReplyOptions};
 use super::response::{Answer, Response};
@@ -202,14 +202,14 @@ impl Endpoint {
         }
         let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
         let is_sure = kind == MessageKind::Con && !open.is_acknowledged;
-        let things = (&answer.response, answer.observed.clone());
         if let Some(crowd) = self.observers.crowd(&request)
             && let Some((silent, observer)) = self.reliable.most_silent(|peer| crowd.has(peer))
         {
             self.forget(silent, observer);
             self.go_on(silent, now);
         }
-        self.observers.register((&request, token, exponent), things, is_sure, before, now)
+        let registration = Registration { request: &request, token, exponent, shown: &answer.response, is_sure };
+        self.observers.register(registration, answer.observed.clone(), before, now)
     }
 
     pub(super) fn send_reply(&mut self, reply_to: ReplyTo, response: &Response, shape: &ReplyOptions, now: Duration) {

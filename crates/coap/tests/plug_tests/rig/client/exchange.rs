@@ -93,12 +93,12 @@ impl Exchange {
             return Step::Send(self.upload(token));
         }
         match answer.block(option::BLOCK2) {
-            Some((number, more, exponent)) => self.takes_block(answer, (number, more, exponent), token),
+            Some((number, more, exponent)) => self.takes_block(answer, number, more, exponent, token),
             None => self.finish(answer, answer.payload.clone()),
         }
     }
 
-    fn takes_block(&mut self, answer: &Message, (number, more, exponent): (u32, bool, u8), token: &[u8]) -> Step {
+    fn takes_block(&mut self, answer: &Message, number: u32, more: bool, exponent: u8, token: &[u8]) -> Step {
         let etag = answer.values(option::ETAG).first().map(|tag| tag.to_vec());
         let is_another = !self.body.is_empty() && self.etag != etag;
         self.etag = etag;
