@@ -15,8 +15,21 @@ const SIDE: f64 = 24.0;
 /// Width of the wall that is drawn around the yard, in cells.
 const BORDER: i32 = 1;
 
-/// CSS class and colour of each robot, by its place in the pair.
-const ROBOTS: [(&str, &str); 2] = [("yard-one", "#1f5fa8"), ("yard-two", "#b02a4c")];
+/// Looks of the robots, by their places in the pair.
+const ROBOTS: [Look; 2] = [Look::new("yard-one", "#1f5fa8"), Look::new("yard-two", "#b02a4c")];
+
+/// A CSS class, and the colour where no page sets another.
+#[derive(Clone, Copy)]
+struct Look {
+    class: &'static str,
+    colour: &'static str,
+}
+
+impl Look {
+    const fn new(class: &'static str, colour: &'static str) -> Look {
+        Look { class, colour }
+    }
+}
 
 /// Position and size of the drawing in the yard.
 struct Scale {
@@ -51,7 +64,7 @@ pub fn drawing(run: &PalletRun, title: &str) -> String {
          font-family=\"sans-serif\">\n"
     );
     push(&mut svg, format_args!("<title>{title}</title>\n"));
-    square(&mut svg, (0.0, 0.0), (width, height), ("yard-wall", "#5b5f66"));
+    square(&mut svg, (0.0, 0.0), (width, height), Look::new("yard-wall", "#5b5f66"));
     floor(&mut svg, run, &scale);
     let way = |frames: &[Frame], of: &dyn Fn(&Frame) -> Option<(f64, f64)>| {
         let points = frames.iter().filter_map(of).map(|at| {
@@ -64,14 +77,14 @@ pub fn drawing(run: &PalletRun, title: &str) -> String {
     };
     // One line for each time that a parcel was in the grippers.
     for carried in run.frames().split(|frame| frame.load.is_none()).filter(|frames| !frames.is_empty()) {
-        line(&mut svg, &way(carried, &|frame| frame.load.map(|(x, y, _)| (x, y))), ("yard-carried", "#a8641c"), 5.0);
+        line(&mut svg, &way(carried, &|frame| frame.load.map(|(x, y, _)| (x, y))), Look::new("yard-carried", "#a8641c"), 5.0);
     }
     for (index, look) in ROBOTS.into_iter().enumerate() {
         line(&mut svg, &way(run.frames(), &|frame| Some((frame.bodies[index].x_m, frame.bodies[index].y_m))), look, 1.5);
     }
     let end = run.frame();
     for (index, look) in ROBOTS.into_iter().enumerate() {
-        robot(&mut svg, &scale, end.bodies[index], (index + 1, look));
+        robot(&mut svg, &scale, end.bodies[index], index + 1, look);
     }
     svg.push_str("</svg>\n");
     svg
@@ -83,24 +96,25 @@ fn floor(svg: &mut String, run: &PalletRun, scale: &Scale) {
     let cells = (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
     for cell in cells {
         let look = match yard.hall.truth(cell) {
-            _ if Place::Cell(cell) == yard.target => ("yard-target", "#bfe3c8"),
-            Truth::Free => ("yard-floor", "#f4f4f2"),
+            _ if Place::Cell(cell) == yard.target => Look::new("yard-target", "#bfe3c8"),
+            Truth::Free => Look::new("yard-floor", "#f4f4f2"),
             Truth::Wall => continue,
-            Truth::Luggage(_) => ("yard-pallet", "#d9b382"),
+            Truth::Luggage(_) => Look::new("yard-pallet", "#d9b382"),
         };
         square(svg, scale.of_cell(cell), (SIDE - 1.0, SIDE - 1.0), look);
     }
 }
 
 /// Draws a robot: a circle with its number, and a nose in its direction.
-fn robot(svg: &mut String, scale: &Scale, body: BodyPose, (number, (class, fill)): (usize, (&str, &str))) {
+fn robot(svg: &mut String, scale: &Scale, body: BodyPose, number: usize, look: Look) {
+    let Look { class, colour } = look;
     let (x, y) = scale.of_metres((body.x_m, body.y_m));
     let (ahead_x, ahead_y) = body.ahead();
     let (nose_x, nose_y) = (x + ahead_x * SIDE * 0.46, y + ahead_y * SIDE * 0.46);
     push(
         svg,
         format_args!(
-            "<g class=\"{class}-body\" fill=\"{fill}\" stroke=\"{fill}\"><path d=\"M{x:.1} {y:.1}L{nose_x:.1} {nose_y:.1}\" \
+            "<g class=\"{class}-body\" fill=\"{colour}\" stroke=\"{colour}\"><path d=\"M{x:.1} {y:.1}L{nose_x:.1} {nose_y:.1}\" \
              stroke-width=\"5\" stroke-linecap=\"round\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/><text class=\"yard-number\" \
              x=\"{x:.1}\" y=\"{:.1}\" font-size=\"11\" font-weight=\"700\" text-anchor=\"middle\" fill=\"#ffffff\" \
              stroke=\"none\">{number}</text></g>\n",
@@ -110,18 +124,20 @@ fn robot(svg: &mut String, scale: &Scale, body: BodyPose, (number, (class, fill)
     );
 }
 
-fn square(svg: &mut String, (x, y): (f64, f64), (width, height): (f64, f64), (class, fill): (&str, &str)) {
+fn square(svg: &mut String, (x, y): (f64, f64), (width, height): (f64, f64), look: Look) {
+    let Look { class, colour } = look;
     push(
         svg,
-        format_args!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>\n"),
+        format_args!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{colour}\"/>\n"),
     );
 }
 
-fn line(svg: &mut String, points: &str, (class, stroke): (&str, &str), width: f64) {
+fn line(svg: &mut String, points: &str, look: Look, width: f64) {
+    let Look { class, colour } = look;
     push(
         svg,
         format_args!(
-            "<polyline class=\"{class}\" points=\"{points}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\" \
+            "<polyline class=\"{class}\" points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
              stroke-linejoin=\"round\" stroke-opacity=\"0.7\"/>\n"
         ),
     );
