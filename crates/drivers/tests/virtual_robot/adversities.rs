@@ -389,7 +389,7 @@ fn clients_from_elsewhere_disturb_nothing() {
 }
 
 /// Frames per second that vary between least and most for a while, and now and then drop to few.
-pub(crate) fn wobbling(seed: u64, (least, most, few): (u32, u32, u32)) -> Frames {
+pub(crate) fn wobbling(seed: u64, least: u32, most: u32, few: u32) -> Frames {
     let mut stream = RandomStream::new(seed, "wobbling frames");
     let (mut left, mut rate) = (0, most);
     Box::new(move || {
@@ -411,7 +411,9 @@ fn with_the_scene_file_a_page_that_is_now_quick_and_now_slow_makes_neither_a_fau
         for seed in 0..40 {
             let version = Version::ALL[usize::try_from(seed % 5).unwrap()];
             let (width, height, columns, rows) = sizes[usize::try_from(seed / 4 % 3).unwrap()];
-            let page = Page::open(Scene::empty(width, height), wobbling(seed, rates), Duration::ZERO);
+            let (least, most, few) = rates;
+            let frames = wobbling(seed, least, most, few);
+            let page = Page::open(Scene::empty(width, height), frames, Duration::ZERO);
             let whole: Vec<(i32, i32)> = (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))).collect();
             let mut rig = Rig::with_scene(Server::new(version, Some(page)), Strategy::Auto);
             assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");

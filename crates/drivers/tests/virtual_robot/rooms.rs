@@ -86,7 +86,7 @@ fn in_rooms_drawn_at_random_the_map_is_right_or_the_mission_is_in_fault_in_words
             // The server of early 2021 does not report what is met: without the scene file it cannot be recognised.
             let versions = if with_scene { &Version::ALL[..] } else { &Version::NAMING[..] };
             let version = versions[usize::try_from(seed).expect("it is small") % versions.len()];
-            let frames = rates.map_or_else(Page::steady, |rates| wobbling(seed, rates));
+            let frames = rates.map_or_else(Page::steady, |(least, most, few)| wobbling(seed, least, most, few));
             let server = Server::new(version, Some(Page::open(scene.clone(), frames, Duration::ZERO)));
             let mut rig = if with_scene { Rig::with_scene(server, Strategy::Auto) } else { Rig::new(server, Strategy::Auto) };
             assert!(rig.until(5, |state| state.mission.holds.is_empty()), "the link is up");
