@@ -33,7 +33,8 @@ impl Attempts {
     pub fn wrong(&self, network: Network, now: Duration) -> Duration {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if all.len() >= NETWORKS && !all.contains_key(&network) {
-            make_room(&mut all);
+            let oldest = all.iter().min_by_key(|(_, wrong)| wrong.last).map(|(network, _)| *network);
+            oldest.and_then(|network| all.remove(&network));
         }
         let wrong = all.entry(network).or_insert(Wrong { times: 0, last: now });
         if now.saturating_sub(wrong.last) >= FORGOTTEN {
@@ -43,11 +44,6 @@ impl Attempts {
         *wrong = Wrong { times: wrong.times.saturating_add(1), last: now };
         delay
     }
-}
-
-fn make_room(all: &mut HashMap<Network, Wrong>) {
-    let oldest = all.iter().min_by_key(|(_, wrong)| wrong.last).map(|(network, _)| *network);
-    oldest.and_then(|network| all.remove(&network));
 }
 
 #[cfg(test)]

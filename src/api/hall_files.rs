@@ -10,6 +10,9 @@ use hallsweep_sim::{Export, Format, Hall, HallError, Scene};
 /// Maximum number of findings of one kind listed with their cells; the rest is only counted.
 const SAID: usize = 20;
 
+/// The line that ends the YAML; the image follows.
+const END_OF_YAML: &[u8] = b"\n...\n";
+
 /// A file that was read.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -81,13 +84,16 @@ impl Finding {
 pub fn read(file: &str, bytes: &[u8]) -> Result<Hall, HallError> {
     let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
     if ends(".js") {
-        let hall = Scene::parse(file, bytes)?.hall(&stem(file)).map_err(|fault| fault.of(file))?;
+        let stem = std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+        let hall = Scene::parse(file, bytes)?.hall(&stem).map_err(|fault| fault.of(file))?;
         let toml = text(&Export::from(hall));
         return Hall::parse(file.trim_end_matches(".js"), &toml);
     }
-    if let Some((yaml, image)) = (ends(".yaml") || ends(".yml")).then(|| parted(bytes)).flatten() {
-        let yaml = String::from_utf8_lossy(yaml);
-        return Hall::parse_occupancy(file, &yaml, "the image", image, None);
+    if (ends(".yaml") || ends(".yml"))
+        && let Some(end) = bytes.windows(END_OF_YAML.len()).position(|window| window == END_OF_YAML)
+    {
+        let yaml = String::from_utf8_lossy(&bytes[..=end]);
+        return Hall::parse_occupancy(file, &yaml, "the image", &bytes[end + END_OF_YAML.len()..], None);
     }
     Hall::parse(file, &String::from_utf8_lossy(bytes))
 }
@@ -109,17 +115,6 @@ impl From<&Hall> for ReadHall {
 
 fn text(export: &Export) -> String {
     String::from_utf8_lossy(&export.file(Format::Toml, "hall")).into_owned()
-}
-
-fn stem(file: &str) -> String {
-    std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// The parts before and after the first line `...`.
-fn parted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    const END: &[u8] = b"\n...\n";
-    let at = bytes.windows(END.len()).position(|window| window == END)?;
-    Some((&bytes[..=at], &bytes[at + END.len()..]))
 }
 
 /// Pieces come first: one that nobody finds may be a bomb.

@@ -8,7 +8,7 @@ use super::robot::PositionJson;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Revision};
-use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
+use hallsweep_core::world::hall_map::{HallMap, Mark, cells_of};
 use hallsweep_core::world::resource::Resource;
 
 /// The contents of a map: the hall, and the cell of the robot.
@@ -96,7 +96,9 @@ impl From<Plan<'_>> for MapJson {
             origin: bounds.least.into(),
             width: bounds.width(),
             height: bounds.height(),
-            rows: (bounds.least.y..=bounds.most.y).map(|y| row(plan, bounds, y)).collect(),
+            rows: (bounds.least.y..=bounds.most.y)
+                .map(|y| (bounds.least.x..=bounds.most.x).map(|x| mark_char(plan, Cell::new(x, y))).collect())
+                .collect(),
         }
     }
 }
@@ -159,10 +161,6 @@ pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
         Mark::Visited => '1',
         Mark::Wall | Mark::Luggage | Mark::NotInspected => 'X',
     }
-}
-
-fn row(plan: Plan<'_>, bounds: Bounds, y: i32) -> String {
-    (bounds.least.x..=bounds.most.x).map(|x| mark_char(plan, Cell::new(x, y))).collect()
 }
 
 #[cfg(test)]

@@ -14,7 +14,6 @@ use behaviour_trees::TickLog;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::state::Retrieval;
-use hallsweep_core::units::WallTime;
 
 /// A retrieval from its beginning to its end, or as far as it has come.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -71,8 +70,9 @@ impl RetrievalRecordJson {
             if let Fact::ClockSet(by_ms) = entry.fact {
                 began = began.set_by(by_ms);
             }
+            let since_began_ms = u64::try_from(entry.wall.unix_ms.saturating_sub(began.unix_ms)).unwrap_or(0);
             // In a journal from before clock changes were recorded, times may go back; the run does not.
-            at = at.max(since(began, entry.wall));
+            at = at.max(Duration::from_millis(since_began_ms));
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
             // An entry repeats the stage beside the trees; only a new stage is an event.
             if told.is_none() || words != stage {
@@ -97,8 +97,4 @@ impl RetrievalRecordJson {
 
 fn retrieval_in(entry: &Entry) -> Option<&Retrieval> {
     if let Fact::Retrieval(Some(retrieval)) = &entry.fact { Some(retrieval) } else { None }
-}
-
-fn since(began: WallTime, wall: WallTime) -> Duration {
-    Duration::from_millis(u64::try_from(wall.unix_ms.saturating_sub(began.unix_ms)).unwrap_or(0))
 }

@@ -2,7 +2,6 @@
 //! use the same names, so that the state can be edited and sent back.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
@@ -122,7 +121,10 @@ impl Body for ChangeBody {
         let max = |value: &Value| value.as_str().filter(|text| *text == "max").map(str::to_owned);
         let number_or_max = |value: &Value| max(value).or_else(|| Some(value.as_f64()?.to_string()));
         let speed = fields.field("speed", "a number, as 2, or \"max\"", number_or_max)?;
-        let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", cells)?;
+        let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", |value| {
+            let side = |cell: &Value, name: &str| i32::try_from(cell.get(name)?.as_i64()?).ok();
+            value.as_array()?.iter().map(|cell| Some(Cell::new(side(cell, "x")?, side(cell, "y")?))).collect()
+        })?;
         Ok(ChangeBody(Change {
             speed: speed.as_deref().map(pace).transpose()?,
             is_paused: whether("paused")?,
@@ -132,11 +134,6 @@ impl Body for ChangeBody {
             blocked,
         }))
     }
-}
-
-fn cells(value: &Value) -> Option<BTreeSet<Cell>> {
-    let side = |cell: &Value, name: &str| i32::try_from(cell.get(name)?.as_i64()?).ok();
-    value.as_array()?.iter().map(|cell| Some(Cell::new(side(cell, "x")?, side(cell, "y")?))).collect()
 }
 
 /// A speed, also in the form that people write.
@@ -208,6 +205,8 @@ impl Body for HallBody {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::api::fields::{Unread, body};
 

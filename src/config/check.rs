@@ -93,7 +93,8 @@ fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
         Texts::Several(names) => names,
         Texts::Single(name) => vec![name],
     };
-    if let Some(wrong) = hosts.iter().find(|name| !is_host(name)) {
+    let is_letter = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_');
+    if let Some(wrong) = hosts.iter().find(|name| name.is_empty() || !name.bytes().all(is_letter)) {
         return Err(layers.wrong("http.hosts", format!("{wrong:?} is not the name of a host")));
     }
     let asks_for_keys = read(layers, "http.require_token")? || !bind.at.is_local();
@@ -113,10 +114,6 @@ fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
     let advice = "write an address of this machine alone, as localhost:5683, or none for no such door; or set \
                   coap.open_to_others = true if that is meant";
     Err(layers.wrong_with_advice("coap.bind", problem, advice))
-}
-
-fn is_host(name: &str) -> bool {
-    !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_'))
 }
 
 fn tls(layers: &Layers) -> Result<Option<TlsFiles>, SettingsError> {

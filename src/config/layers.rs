@@ -152,7 +152,10 @@ impl Layers {
 fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
     for layer in layers {
         for (own, value) in layer.discovery().into_iter().flatten() {
-            let twice = layers.iter().find(|other| other.place == layer.place && other.says(ROBOT, own));
+            let twice = layers.iter().find(|other| {
+                let of_robot = other.values.get(ROBOT).and_then(Value::as_dict);
+                other.place == layer.place && of_robot.is_some_and(|names| names.contains_key(own))
+            });
             if let Some(other) = twice {
                 return Err(SettingsError::Wrong {
                     key: format!("{ROBOTS}.{}.{own}", RobotId::discovery()),
@@ -224,10 +227,6 @@ impl Layer {
 
     fn discovery(&self) -> Option<&Dict> {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
-    }
-
-    fn says(&self, section: &str, own: &str) -> bool {
-        self.values.get(section).and_then(Value::as_dict).is_some_and(|names| names.contains_key(own))
     }
 
     /// Renames the settings in `[robots.discovery]` to `[robot]`; returns where they were given, and which ones.

@@ -85,6 +85,9 @@ impl fmt::Display for RobotAddress {
 /// The address of a robot of this kind, completed by the defaults of the kind.
 pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Result<RobotAddress, SettingsError> {
     let written: String = read(layers, key)?;
+    // A device name may have colons too, but a host never has a slash.
+    let com = written.get(..3).filter(|begins| begins.eq_ignore_ascii_case("COM")).and_then(|_| written.get(3..));
+    let is_device = written.contains(['/', '\\']) || com.is_some_and(|number| number.parse::<u8>().is_ok());
     match kind {
         RobotKind::Sim if written.is_empty() => Ok(RobotAddress::Here),
         RobotKind::Sim => {
@@ -94,7 +97,7 @@ pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Resu
         RobotKind::VirtualTcp => network(&written, Some(8999)).ok_or_else(|| no_host(layers, key, 8999)),
         RobotKind::VirtualWs => network(&written, Some(8091)).ok_or_else(|| no_host(layers, key, 8091)),
         RobotKind::Line if written.is_empty() => Err(layers.wrong(key, "a robot of the kind line has no usual address")),
-        RobotKind::Line if is_device(&written) => Ok(RobotAddress::Device(written)),
+        RobotKind::Line if is_device => Ok(RobotAddress::Device(written)),
         RobotKind::Line => {
             let problem = "it is neither a host with a port nor the path of a serial device";
             network(&written, None).ok_or_else(|| layers.wrong(key, problem))
@@ -107,12 +110,6 @@ fn network(written: &str, usual: Option<u16>) -> Option<RobotAddress> {
     let written = if written.is_empty() { "localhost" } else { written };
     let (host, port) = host::host_and_port(written)?;
     Some(RobotAddress::Network { host, port: port.or(usual)? })
-}
-
-/// A device name may have colons too, but a host never has a slash.
-fn is_device(written: &str) -> bool {
-    let number = written.get(..3).filter(|begins| begins.eq_ignore_ascii_case("COM")).and_then(|_| written.get(3..));
-    written.contains(['/', '\\']) || number.is_some_and(|number| number.parse::<u8>().is_ok())
 }
 
 fn no_host(layers: &Layers, key: &str, usual: u16) -> SettingsError {

@@ -228,7 +228,12 @@ fn value(kind: &str, words: &str) -> Option<Value> {
         "pair" => known(&OF_PAIR),
         "alone" => known(&ALONE),
         "stuck" => known(&STUCK),
-        "fault" => fault(words),
+        // In the form that phases have.
+        "fault" => {
+            let Coded { code, mut fields } = one_of(&FAULTS, words)?;
+            let own = fields.remove("words").or_else(|| fields.remove("why"));
+            Some(own.map_or_else(|| Value::from(&*code), |own| json!({ &code: own })))
+        }
         // A sentence within another contains no further one: nested words, as a damaged journal may have, are not split further.
         "asked" => Some(within(&ASKED[..ASKED.len() - 1], words)),
         "notFetched" => Some(within(&NOT_FETCHED[2..], words)),
@@ -257,13 +262,6 @@ fn cell(words: &str) -> Option<Value> {
     let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
     let side = |words: &str| words.parse::<i32>().ok().filter(|side| side.to_string() == words);
     Some(json!({ "x": side(x)?, "y": side(y)? }))
-}
-
-/// Reads a fault of the mission, in the form that phases have.
-fn fault(words: &str) -> Option<Value> {
-    let Coded { code, mut fields } = one_of(&FAULTS, words)?;
-    let own = fields.remove("words").or_else(|| fields.remove("why"));
-    Some(own.map_or_else(|| Value::from(&*code), |own| json!({ &code: own })))
 }
 
 /// Reads the holds in their order, after the reason of the store. From the end, every text that is a hold is taken for one, and

@@ -14,9 +14,8 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::{Unparsed, names, retrieval};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Piece, Pose};
+use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Piece};
 use hallsweep_core::world::records::LuggageRecords;
 
 #[derive(Serialize, Deserialize)]
@@ -99,7 +98,11 @@ impl StandingShape {
             goal: self.goal.map(Into::into),
             blocked: self.blocked.into_iter().map(Into::into).collect(),
             pose: self.pose.pose()?,
-            others: poses(&self.others)?,
+            others: self
+                .others
+                .iter()
+                .map(|(robot, pose)| Ok((names::robot(robot)?, pose.pose()?)))
+                .collect::<Result<_, Unparsed>>()?,
             outside: retrieval::outside(&self.outside)?,
             retrieval: self.retrieval.map(RetrievalShape::retrieval).transpose()?,
             met_again: self.met_again.into_iter().map(|(cell, piece)| (cell.into(), Piece(piece))).collect(),
@@ -115,10 +118,6 @@ impl StandingShape {
             clock_set_ms: self.clock_set_ms,
         })
     }
-}
-
-fn poses(shapes: &BTreeMap<String, PoseShape>) -> Result<BTreeMap<RobotId, Pose>, Unparsed> {
-    shapes.iter().map(|(robot, pose)| Ok((names::robot(robot)?, pose.pose()?))).collect()
 }
 
 fn records(shapes: Vec<LuggageShape>) -> Result<LuggageRecords, Unparsed> {
