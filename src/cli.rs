@@ -9,7 +9,6 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, from_here, sources};
-use crate::storage::sqlite::ReadOnlyJournal;
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
@@ -232,10 +231,6 @@ impl Folder {
         folder.ok_or_else(|| {
             Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
         })
-    }
-
-    fn open(&self) -> Result<ReadOnlyJournal, Failure> {
-        Ok(ReadOnlyJournal::open(&self.path()?)?)
     }
 }
 

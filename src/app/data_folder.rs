@@ -41,7 +41,11 @@ impl DataFolder {
         keys: Option<String>,
         mut notes: Vec<String>,
     ) -> Result<DataFolder, AppError> {
-        let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere(notes)) };
+        let Some(folder) = &settings.store else {
+            let store = MemoryStore::new();
+            let archive = store.archive();
+            return Ok(DataFolder { archive, store: Box::new(store), recalled: None, elsewhere: false, stops: None, notes });
+        };
         if fs::metadata(folder.join(".")).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
             return Err(AppError::ClosedFolder(folder.clone()));
         }
@@ -101,11 +105,6 @@ impl DataFolder {
             file.display(),
             if was_set_aside { &aside } else { "" }
         ))
-    }
-
-    fn nowhere(notes: Vec<String>) -> DataFolder {
-        let store = MemoryStore::new();
-        DataFolder { archive: store.archive(), store: Box::new(store), recalled: None, elsewhere: false, stops: None, notes }
     }
 }
 

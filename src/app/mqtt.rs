@@ -116,19 +116,16 @@ fn own(
     let clients = Clients::with_budget(Arc::clone(&broker), commands, budget);
     let spoken_of = (common.topics, common.home_assistant);
     let session = OwnSession::new(broker, spoken_of, common.handle.watch(), answers, common.archive);
-    let (leave, left) = watch::channel(());
+    let (leave, mut left) = watch::channel(());
     let session = tokio::spawn(async move {
         let _leave = leave;
         session.run(shutdown).await;
     });
     let ways = Ways { listeners, access, web_clients, hearing: threads.mqtt.handle().clone() };
-    let broker = threads.gate.handle().spawn(serve(clients, ways, gone(left)));
+    // The broker waits until the session has disconnected, so that its last messages are delivered.
+    let disconnected = async move { while left.changed().await.is_ok() {} };
+    let broker = threads.gate.handle().spawn(serve(clients, ways, disconnected));
     Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) }
-}
-
-/// Waits until the session has disconnected, so that its last messages are delivered.
-async fn gone(mut left: watch::Receiver<()>) {
-    while left.changed().await.is_ok() {}
 }
 
 fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {

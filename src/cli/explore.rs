@@ -18,7 +18,7 @@ use crate::robots::{Unusable, sim};
 use crate::telemetry;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_sim::headless::{self, Figures, Verdicts};
+use hallsweep_sim::headless::{self, Verdicts};
 use hallsweep_sim::{Camera, Export};
 
 mod figures;
@@ -73,7 +73,10 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);
-    let bar = progress_bar(hall.reachable().len());
+    // The bar is on standard error, and shown only on a terminal.
+    let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
+    let style = style.expect("the template is a constant and names only existing fields");
+    let bar = ProgressBar::new(hall.reachable().len() as u64).with_style(style);
     let mut log = flags.log.as_deref().map(Log::create).transpose()?;
     let watch = |state: &Snapshot, entries: &[Entry]| {
         bar.set_position(state.mission.progress.visited as u64);
@@ -83,8 +86,14 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     };
     let figures = headless::explore_and_tell(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
     bar.finish_and_clear();
-    log.map_or(Ok(()), Log::finish)?;
-    let text = if flags.json { figures::json(&figures) } else { for_people(&figures) };
+    if let Some(Log { path, file }) = log {
+        file.and_then(|mut file| file.flush()).map_err(|error| unwritable(path, &error))?;
+    }
+    let text = if flags.json {
+        figures::json(&figures)
+    } else {
+        format!("{}\n{}", map_text::lines(&*figures.state), figures::table(&figures))
+    };
     super::print(&text)?;
     if let Some(map) = map {
         let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
@@ -114,17 +123,6 @@ impl From<Answers> for Verdicts {
     }
 }
 
-/// A progress bar on standard error, shown only on a terminal.
-fn progress_bar(cells: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
-    let bar = ProgressBar::new(cells as u64);
-    bar.with_style(style.expect("the template is a constant and names only existing fields"))
-}
-
-fn for_people(figures: &Figures) -> String {
-    format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
-}
-
 struct Log<'a> {
     path: &'a Path,
     /// An error after the first failed write.
@@ -145,11 +143,6 @@ impl<'a> Log<'a> {
         if let Err(error) = written {
             self.file = Err(error);
         }
-    }
-
-    fn finish(self) -> Result<(), Failure> {
-        let finished = self.file.and_then(|mut file| file.flush());
-        finished.map_err(|error| unwritable(self.path, &error))
     }
 }
 

@@ -59,11 +59,6 @@ struct Import {
     force: bool,
 }
 
-fn is_same(one: &str, other: &str) -> bool {
-    let [one, other] = [one, other].map(|path| std::fs::canonicalize(path).ok());
-    one.is_some() && one == other
-}
-
 pub fn run(asked: &Halls) -> Result<(), Failure> {
     let line = match &asked.what {
         What::Convert(Convert { from, to, cell, force }) => {
@@ -75,7 +70,8 @@ pub fn run(asked: &Halls) -> Result<(), Failure> {
             let scene = Scene::open(file).map_err(|error| Failure::Usage(error.to_string()))?;
             let hall = scene.hall(&stem).map_err(|fault| Failure::Usage(fault.of(file).to_string()))?;
             let to = to.clone().unwrap_or_else(|| format!("{stem}.toml"));
-            if is_same(file, &to) {
+            let [scene_file, target] = [file, &to].map(|path| std::fs::canonicalize(path).ok());
+            if scene_file.is_some() && scene_file == target {
                 return Err(Failure::Usage(format!("{to} is the scene file itself: choose another name")));
             }
             MapFile::at(&to, *force)?.write(&Export::from(hall))?

@@ -85,7 +85,13 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
     }
     let reading = ReadOnlyJournal::open(&folder)?;
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {
-        What::Print(which) => list(&reading, which, for_people, |seq, why| format!("{seq:>8}    - {why}")),
+        What::Print(which) => {
+            let write = |line: &Line| {
+                let mission = line.mission.map_or_else(|| "-".to_owned(), |mission| mission.to_string());
+                format!("{:>8} {mission:>4} {}", line.seq, journal_words::line(&line.entry))
+            };
+            list(&reading, which, write, |seq, why| format!("{seq:>8}    - {why}"))
+        }
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
         What::Check { report, archive } => {
             tell(&reading.check()?)?;
@@ -163,11 +169,6 @@ fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), 
         return super::print(&format!("{looked_at}: all is well"));
     }
     Err(Failure::Run(format!("{looked_at}; faults found: {}", faults.len())))
-}
-
-fn for_people(line: &Line) -> String {
-    let mission = line.mission.map_or_else(|| "-".to_owned(), |mission| mission.to_string());
-    format!("{:>8} {mission:>4} {}", line.seq, journal_words::line(&line.entry))
 }
 
 fn tell(findings: &Findings) -> Result<(), Failure> {

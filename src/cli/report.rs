@@ -48,7 +48,7 @@ fn language(tag: &str) -> Result<Language, String> {
 }
 
 pub fn run(asked: &Reported) -> Result<(), Failure> {
-    let archive = asked.folder.open()?.archive();
+    let archive = ReadOnlyJournal::open(&asked.folder.path()?)?.archive();
     let mission = MissionId(asked.mission);
     if archive.mission(mission)?.is_none() {
         return Err(Failure::Run(format!(
