@@ -71,14 +71,12 @@ impl FloodFilter {
         match bytes.get(1) {
             Some(1 | 5) => 0,
             None | Some(0 | 32..) => 2,
-            Some(_) if self.has_word(bytes) => 3,
-            Some(_) => 1,
+            Some(_) => {
+                let searched: Vec<u8> = bytes.iter().take(SEARCHED as usize + 3).skip(HEADER).map(|byte| byte | 0x20).collect();
+                let has_word = searched.windows(4).any(|four| self.words.iter().any(|word| word == four));
+                if has_word { 3 } else { 1 }
+            }
         }
-    }
-
-    fn has_word(&self, bytes: &[u8]) -> bool {
-        let searched = bytes.iter().take(SEARCHED as usize + 3).skip(HEADER).map(|byte| byte | 0x20).collect::<Vec<u8>>();
-        searched.windows(4).any(|four| self.words.iter().any(|word| word == four))
     }
 
     #[cfg(target_os = "linux")]

@@ -54,7 +54,11 @@ impl PendingAnswers {
     /// the commands are carried out.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
-            let bounded = async { tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| slow()) };
+            let slow = "it takes longer than anybody waits: look at the state before you repeat it";
+            let bounded = async {
+                let answered = tokio::time::timeout(PATIENCE, answer).await;
+                answered.unwrap_or_else(|_| unavailable(slow.to_owned()))
+            };
             self.exchanges.insert(self.tasks.spawn(bounded).id(), (exchange, kind));
             self.reads += usize::from(kind == RequestKind::Read);
         }
@@ -72,10 +76,6 @@ impl PendingAnswers {
 /// 5.03: too many such requests are under way.
 pub(super) fn busy() -> Answer {
     unavailable(format!("too many requests are under way: ask again in {BUSY_S} seconds"))
-}
-
-fn slow() -> Answer {
-    unavailable("it takes longer than anybody waits: look at the state before you repeat it".to_owned())
 }
 
 fn unavailable(words: String) -> Answer {

@@ -54,7 +54,10 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_urgent(A::IS_STOP, HALTED);
+    // The wall clock at the start of this loop, since 1970.
+    let now = clock.now();
+    let began = Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start);
+    let endpoint = Endpoint::new(secret).started_at(began).with_urgent(A::IS_STOP, HALTED);
     let (pending, backlog, filter) = (PendingAnswers::default(), Backlog::new(A::IS_STOP), FloodFilter::new(A::STOP_WORDS));
     let mut driver = Driver { socket, endpoint, application, pending, backlog, filter, observed: Vec::new(), hearings: 0, clock };
     let mut changes = ChangeFeed::of(states, clock);
@@ -202,12 +205,6 @@ impl<A: Application> Driver<A> {
             self.settle(self.clock.since_start());
         }
     }
-}
-
-/// Wall clock at the start of this loop, since 1970.
-fn began(clock: &Clock) -> Duration {
-    let now = clock.now();
-    Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start)
 }
 
 /// Whether the datagrams of an overloaded turn are a flood, more than harmless clients send. A few in a whole turn are none: this

@@ -185,14 +185,6 @@ impl SlotTable {
         many < most || self.cut(first)
     }
 
-    /// Keeps a key within its share after a connection has shown another key than before: evicts one of its connections when
-    /// there are too many.
-    fn keep_share(&mut self, claim: &SlotClaim) {
-        if self.has_shares {
-            self.bounded(self.most / PARTS + 1, self.queues.of_key(claim));
-        }
-    }
-
     /// Evicts this connection; `false` when there is none.
     fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
         let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
@@ -226,7 +218,12 @@ impl ConnectionSlot {
             holder.open += 1;
         });
         if is_another {
-            self.slots.table().keep_share(&claim);
+            // A key with too many connections loses one of them.
+            let mut table = self.slots.table();
+            if table.has_shares {
+                let (most, of_key) = (table.most / PARTS + 1, table.queues.of_key(&claim));
+                table.bounded(most, of_key);
+            }
         }
     }
 

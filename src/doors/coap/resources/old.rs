@@ -15,7 +15,6 @@ use coap_endpoint::{Answer, Format, Request};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
 /// The item that changed last. It is updated at every newer state, so that a later change of something else does not hide it;
@@ -37,7 +36,15 @@ impl OldModel {
     pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
-        let latest = changed.max_by_key(|number| (own_revision(*number, snapshot), *number)).unwrap_or(seen.latest);
+        let latest = changed.max_by_key(|number| {
+            // The shown piece also depends on the mission, but that changes for many other reasons.
+            let revision = match *number {
+                LUGGAGE => snapshot.revision_of(Resource::Luggage),
+                other => revision(Show::OldItems, other, snapshot),
+            };
+            (revision, *number)
+        });
+        let latest = latest.unwrap_or(seen.latest);
         *seen = Seen { snapshot: Arc::clone(snapshot), latest };
         // An item that does not exist any more is replaced by the robot's, as at the beginning.
         if there(snapshot).contains(&latest) { latest } else { ROBOT }
@@ -54,12 +61,6 @@ impl OldModel {
 /// The existing items; never empty.
 fn there(snapshot: &Snapshot) -> &'static [u64] {
     if snapshot.luggage.is_empty() { &[ROBOT, MAP] } else { &[ROBOT, MAP, LUGGAGE] }
-}
-
-/// When an item's own part of the state last changed. The shown piece also depends on the mission, but that changes for many
-/// other reasons.
-fn own_revision(number: u64, snapshot: &Snapshot) -> Revision {
-    if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(Show::OldItems, number, snapshot) }
 }
 
 fn differs(number: u64, older: &Snapshot, newer: &Snapshot) -> bool {
@@ -83,7 +84,8 @@ fn changes_a_cell(older: &Snapshot, newer: &Snapshot) -> bool {
 /// old clients may drive.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
-    let word = bare(&text);
+    let text = text.trim();
+    let word = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
     if is_halt(word) {
         return Ok(Command::Stop);
     }
@@ -94,12 +96,6 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     let may_drive = old_clients::may_drive(&command, manual_driving);
     may_drive.map_err(|refused| Problem::refused(&refused).of(Asked::Command(command.clone())))?;
     Ok(command)
-}
-
-/// A word without surrounding blanks and the quotes of JSON.
-fn bare(text: &str) -> &str {
-    let text = text.trim();
-    text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! `/.well-known/core` and the table in `docs/coap.md` all use it; an unlisted path does not exist.
 
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
-use crate::api::resources::{self, Form, RESOURCES, ResourceKind};
+use crate::api::resources::{Form, RESOURCES, ResourceKind};
 use coap_endpoint::{Format, Method};
 
 pub(super) struct Table {
@@ -48,7 +48,11 @@ pub(super) struct FoundPath<'a> {
 
 impl Default for Table {
     fn default() -> Table {
-        Table { rows: with_commands(only_here().into_iter().chain(RESOURCES.iter().map(resource)).collect()) }
+        let resources = RESOURCES.iter().map(|row| {
+            let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
+            shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
+        });
+        Table { rows: with_commands(only_here().into_iter().chain(resources).collect()) }
     }
 }
 
@@ -77,18 +81,14 @@ impl PathRow {
         let mut ours = self.path.split('/').skip(1);
         for segment in path {
             match ours.next()? {
-                "{id}" => number = plain_number(segment)?,
+                // Neither `+1` nor `01`, so that each thing has a single path.
+                "{id}" => number = segment.parse().ok().filter(|number: &u64| number.to_string() == *segment)?,
                 other if other == segment => {}
                 _ => return None,
             }
         }
         ours.next().is_none().then_some(number)
     }
-}
-
-/// A number in its canonical form, neither `+1` nor `01`, so that each thing has a single path.
-fn plain_number(segment: &str) -> Option<u64> {
-    segment.parse().ok().filter(|number: &u64| number.to_string() == segment)
 }
 
 fn only_here() -> [PathRow; 2] {
@@ -99,11 +99,6 @@ fn only_here() -> [PathRow; 2] {
         shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false),
         PathRow { actions: old_words, ..old_items },
     ]
-}
-
-fn resource(row: &'static resources::ResourceRow) -> PathRow {
-    let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
-    shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
 }
 
 /// Some clients cannot accept a picture format, so they get the bytes.
@@ -130,7 +125,10 @@ fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
         };
         match rows.iter_mut().find(|row| row.path == command.path) {
             Some(row) => row.actions = actions,
-            None => rows.push(done(command, actions)),
+            None => {
+                let title = command.title[..1].to_uppercase() + &command.title[1..];
+                rows.push(PathRow { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions });
+            }
         }
     }
     rows
@@ -139,11 +137,6 @@ fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
 fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> PathRow {
     let shows = Some(Representations { show, formats, is_observable });
     PathRow { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
-}
-
-fn done(command: &'static commands::CommandRow, actions: Vec<(Method, Action)>) -> PathRow {
-    let title = command.title[..1].to_uppercase() + &command.title[1..];
-    PathRow { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
 }
 
 #[cfg(test)]
