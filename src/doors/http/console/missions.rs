@@ -209,7 +209,15 @@ impl One {
     fn events(&self) -> Vec<Event> {
         let event = |(seq, entry): &Happened| match entry {
             Ok(entry) => Event::of(self.language, *seq, entry, self.zone),
-            Err(Unreadable(why)) => Event::unreadable(*seq, why),
+            Err(Unreadable(why)) => Event {
+                seq: *seq,
+                moment: String::new(),
+                time: String::new(),
+                what: why.clone(),
+                by: None,
+                outcome: String::new(),
+                refused: true,
+            },
         };
         self.events.iter().map(event).collect()
     }
@@ -224,22 +232,9 @@ impl One {
         [("main", Show::Main), ("commands", Show::Commands), ("all", Show::All)]
             .map(|(name, show)| (self.language.say_of("missions-show", name), at(show), show == self.show))
     }
-
-    fn beginning(&self) -> String {
-        format!("/missions/{}{}#events", self.record.id, self.show.address("?"))
-    }
-
-    fn further(&self, next: &Seq) -> String {
-        format!("/missions/{}?after={next}{}#events", self.record.id, self.show.address("&"))
-    }
 }
 
 impl Event {
-    fn unreadable(seq: Seq, why: &str) -> Event {
-        let nothing = String::new;
-        Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }
-    }
-
     fn of(language: Language, seq: Seq, entry: &Entry, zone: Zone) -> Event {
         let mut event = Event {
             seq,

@@ -62,11 +62,6 @@ impl<'a> ConsolePage<'a> {
         self.v.line.map_or(1, Timeline::width)
     }
 
-    /// Maximum number of entries in the timeline.
-    fn most(&self) -> usize {
-        MOST
-    }
-
     fn is_cut(&self) -> bool {
         self.v.line.is_some_and(Timeline::is_cut)
     }

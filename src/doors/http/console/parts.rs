@@ -216,10 +216,6 @@ impl Inspect<'_> {
         self.v.language.refused(&Refused::NoPhoto(luggage.id))
     }
 
-    const fn longest_note(&self) -> usize {
-        Note::MOST
-    }
-
     fn may_retake(&self, luggage: &Luggage) -> bool {
         self.v.snapshot.mission.inspected == Some(luggage.id)
     }
@@ -232,10 +228,6 @@ impl Robot<'_> {
         }
         let cm = self.v.snapshot.robot.sonar_cm;
         self.v.known(&cm.map_or_else(|| self.v.say("sonar-nothing").to_string(), |cm| format!("{cm} cm")))
-    }
-
-    fn state(&self) -> String {
-        self.v.known(&self.v.last_state())
     }
 
     fn heading(&self) -> String {
@@ -314,10 +306,6 @@ impl Alarms<'_> {
 impl Retrieval<'_> {
     fn stages(&self, fetcher: &Fetcher) -> Vec<(&'static str, Phrase<'static>)> {
         stages(*fetcher).iter().map(|name| (*name, stage(self.v.language, *fetcher, name))).collect()
-    }
-
-    fn is_secured(&self) -> bool {
-        self.v.snapshot.mission.phase == PhaseName::BagSecured
     }
 
     fn armed(&self) -> Vec<(&RobotShown, ArmState, ArmJson)> {

@@ -265,7 +265,8 @@ impl View<'_> {
                 let bomb = self.snapshot.luggage.bombs_left().next();
                 let at =
                     bomb.map(|bomb| self.say("hall-piece-dangerous").with("id", bomb.id).with("place", self.place(bomb.cell)));
-                let fetch = self.may_retrieve().then(|| self.say("next-retrieve"));
+                let may_retrieve = self.bar(&self.snapshot.mission.refusals.retrieve).is_none();
+                let fetch = may_retrieve.then(|| self.say("next-retrieve"));
                 let end = self.say(if self.unseen_alarms() > 0 { "next-after-alarm" } else { "next-reset" });
                 let said = at.into_iter().chain(fetch).chain([end]).map(|phrase| phrase.to_string());
                 Some(said.collect::<Vec<_>>().join(" "))
@@ -340,11 +341,6 @@ impl View<'_> {
     pub(super) fn bar_of_ok(&self) -> Option<String> {
         let is_over = !self.declared_too_high();
         self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))
-    }
-
-    fn may_retrieve(&self) -> bool {
-        let mission = &self.snapshot.mission;
-        mission.phase == PhaseName::BombLocated && self.bar(&mission.refusals.retrieve).is_none()
     }
 
     /// Time since a moment, such as `0:14`.

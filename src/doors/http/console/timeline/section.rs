@@ -59,7 +59,10 @@ impl Section {
 
     /// The line continues level to the next reading, which raises or lowers it.
     pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<TemperaturePoint>) {
-        let (height, is_hot) = (y(celsius, threshold), celsius > threshold);
+        let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
+        let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
+        let height = (height * 10.0).round() / 10.0;
+        let is_hot = celsius > threshold;
         match *at {
             Some(TemperaturePoint { x: from, height: before, is_hot: was_hot, .. }) => {
                 write(&mut self.temperature, format_args!("H{x}V{height}"));
@@ -108,12 +111,6 @@ impl Section {
 
 pub(in super::super) fn id(place: usize) -> String {
     format!("time_{place}")
-}
-
-fn y(celsius: Celsius, threshold: Celsius) -> f64 {
-    let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
-    let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
-    (height * 10.0).round() / 10.0
 }
 
 fn heights(class: &str) -> (i64, i64) {
