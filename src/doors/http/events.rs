@@ -36,18 +36,16 @@ pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-ac
 /// `GET events`
 pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
-    let resumed = headers.get("last-event-id").and_then(|id| known_revision(id.to_str().ok()?, &snapshot));
+    // The revision of a returning reader, if its id is of this run.
+    let resumed = headers.get("last-event-id").and_then(|id| {
+        let (run, revision) = id.to_str().ok()?.trim().rsplit_once('-')?;
+        let revision = Revision(revision.parse().ok()?);
+        (run == &*snapshot.run && revision <= snapshot.revision).then_some(revision)
+    });
     let first = first_event(&snapshot, resumed);
     let events = stream::iter(first).chain(changes(watcher, snapshot)).map(Ok::<Event, Infallible>);
     let beating = Sse::new(events).keep_alive(KeepAlive::new().interval(HEARTBEAT).text("heartbeat"));
     Ok(([UNBUFFERED], beating).into_response())
-}
-
-/// The revision of a returning reader, if its id is of this run.
-fn known_revision(id: &str, snapshot: &Snapshot) -> Option<Revision> {
-    let (run, revision) = id.trim().rsplit_once('-')?;
-    let revision = Revision(revision.parse().ok()?);
-    (run == &*snapshot.run && revision <= snapshot.revision).then_some(revision)
 }
 
 /// The first event of a stream; `None` when the reader is up to date.

@@ -145,10 +145,6 @@ impl Page {
         }
     }
 
-    fn longest(&self) -> u64 {
-        asked::LONGEST_S
-    }
-
     fn most_parcels(&self) -> u64 {
         asked::MOST_PARCELS
     }

@@ -47,23 +47,22 @@ impl Watcher {
             tokio::time::sleep(pause).await;
             snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
         };
+        // The reader is not admitted any more when its key was replaced or removed, or its session is over.
+        let shut_out = async {
+            while door.still_knows(caller) {
+                tokio::time::sleep(STILL_KNOWN).await;
+            }
+        };
         tokio::select! {
             biased;
             () = closed(closing) => Wake::Closed,
-            () = shut_out(door, caller) => Wake::Closed,
+            () = shut_out => Wake::Closed,
             newer = tokio::time::timeout(quiet, newer) => match newer {
                 Ok(Ok(snapshot)) => Wake::Changed(snapshot),
                 Ok(Err(_)) => Wake::Closed,
                 Err(_) => Wake::Quiet,
             },
         }
-    }
-}
-
-/// Waits until the reader would not be admitted any more: the key was replaced or removed, or the session is over.
-async fn shut_out(door: &HttpDoor, caller: &Caller) {
-    while door.still_knows(caller) {
-        tokio::time::sleep(STILL_KNOWN).await;
     }
 }
 

@@ -54,7 +54,10 @@ impl FromRequestParts<HttpDoor> for Asker {
     async fn from_request_parts(parts: &mut Parts, door: &HttpDoor) -> Result<Asker, Problem> {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
-        let simulator = door.simulator.clone().ok_or_else(Problem::no_simulator)?;
+        let simulator = door.simulator.clone().ok_or_else(|| {
+            let detail = "the robot that searches is not simulated: there is no simulator to be controlled".to_owned();
+            Problem::new(("notSimulated", ProblemKind::NotFound), detail)
+        })?;
         Ok(Asker { door: door.clone(), simulator, caller, peer, language: spoken(&parts.headers) })
     }
 }
@@ -108,12 +111,7 @@ fn bound(refused: &Refused) -> Problem {
     }
 }
 
-impl Problem {
-    fn no_simulator() -> Problem {
-        let detail = "the robot that searches is not simulated: there is no simulator to be controlled".to_owned();
-        Problem::new(("notSimulated", ProblemKind::NotFound), detail)
-    }
-}
+impl Problem {}
 
 impl From<NotSimulated> for Problem {
     fn from(not: NotSimulated) -> Problem {
