@@ -83,15 +83,22 @@ struct RememberedSession {
 impl ClientIds {
     /// Takes the id for a client, with the remembered session; an older client with the same id is disconnected first.
     pub(super) async fn take(&self, name: Name, memory: Memory) -> (ClientId, Option<Session>) {
-        let came = self.registry().next_moment();
+        let came = {
+            let mut registry = self.registry();
+            registry.moments += 1;
+            registry.moments
+        };
         loop {
             let (moment, mut gone) = match self.enter(&name, memory, came) {
                 Ok(taken) => return taken,
                 Err(present) => present,
             };
-            // The wait ends when the other client drops its id with its end of the channel; one that hangs is given up.
+            // The wait ends when the other client drops its id with its end of the channel. One that hangs is given up: it is not
+            // waited for, and keeps its resources until it leaves.
             if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
-                self.registry().give_up(&name, moment);
+                let mut registry = self.registry();
+                registry.present.retain(|known, present| *known != name || present.moment != moment);
+                registry.remembered.retain(|known, remembered| *known != name || remembered.moment != moment);
             }
         }
     }
@@ -129,7 +136,8 @@ impl ClientIds {
     pub(super) async fn keep(&self) {
         let clock = self.0.clock;
         loop {
-            let due = self.registry().sessions().filter_map(Session::poll_timeout).min();
+            let of_remembered = |remembered: &RememberedSession| remembered.session.as_ref().and_then(Session::poll_timeout);
+            let due = self.registry().remembered.values().filter_map(of_remembered).min();
             tokio::select! {
                 () = clock.reach(due) => {}
                 () = self.0.has_gone.notified() => {}
@@ -163,18 +171,6 @@ impl ClientIds {
 }
 
 impl Registry {
-    fn next_moment(&mut self) -> u64 {
-        self.moments += 1;
-        self.moments
-    }
-
-    /// Gives up on the client with this arrival number that does not leave: it is not waited for, and keeps its resources until
-    /// it leaves.
-    fn give_up(&mut self, name: &Name, moment: u64) {
-        self.present.retain(|known, present| known != name || present.moment != moment);
-        self.remembered.retain(|known, remembered| known != name || remembered.moment != moment);
-    }
-
     /// Whether one more client can be remembered; if there are too many, of the owner with the most the one that was away longest
     /// gives way.
     fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
@@ -188,10 +184,6 @@ impl Registry {
             away.min_by_key(|(name, remembered)| (Reverse(counts[&*name.who]), remembered.moment)).map(|(name, _)| name.clone());
         *gives_way = oldest.and_then(|name| self.remembered.remove(&name));
         gives_way.is_some()
-    }
-
-    fn sessions(&self) -> impl Iterator<Item = &Session> {
-        self.remembered.values().filter_map(|remembered| remembered.session.as_ref())
     }
 }
 

@@ -131,7 +131,7 @@ pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
     let _queue = ServiceQueue::begin();
     ring();
-    while let Some(service) = ServiceQueue::next() {
+    while let Some(service) = QUEUE.with_borrow_mut(|queue| queue.as_mut()?.pop_front()) {
         if clock.since_start() >= began + allowed {
             service.task.wake();
         } else {
@@ -145,10 +145,6 @@ impl ServiceQueue {
     fn begin() -> ServiceQueue {
         QUEUE.set(Some(VecDeque::new()));
         ServiceQueue
-    }
-
-    fn next() -> Option<Arc<ClientService>> {
-        QUEUE.with_borrow_mut(|queue| queue.as_mut()?.pop_front())
     }
 }
 

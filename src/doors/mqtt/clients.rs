@@ -142,7 +142,7 @@ impl Clients {
         let version = connect.version();
         let has_new_id = version == Version::Five && connect.client_id.is_empty();
         if has_new_id {
-            connect.client_id = new_id();
+            connect.client_id = format!("hallsweep-{:016x}", RandomState::new().build_hasher().finish());
         }
         let known = IdentifiedClient { connect, has_new_id, identity, origin };
         let (feeder, taker) = read_ahead(&self.0.pool);
@@ -358,10 +358,6 @@ impl IdentifiedClient {
             Version::Five | Version::Three => None,
         }
     }
-}
-
-fn new_id() -> String {
-    format!("hallsweep-{:016x}", RandomState::new().build_hasher().finish())
 }
 
 #[cfg(test)]

@@ -66,11 +66,15 @@ impl Reception {
         let mut running = self.running.clone();
         let (clock, mut accepts_at) = (Clock::default(), Duration::ZERO);
         loop {
+            let next_connection = async {
+                clock.reach(Some(accepts_at)).await;
+                listeners.accept().await
+            };
             tokio::select! {
                 // In random order, so that neither a flood of connections nor one of web clients keeps the others out.
                 _ = running.changed() => break,
                 Some(_) = clients.join_next() => {}
-                accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {
+                accepted = next_connection => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.clients.evict_some(), "an MQTT connection could not be accepted");
@@ -92,12 +96,6 @@ impl Reception {
         let waiting = self.clients.admit_pending(incoming.origin.from);
         clients.spawn(self.clients.clone().attend(incoming, waiting, (self.running.clone(), self.work.clone())));
     }
-}
-
-/// The next connection, not before this time.
-async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> std::io::Result<(TcpStream, SocketAddr)> {
-    clock.reach(Some(then)).await;
-    listeners.accept().await
 }
 
 fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> IncomingConnection {

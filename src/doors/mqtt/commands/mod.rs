@@ -28,7 +28,6 @@ use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
 use hallsweep_core::command::{Command, Request};
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
 use mqtt_gate::{AnswerTo, filter};
@@ -113,8 +112,14 @@ impl Commands {
             self.refuse(&parsed.unexplained(), &problem, publisher);
             return Taken::Forbidden;
         }
-        if let Some(again) = parsed.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {
-            parsed.asked = Ok((again, None));
+        if parsed.goes_on {
+            // When the robot stands before a piece whose photo has failed, going on means taking it again.
+            let snapshot = self.handle.snapshot();
+            let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending());
+            let failed = piece.filter(|piece| matches!(piece.photo, PhotoState::Failed(_)));
+            if let Some(piece) = failed.filter(|_| snapshot.mission.phase == PhaseName::Inspecting) {
+                parsed.asked = Ok((Command::RetakePhoto(piece.id), None));
+            }
         }
         match &parsed.asked {
             Ok((command, epoch)) => self.give(&parsed, (command, *epoch), Some(heard), publisher),
@@ -185,13 +190,6 @@ impl Commands {
         self.handle.note_refused_at_once(publisher.issuer(), parsed.for_record(), problem.for_record());
         self.results.refused(&parsed.reply, publisher, problem);
     }
-}
-
-/// The command of a message that means going on, when the robot stands before a piece whose photo has failed: taking it again.
-fn to_retake(snapshot: &Snapshot) -> Option<Command> {
-    let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending())?;
-    let has_failed = matches!(piece.photo, PhotoState::Failed(_)) && snapshot.mission.phase == PhaseName::Inspecting;
-    has_failed.then_some(Command::RetakePhoto(piece.id))
 }
 
 #[cfg(test)]

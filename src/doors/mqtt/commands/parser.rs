@@ -59,7 +59,12 @@ impl CommandParser {
         let reply = match self.topics.kind_of(topic) {
             TopicKind::Command(name) if is_halt(name) => self.reply(STOP),
             TopicKind::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
-            TopicKind::Word if says_stop(payload) => self.reply(STOP),
+            // With anything but letters and digits round it.
+            TopicKind::Word
+                if is_halt(String::from_utf8_lossy(payload).trim_matches(|letter: char| !letter.is_alphanumeric())) =>
+            {
+                self.reply(STOP)
+            }
             TopicKind::Old if incoming::is_stop(payload) => Reply::default(),
             TopicKind::Command(_) | TopicKind::Word | TopicKind::Old | TopicKind::Ours | TopicKind::Elsewhere => return None,
         };
@@ -163,12 +168,6 @@ impl ParsedCommand {
     pub(super) fn for_record(&self) -> recorded::Asked {
         self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| recorded::Asked::Command(command.clone()))
     }
-}
-
-/// Whether a bare word is STOP, with anything but letters and digits round it.
-fn says_stop(payload: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(payload);
-    is_halt(text.trim_matches(|letter: char| !letter.is_alphanumeric()))
 }
 
 /// A topic as its sender must have meant it: without wildcards, empty levels, and invisible characters. `None` when it needs no
