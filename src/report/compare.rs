@@ -48,11 +48,6 @@ impl<R: Read> Comparison<R> {
         Ok(bytes)
     }
 
-    fn pass(&mut self, bytes: &[u8]) {
-        self.byte += bytes.len() as u64;
-        self.line += bytes.iter().filter(|byte| **byte == b'\n').count() as u64;
-    }
-
     fn differ(&mut self, has: &[u8], wants: &[u8]) {
         self.difference = Some(Difference { byte: self.byte, line: self.line, has: shown(has), wants: shown(wants) });
     }
@@ -66,7 +61,8 @@ impl<R: Read> Write for Comparison<R> {
         }
         let there = self.read(wanted.len())?;
         let alike = there.iter().zip(wanted).take_while(|(there, wanted)| there == wanted).count();
-        self.pass(&wanted[..alike]);
+        self.byte += alike as u64;
+        self.line += wanted[..alike].iter().filter(|byte| **byte == b'\n').count() as u64;
         if alike < wanted.len() {
             self.differ(&there[alike..], &wanted[alike..]);
         }

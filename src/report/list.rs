@@ -49,18 +49,15 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
             }
         }
     };
-    let [time, kind, what, who, from, door, outcome] = cells.map(plain);
+    // The apostrophe keeps a spreadsheet from treating the cell as a formula, whoever wrote it.
+    let [time, kind, what, who, from, door, outcome] =
+        cells.map(|cell| if cell.starts_with(FORMULA) { format!("'{cell}") } else { cell });
     [seq.to_string(), time, kind, what, who, from, door, outcome]
 }
 
 /// The person in a fact that is not a command.
 fn who(fact: &Fact) -> String {
     if let Fact::Verdict { who, .. } | Fact::AlarmAcknowledged(_, who) = fact { who.to_string() } else { String::new() }
-}
-
-/// Keeps a spreadsheet from treating the cell as a formula, whoever wrote it.
-fn plain(cell: String) -> String {
-    if cell.starts_with(FORMULA) { format!("'{cell}") } else { cell }
 }
 
 fn io_error(error: csv::Error) -> Failure {

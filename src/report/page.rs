@@ -56,6 +56,11 @@ impl Report<'_> {
     fn time(&self, wall: WallTime) -> String {
         self.claim.language.date(&self.zone().date_and_time(wall))
     }
+
+    /// The time of an entry, if there is one.
+    fn time_of(&self, entry: Option<(Seq, WallTime)>) -> String {
+        entry.map_or_else(String::new, |(_, wall)| self.time(wall))
+    }
 }
 
 fn reach(state: &PersistentState) -> Option<Reach> {
@@ -102,10 +107,9 @@ impl Top<'_> {
             let conditions = self.state.and_then(|state| state.conditions.as_ref());
             figures.push((say("robots"), self.language.team(conditions)));
         }
-        let time = |end: Option<(Seq, WallTime)>| end.map_or_else(String::new, |(_, wall)| report.time(wall));
-        figures.push((say("report-began"), time(tally.first)));
+        figures.push((say("report-began"), report.time_of(tally.first)));
         let end = if tally.archived.is_some() { "report-put-away" } else { "report-as-of" };
-        figures.push((say(end), time(tally.archived.or(tally.last))));
+        figures.push((say(end), report.time_of(tally.archived.or(tally.last))));
         figures.push((say("report-took"), lasted(tally.took_ms())));
         if tally.clock_sets > 0 {
             figures.push((say("report-clock-set"), say("report-clock-sets").with("count", tally.clock_sets).to_string()));
@@ -285,11 +289,11 @@ impl Temperature<'_> {
     }
 
     fn began(&self) -> String {
-        self.report.tally.first.map_or_else(String::new, |(_, wall)| self.report.time(wall))
+        self.report.time_of(self.report.tally.first)
     }
 
     fn ended(&self) -> String {
-        self.report.tally.last.map_or_else(String::new, |(_, wall)| self.report.time(wall))
+        self.report.time_of(self.report.tally.last)
     }
 }
 

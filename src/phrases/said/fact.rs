@@ -36,8 +36,14 @@ impl Language {
             Fact::ProgramEnded(by) => self.say("fact-ended").with("by", by),
             Fact::ClockSet(by @ ..0) => self.say("fact-clock-back").with("by", hours(*by)),
             Fact::ClockSet(by) => self.say("fact-clock-forward").with("by", hours(*by)),
-            Fact::WrittenOut(written) => return self.written_out(written),
-            Fact::Unpacked(unpacked) => return self.unpacked(unpacked),
+            Fact::WrittenOut(WrittenOut { missions: (first, last), until, file, digest }) => {
+                let say = self.say("fact-written-out").with("first", first).with("last", last).with("until", until);
+                say.with("file", file).with("digest", digest)
+            }
+            Fact::Unpacked(Unpacked { file, digest, behind, page }) => {
+                let say = self.say("fact-unpacked").with("file", file).with("digest", digest);
+                say.with("behind", behind).with("page", page)
+            }
             Fact::Conditions(conditions) => self.conditions(conditions),
             Fact::State(standing) if standing.under_way => {
                 self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
@@ -97,16 +103,6 @@ impl Language {
             Fact::MapEmptied(heading) => self.say("fact-map-emptied").with("heading", self.heading(*heading)),
         };
         said.to_string()
-    }
-
-    fn written_out(self, WrittenOut { missions: (first, last), until, file, digest }: &WrittenOut) -> String {
-        let say = self.say("fact-written-out").with("first", first).with("last", last).with("until", until);
-        say.with("file", file).with("digest", digest).to_string()
-    }
-
-    fn unpacked(self, Unpacked { file, digest, behind, page }: &Unpacked) -> String {
-        let say = self.say("fact-unpacked").with("file", file).with("digest", digest);
-        say.with("behind", behind).with("page", page).to_string()
     }
 
     /// A phase with the one that it interrupts, or with the stage of its inspection.
