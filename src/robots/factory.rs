@@ -61,7 +61,13 @@ impl Robots {
         let SimulatedHall { hall, seed } = match was_chosen {
             Ok(Some(ground)) => ground,
             Ok(None) | Err(_) => {
-                SimulatedHall { hall: if is_simulated { sim::hall(settings)? } else { nowhere() }, seed: settings.robot.seed }
+                let hall = if is_simulated {
+                    sim::hall(settings)?
+                } else {
+                    // Without simulated robots the hall of the settings is unused, so it need not exist.
+                    Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
+                };
+                SimulatedHall { hall, seed: settings.robot.seed }
             }
         };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
@@ -227,9 +233,4 @@ impl Robot {
             Robot::External(robot) => robot.lost(),
         }
     }
-}
-
-/// An empty hall: without simulated robots the hall of the settings is unused, so it need not exist.
-fn nowhere() -> Arc<Hall> {
-    Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
 }

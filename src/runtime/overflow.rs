@@ -107,10 +107,6 @@ impl Inner {
 }
 
 impl<T> Counted<T> {
-    fn first(one: T, answer: Option<oneshot::Sender<Decision>>) -> Counted<T> {
-        Counted { last: one, count: 1, answers: Vec::from_iter(answer), look_at: ANSWERS }
-    }
-
     fn add(&mut self, one: T, answer: Option<oneshot::Sender<Decision>>) {
         (self.last, self.count) = (one, self.count + 1);
         if self.answers.len() >= self.look_at {
@@ -130,7 +126,9 @@ fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<on
     let sender = if is_told_apart { sender } else { (Arc::default(), Arc::default(), sender.2) };
     match senders.entry(sender) {
         Entry::Occupied(mut counted) => counted.get_mut().add(one, answer),
-        Entry::Vacant(place) => drop(place.insert(Counted::first(one, answer))),
+        Entry::Vacant(place) => {
+            place.insert(Counted { last: one, count: 1, answers: Vec::from_iter(answer), look_at: ANSWERS });
+        }
     }
 }
 

@@ -136,7 +136,10 @@ impl ExternalLink {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                drawn = done_for(&mut self.drawing), if free => self.deliver(drawn),
+                // Without a drawing, the order fails at its deadline.
+                (order, drawn) = done_for(&mut self.drawing), if free => if let Some(drawing) = drawn {
+                    self.driver.handle_drawing(order, drawing, self.clock.now());
+                },
                 // Also during a write: the time at which a word arrives matters.
                 happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
@@ -285,13 +288,6 @@ impl ExternalLink {
             self.led();
         }
         self.driver.handle_order(order, self.clock.now());
-    }
-
-    /// Passes a drawing to the driver. Without one, the order fails at its deadline.
-    fn deliver(&mut self, (order, drawing): (OrderId, Option<Photo>)) {
-        if let Some(drawing) = drawing {
-            self.driver.handle_drawing(order, drawing, self.clock.now());
-        }
     }
 }
 

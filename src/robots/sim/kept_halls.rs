@@ -98,8 +98,9 @@ impl KeptHalls {
 fn found(folder: &Path) -> BTreeSet<String> {
     // `unreadable` reports a folder that cannot be read.
     let files: Vec<PathBuf> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    let names: BTreeSet<String> = files.iter().filter_map(|file| name_of(file)).collect();
-    let offered: BTreeSet<String> = names.into_iter().take(MOST).collect();
+    let stems = files.iter().filter_map(|file| file.file_name()?.to_str()?.strip_suffix(".toml"));
+    let names: BTreeSet<&str> = stems.filter(|name| is_hall_name(name)).collect();
+    let offered: BTreeSet<String> = names.into_iter().take(MOST).map(str::to_owned).collect();
     if offered.len() < files.len() {
         let (files, offered) = (files.len(), offered.len());
         tracing::warn!(folder = %folder.display(), files, offered, "not every file here is offered: a hundred are, of names as hall-1.toml");
@@ -123,11 +124,6 @@ fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     file.make(file_of(hall).as_bytes()).inspect_err(|_| drop(fs::remove_file(file.unfinished())))?;
     files::sync_folder(&folder)?;
     files::sync_folder(data)
-}
-
-fn name_of(file: &Path) -> Option<String> {
-    let name = file.file_name()?.to_str()?.strip_suffix(".toml")?;
-    is_hall_name(name).then(|| name.to_owned())
 }
 
 fn file(data: &Path, name: &str) -> SmallFile {

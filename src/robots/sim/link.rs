@@ -134,7 +134,11 @@ impl SimLink {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count),
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
-                state_file = done(&mut self.writing) => self.written(state_file),
+                state_file = done(&mut self.writing) => {
+                    let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
+                    self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+                    self.state_file = state_file;
+                }
                 news = self.remote.news(settled) => self.hear(news),
                 Ok(()) = self.floor.moved.changed() => self.look_at_floor(),
                 Ok(()) = self.side.led.changed() => self.led(),
@@ -142,7 +146,10 @@ impl SimLink {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                photo = done_for(&mut self.developing), if free => self.deliver(photo),
+                // Without a photo, the order fails at its deadline.
+                (order, developed) = done_for(&mut self.developing), if free => if let Some(photo) = developed {
+                    self.sim.handle_photo(order, photo, self.now());
+                },
                 () = std::future::ready(()), if jumps => self.jump(),
                 () = tokio::time::sleep_until(wake), if free => self.sim.handle_timeout(self.now()),
             }
@@ -180,12 +187,6 @@ impl SimLink {
         }));
     }
 
-    fn written(&mut self, state_file: Option<SimStateFile>) {
-        let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
-        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
-        self.state_file = state_file;
-    }
-
     /// Takes the robot's next report, unless one is waiting already or the memory it follows from is not written yet. Reports of
     /// a robot whose link is lost are dropped.
     fn next_report(&mut self) {
@@ -197,8 +198,11 @@ impl SimLink {
             self.report = self.sim.poll_event();
         }
         self.read_again();
-        if let Some(RobotEvent::LinkUp(capabilities)) = self.report {
-            self.report = Some(RobotEvent::LinkUp(self.in_real_time(capabilities)));
+        if let Some(RobotEvent::LinkUp(simulated)) = self.report {
+            let Capabilities { step, turn, photo, arm, .. } = simulated;
+            let real = |time| self.time.speed().to_real(time);
+            let (step, turn, photo, arm) = (real(step), real(turn), real(photo) + DEVELOPING, real(arm));
+            self.report = Some(RobotEvent::LinkUp(Capabilities { step, turn, photo, arm, ..simulated }));
             self.said.extend(self.time.is_paused().then_some(RobotEvent::Paused));
         }
     }
@@ -212,12 +216,6 @@ impl SimLink {
             let is_heard = !self.controls.is_link_lost && !self.controls.faults.no_thermometer;
             self.report = is_heard.then_some(RobotEvent::Temperature(celsius));
         }
-    }
-
-    fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
-        let (speed, Capabilities { step, turn, photo, arm, .. }) = (self.time.speed(), simulated);
-        let photo = speed.to_real(photo) + DEVELOPING;
-        Capabilities { step: speed.to_real(step), turn: speed.to_real(turn), photo, arm: speed.to_real(arm), ..simulated }
     }
 
     fn hear(&mut self, news: News) {
@@ -317,13 +315,6 @@ impl SimLink {
         self.sim.handle_order(Order { deadline, ..order }, self.now());
         if let Some((id, exposure)) = self.sim.take_exposure() {
             self.developing = Some((id, tokio::task::spawn_blocking(move || exposure.develop())));
-        }
-    }
-
-    /// Passes a drawn photo to the simulation. Without one, the order fails at its deadline.
-    fn deliver(&mut self, (order, photo): (OrderId, Option<Photo>)) {
-        if let Some(photo) = photo {
-            self.sim.handle_photo(order, photo, self.now());
         }
     }
 

@@ -130,7 +130,11 @@ impl PairLink {
                 halts = one.halts.raised() => self.halt(Which::Srm1, halts.count),
                 halts = two.halts.raised() => self.halt(Which::Srm2, halts.count),
                 sent = hand_over([&one.reports, &two.reports], &mut self.report), if self.report.is_some() => if !sent { return },
-                state_file = done(&mut self.writing) => self.written(state_file),
+                state_file = done(&mut self.writing) => {
+                    let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
+                    self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+                    self.state_file = state_file;
+                }
                 news = self.remote.news(settled) => self.hear(news),
                 given = one.orders.recv(), if free => match given {
                     Some(stamped) => self.order(Which::Srm1, stamped),
@@ -234,28 +238,19 @@ impl PairLink {
         }));
     }
 
-    fn written(&mut self, state_file: Option<PairStateFile>) {
-        let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
-        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
-        self.state_file = state_file;
-    }
-
     /// Takes the pair's next report, unless one is waiting already or the memory it follows from is not written yet.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
         }
         self.report = self.said.pop_front().or_else(|| self.pair.poll_event());
-        if let Some((which, RobotEvent::LinkUp(can))) = self.report {
-            self.report = Some((which, RobotEvent::LinkUp(self.in_real_time(can))));
+        if let Some((which, RobotEvent::LinkUp(simulated))) = self.report {
+            let Capabilities { step, turn, photo, arm, .. } = simulated;
+            let real = |time| self.time.speed().to_real(time);
+            let (step, turn, photo, arm) = (real(step), real(turn), real(photo), real(arm));
+            self.report = Some((which, RobotEvent::LinkUp(Capabilities { step, turn, photo, arm, ..simulated })));
             self.said.extend(self.time.is_paused().then_some((which, RobotEvent::Paused)));
         }
-    }
-
-    fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
-        let Capabilities { step, turn, photo, arm, .. } = simulated;
-        let real = |time| self.time.speed().to_real(time);
-        Capabilities { step: real(step), turn: real(turn), photo: real(photo), arm: real(arm), ..simulated }
     }
 
     /// A halt concerns only what was begun before it: an order sent after the halt may arrive first.

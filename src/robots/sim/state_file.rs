@@ -20,12 +20,6 @@ mod error;
 pub(super) use error::StateFileError;
 use hallsweep_sim::page::{self, MemoryPage, Unread, Whose};
 
-/// The robot's file: the first robot's file keeps the name from before there were several robots.
-fn file_of(data: &Path, robot: &RobotId) -> SmallFile {
-    let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };
-    SmallFile::of(data, name, robot.name())
-}
-
 #[derive(Debug)]
 pub(super) struct SimStateFile {
     file: SmallFile,
@@ -76,7 +70,9 @@ impl SimStateFile {
     /// A state file for a robot that is put into this hall anew. The first write replaces any existing file, so this is for a
     /// folder without one, or for a robot that is meant to leave its previous hall.
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
-        SimStateFile { file: file_of(dir, robot), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
+        // The first robot's file keeps the name from before there were several robots.
+        let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };
+        SimStateFile { file: SmallFile::of(dir, name, robot.name()), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
     /// The robot is in this hall from now on, newly put there: the next write replaces the file.
