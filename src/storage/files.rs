@@ -21,10 +21,10 @@ pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
 fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) => wrong(&there).map_or_else(|| check_rights(path, there.is_dir()), |wrong| Err(io::Error::other(wrong))),
-        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => {
-            Err(io::Error::other("it is a link that leads nowhere"))
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let is_link = fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink());
+            if is_link { Err(io::Error::other("it is a link that leads nowhere")) } else { Ok(()) }
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error),
     }
 }
@@ -178,10 +178,6 @@ pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that shares")]
 pub(super) fn share(_: &Path, _: &File) -> io::Result<()> {
     Ok(())
-}
-
-fn is_link(path: &Path) -> bool {
-    fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink())
 }
 
 #[cfg(all(test, unix))]

@@ -56,7 +56,10 @@ pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Resul
     made.and_then(|()| sweep(&archives)).map_err(|error| {
         Unreadable(format!("{} cannot be used ({error}): move it away, then start hallsweep again", archives.display()))
     })?;
-    write_out_within(data, (before, now), Bound::OF_A_START, |cut| names::ARCHIVE.of(data, &stem(cut)))
+    // The name follows from the contents, so that the same archive gets the same name again.
+    write_out_within(data, (before, now), Bound::OF_A_START, |Cut { missions: (first, latest), last, .. }| {
+        names::ARCHIVE.of(data, &format!("missions-{first}-to-{latest}-{}", &last.hex()[..16]))
+    })
 }
 
 /// Removes the leftovers of kills from the folder `archives`, which only this program writes to. A folder among them does no
@@ -69,11 +72,6 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// The name follows from the contents, so that the same archive gets the same name again.
-fn stem(Cut { missions: (first, last), last: end, .. }: &Cut) -> String {
-    format!("missions-{first}-to-{last}-{}", &end.hex()[..16])
 }
 
 /// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these contents is

@@ -64,8 +64,15 @@ fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<JournalReader>, Fa
     match open_reader(&folder.journal(), OpenFlags::empty(), oldest) {
         // On a read-only disk SQLite cannot create the files through which readers and writers coordinate. Nobody else writes
         // there either, so the file may be opened as immutable.
-        Err(Fault::Sql(error)) if needs_no_log(&error) && !folder.has_log() => {
-            let address = format!("file:{}?immutable=1", escaped(&folder.journal()));
+        Err(Fault::Sql(error))
+            if matches!(error.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) && !folder.has_log() =>
+        {
+            let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte);
+            let mut address = "file:".to_owned();
+            for byte in folder.journal().as_os_str().as_encoded_bytes() {
+                address += &if is_plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") };
+            }
+            address += "?immutable=1";
             let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI, oldest)?;
             Ok(connection.map(|connection| JournalReader { connection, is_still: true }))
         }
@@ -84,16 +91,6 @@ fn open_reader(path: &Path, flags: OpenFlags, oldest: i64) -> Result<Option<Conn
         Format::Older(version) if version < oldest => Err(Fault::Older(version)),
         Format::Older(_) | Format::Current => Ok(Some(connection)),
     }
-}
-
-fn needs_no_log(error: &rusqlite::Error) -> bool {
-    matches!(error.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly))
-}
-
-fn escaped(path: &Path) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte);
-    let bytes = path.as_os_str().as_encoded_bytes();
-    bytes.iter().map(|byte| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
 /// Some pragmas return their value, some return nothing.

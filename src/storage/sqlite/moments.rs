@@ -30,7 +30,10 @@ pub(super) fn moments(
 ) -> Result<Vec<PastMoment>, Fault> {
     // One transaction, so that all queries see the same journal while somebody writes to it.
     let _unchanging = connection.unchecked_transaction()?;
-    let end = end_of(connection, mission)?;
+    // The last entry of the mission. RESET empties the hall: the state after it is the beginning of the next mission.
+    let sql = "SELECT archived_seq - 1 FROM missions WHERE id = ?1 AND archived_seq IS NOT NULL";
+    let end = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
+    let end = Seq(end.map_or(i64::MAX.unsigned_abs(), count));
     let mut places = Vec::new();
     for at in at {
         let Some(place) = place(connection, mission, *at, end)? else { return Ok(Vec::new()) };
@@ -47,13 +50,6 @@ pub(super) fn moments(
     }
     moments.sort_by_key(|(place, _)| *place);
     Ok(moments.into_iter().map(|(_, moment)| moment).collect())
-}
-
-/// The last entry of a mission. RESET empties the hall: the state after it is the beginning of the next mission.
-fn end_of(connection: &Connection, mission: MissionId) -> Result<Seq, Fault> {
-    let sql = "SELECT archived_seq - 1 FROM missions WHERE id = ?1 AND archived_seq IS NOT NULL";
-    let end = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
-    Ok(Seq(end.map_or(i64::MAX.unsigned_abs(), count)))
 }
 
 fn place(connection: &Connection, mission: MissionId, at: At, end: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {

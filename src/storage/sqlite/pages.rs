@@ -97,19 +97,14 @@ impl Pages {
             // A page from before the chain may have been longer.
             chain::close_page(&transaction)?;
         }
-        let under_way = open_mission(&transaction)?;
+        let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";
+        let under_way: Option<i64> = transaction.query_row(sql, [], |row| row.get(0))?;
         transaction.commit()?;
-        self.under_way = under_way;
+        self.under_way = under_way.map(|id| MissionId(super::fault::count(id)));
         // The attempts themselves must not fill a disk that is nearly full.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         Ok(())
     }
-}
-
-fn open_mission(transaction: &Transaction<'_>) -> Result<Option<MissionId>, Fault> {
-    let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";
-    let id: Option<i64> = transaction.query_row(sql, [], |row| row.get(0))?;
-    Ok(id.map(|id| MissionId(super::fault::count(id))))
 }
 
 /// Writes a page, photos first; returns the mission that is under way after it.

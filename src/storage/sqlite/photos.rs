@@ -2,7 +2,6 @@
 //! a name never stands for an incomplete photo (safety D3); in memory they are rows of a table.
 
 use std::io::{self, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 use rusqlite::{Connection, OptionalExtension, params};
@@ -90,29 +89,22 @@ impl Pictures<'_> {
 fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
     let path = folder.photo(picture);
     let shelf = path.parent().expect("a photo is in a folder named by the first two letters of its digest");
-    if !holds(&path, bytes) {
+    // A restart or an operator may take the same photo twice.
+    let is_complete = files::read(&path, bytes.len()).is_ok_and(|there| there == bytes);
+    if !is_complete {
         [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");
-        write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, &path).map_err(files::naming(&path))).inspect_err(
-            |_| {
-                // A leftover is harmless, and the next photo of this name replaces it.
-                let _ = std::fs::remove_file(&unfinished);
-            },
-        )?;
+        let written = files::create(&unfinished).and_then(|mut file| {
+            file.write_all(bytes)?;
+            file.sync_all()
+        });
+        written.and_then(|()| std::fs::rename(&unfinished, &path).map_err(files::naming(&path))).inspect_err(|_| {
+            // A leftover is harmless, and the next photo of this name replaces it.
+            let _ = std::fs::remove_file(&unfinished);
+        })?;
     }
     // Also for a photo that exists already: its writer may have failed at exactly this step.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
-}
-
-fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = files::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
-}
-
-/// Whether the complete photo exists already: a restart or an operator may take the same photo twice.
-fn holds(path: &Path, bytes: &[u8]) -> bool {
-    files::read(path, bytes.len()).is_ok_and(|there| there == bytes)
 }
 
 fn digest(bytes: &[u8]) -> String {

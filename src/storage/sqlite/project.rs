@@ -22,7 +22,10 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::Verdict { luggage, verdict, who, note } => {
             decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall, note: note.clone() })
         }
-        Fact::Secured(luggage) => secured(connection, *luggage, wall),
+        Fact::Secured(luggage) => {
+            let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
+            run(connection, sql, params![whole(luggage.0)?, journal::moment(wall)])
+        }
         Fact::State(state) => stands(connection, state, wall, seq),
         Fact::ProgramStarted(_)
         | Fact::Conditions(_)
@@ -113,15 +116,12 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
-fn secured(connection: &Connection, luggage: LuggageId, wall: WallTime) -> Result<(), Fault> {
-    let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
-    run(connection, sql, params![whole(luggage.0)?, journal::moment(wall)])
-}
-
 /// A state snapshot also contains what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
-    for open in open_missions(connection)?.into_iter().filter(|open| Some(*open) != current) {
+    let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;
+    let ids = statement.query_map([], |row| row.get::<_, i64>(0))?.collect::<Result<Vec<_>, _>>()?;
+    for open in ids.into_iter().map(|id| MissionId(count(id))).filter(|open| Some(*open) != current) {
         archived(connection, open, &[], wall, seq)?;
     }
     let Some(mission) = current else { return Ok(()) };
@@ -137,10 +137,4 @@ fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq:
 fn run(connection: &Connection, sql: &str, values: impl Params) -> Result<(), Fault> {
     connection.prepare_cached(sql)?.execute(values)?;
     Ok(())
-}
-
-fn open_missions(connection: &Connection) -> Result<Vec<MissionId>, Fault> {
-    let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;
-    let ids = statement.query_map([], |row| row.get::<_, i64>(0))?;
-    Ok(ids.map(|id| id.map(|id| MissionId(count(id)))).collect::<Result<_, _>>()?)
 }

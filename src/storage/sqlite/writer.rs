@@ -18,7 +18,7 @@ use super::folder::Folder;
 use super::head::HeadFile;
 use super::pages::Pages;
 use super::writer_status::WriterStatus;
-use hallsweep_core::effect::{Entry, Fact, Page};
+use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Maximum number of pages in one transaction: what piles up on a slow disk, and still only moments of work.
@@ -108,7 +108,11 @@ impl Writer {
     fn keep(&mut self, batch: Vec<Handed>) {
         let losses = self.status.begin();
         let pages: Vec<Page> = batch.into_iter().filter(|handed| handed.losses == losses).map(|handed| handed.page).collect();
-        self.bulk = pages.iter().flat_map(|page| &page.entries).map(photo_bytes).sum();
+        let photos = pages
+            .iter()
+            .flat_map(|page| &page.entries)
+            .map(|entry| if let Fact::Luggage { photo: Some(photo), .. } = &entry.fact { photo.bytes.len() } else { 0 });
+        self.bulk = photos.sum();
         let kept = self.write(&pages, losses);
         self.conclude(kept, losses, pages.last().map_or(self.kept, Page::last));
     }
@@ -183,10 +187,6 @@ impl Writer {
             self.hand = Hand::Closed;
         }
     }
-}
-
-fn photo_bytes(entry: &Entry) -> usize {
-    if let Fact::Luggage { photo: Some(photo), .. } = &entry.fact { photo.bytes.len() } else { 0 }
 }
 
 /// Looks at the writer now and then; a batch that takes too long is given up.
