@@ -34,7 +34,7 @@ impl Listener for TestListener {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, Said { payload, .. }: Said<'_>, _: (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, Said { payload, .. }: Said<'_>, _: Option<Epoch>, _: bool) -> CommandDecision {
         assert!(topic.starts_with("h/d/command") || topic.starts_with("q/"), "{topic} is no place for commands");
         if payload.first() == Some(&b'f') { CommandDecision::Forbidden } else { CommandDecision::Pass }
     }

@@ -36,7 +36,7 @@ impl Listener for Printer {
         Open.is_for_commands(&String::from_utf8_lossy(said.topic)) && said.payload.starts_with(b"stop")
     }
 
-    fn hear(&self, topic: &str, said: Said<'_>, _: (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, said: Said<'_>, _: Option<Epoch>, _: bool) -> CommandDecision {
         println!("command on {topic}: {}", said.payload.escape_ascii());
         CommandDecision::Pass
     }

@@ -32,7 +32,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let origin = from_here(Access::Open);
 
     let mut hello = BytesMut::new();
-    write::connect(&mut hello, "panel", false, 60, ("anna", "x"));
+    write::connect(&mut hello, "panel", false, 60, "anna", "x");
     let connect = connect::read(&hello[2..]).expect("it is one");
     let identity = Identity::of(&connect.credentials, &origin).expect("everybody is let in");
     let name = Name { who: identity.name(), client: "panel".to_owned() };

@@ -71,7 +71,7 @@ struct CommandListener {
 }
 
 impl Listener for CommandListener {
-    fn hear(&self, topic: &str, said: Said<'_>, (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, said: Said<'_>, arrived: Option<Epoch>, is_again: bool) -> CommandDecision {
         let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
         let heard = IncomingMessage {
             topic,

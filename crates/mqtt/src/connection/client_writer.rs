@@ -30,13 +30,7 @@ impl ClientWriter {
     }
 
     /// Writes a PUBLISH with its id and its DUP flag. Returns false when it is longer than the client accepts.
-    pub(super) fn publish(
-        &mut self,
-        delivery: &Delivery,
-        (id, is_duplicate): (u16, bool),
-        now: Duration,
-        out: &mut Outbox,
-    ) -> bool {
+    pub(super) fn publish(&mut self, delivery: &Delivery, id: u16, is_duplicate: bool, now: Duration, out: &mut Outbox) -> bool {
         let Delivery { message, qos, retain, ids } = delivery;
         let (topic, payload) = (message.topic().as_bytes(), message.payload());
         let mut head = write::PublishHead { topic, qos: *qos, id, retain: *retain, is_duplicate, properties: None };
@@ -70,7 +64,7 @@ impl ClientWriter {
     }
 
     /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP with its reason code, and the reason in words, if there are any.
-    pub(super) fn ack(&self, kind: PacketKind, id: u16, (reason, words): (Reason, &str), out: &mut Outbox) {
+    pub(super) fn ack(&self, kind: PacketKind, id: u16, reason: Reason, words: &str, out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);
         }

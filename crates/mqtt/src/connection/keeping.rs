@@ -59,8 +59,10 @@ impl Deliveries {
         &mut self,
         retained: &Retained,
         unacknowledged: &mut Unacknowledged,
-        (writer, out): (&mut ClientWriter, &mut Outbox),
-        (whose, now): (SubscriberId, Duration),
+        writer: &mut ClientWriter,
+        out: &mut Outbox,
+        whose: SubscriberId,
+        now: Duration,
     ) {
         // Refills when half of them are acknowledged, so that there is not one look-up for each.
         self.is_held_up &= unacknowledged.kept() > KEPT_UNDER_WAY / 2 || !unacknowledged.has_window();
@@ -80,7 +82,7 @@ impl Deliveries {
             }
             if let Some(message) = found.filter(|message| !(options.no_local && message.is_by(whose))) {
                 let qos = message.qos().min(options.qos);
-                unacknowledged.send(subscriber::Delivery { message, qos, retain, ids }, Cause::Kept, (writer, out), now);
+                unacknowledged.send(subscriber::Delivery { message, qos, retain, ids }, Cause::Kept, writer, out, now);
             }
         }
     }

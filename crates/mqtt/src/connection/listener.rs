@@ -33,8 +33,8 @@ pub trait Listener: Send + Sync {
     fn hear_urgent(&self, said: Said<'_>) -> bool;
 
     /// Hears any other message on the topic of a command, once, in the order in which it was sent, before any
-    /// subscriber gets it. `came` is the epoch in which it arrived, and whether it was sent before.
-    fn hear(&self, topic: &str, said: Said<'_>, came: (Option<Epoch>, bool)) -> CommandDecision;
+    /// subscriber gets it. `arrived` is the epoch in which it arrived, and `is_again` says whether it was sent before.
+    fn hear(&self, topic: &str, said: Said<'_>, arrived: Option<Epoch>, is_again: bool) -> CommandDecision;
 
     /// The epoch that began with the latest urgent message.
     fn epoch(&self) -> Epoch;

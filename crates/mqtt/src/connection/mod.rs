@@ -309,7 +309,7 @@ impl ClientConnection {
             }
             PacketKind::Pubrec => {
                 let ack = self.ack(frame.kind, body)?;
-                self.unacknowledged.received(ack.id, ack.is_refusal(), (&mut self.writer, &mut self.to_client));
+                self.unacknowledged.received(ack.id, ack.is_refusal(), &mut self.writer, &mut self.to_client);
             }
             PacketKind::Pubrel => self.released(self.ack(frame.kind, body)?.id),
             PacketKind::Subscribe => self.subscribe(body)?,
@@ -365,16 +365,16 @@ impl ClientConnection {
         while self.to_client.len() < CLIENT_ROOM {
             let Some(next) = self.subscription.subscriber().next(self.unacknowledged.has_window()) else { break };
             if !next.message.is_over(self.now) {
-                self.unacknowledged.send(next, Cause::Published, (&mut self.writer, &mut self.to_client), self.now);
+                self.unacknowledged.send(next, Cause::Published, &mut self.writer, &mut self.to_client, self.now);
             }
         }
         self.catch_up();
     }
 
     fn fill(&mut self) {
-        let client = (&mut self.writer, &mut self.to_client);
         let whose = self.subscription.subscriber().id();
-        self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, client, (whose, self.now));
+        let (writer, out) = (&mut self.writer, &mut self.to_client);
+        self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, writer, out, whose, self.now);
     }
 
     /// Sends a client that has emptied its queue the newest retained message of each topic on which it missed

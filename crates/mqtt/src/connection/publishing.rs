@@ -46,7 +46,7 @@ impl ClientConnection {
             Qos::One => PacketKind::Puback,
             Qos::Two => PacketKind::Pubrec,
         };
-        self.writer.ack(kind, publish.id, (told.reason, &told.words), &mut self.to_client);
+        self.writer.ack(kind, publish.id, told.reason, &told.words, &mut self.to_client);
         Ok(())
     }
 
@@ -76,7 +76,7 @@ impl ClientConnection {
 
     pub(super) fn released(&mut self, id: u16) {
         let reason = if self.duplicates.released(id) { Reason::Success } else { Reason::UnknownId };
-        self.writer.ack(PacketKind::Pubcomp, id, (reason, ""), &mut self.to_client);
+        self.writer.ack(PacketKind::Pubcomp, id, reason, "", &mut self.to_client);
     }
 
     /// Whether this will may be published on its topic; notes a refusal.
@@ -84,7 +84,7 @@ impl ClientConnection {
         let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
         let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
         if !is_allowed {
-            self.refusals.note(will.topic.as_bytes(), "such a will", (&self.broker.lines, self.now));
+            self.refusals.note(will.topic.as_bytes(), "such a will", &self.broker.lines, self.now);
         }
         is_allowed
     }
@@ -122,7 +122,7 @@ impl ClientConnection {
         if is_kept {
             return Told { reason, ..TAKEN };
         }
-        self.refusals.note(message.topic().as_bytes(), NOT_KEPT, (&self.broker.lines, self.now));
+        self.refusals.note(message.topic().as_bytes(), NOT_KEPT, &self.broker.lines, self.now);
         Told { reason, words: NOT_KEPT.to_owned() }
     }
 
@@ -136,8 +136,8 @@ impl ClientConnection {
         if !is_urgent && self.duplicates.was_heard(publish, print) {
             return Ok(TAKEN);
         }
-        let came = (self.arrived, publish.is_duplicate);
-        let heard = if is_urgent { CommandDecision::Pass } else { self.listener.hear(topic, said, came) };
+        let heard =
+            if is_urgent { CommandDecision::Pass } else { self.listener.hear(topic, said, self.arrived, publish.is_duplicate) };
         let is_unreleased = self.duplicates.is_unreleased(publish);
         if !self.need_not_be_released(publish, heard == CommandDecision::Forbidden) {
             self.duplicates.handled(publish, Some(print))?;
@@ -148,7 +148,7 @@ impl ClientConnection {
             CommandDecision::Pass => self.pass_on(publish, topic).err(),
         };
         let told = refused.filter(|_| heard == CommandDecision::Forbidden).map_or(TAKEN, Dropped::told);
-        refused.into_iter().for_each(|why| self.refusals.note(publish.topic, why, (&self.broker.lines, self.now)));
+        refused.into_iter().for_each(|why| self.refusals.note(publish.topic, why, &self.broker.lines, self.now));
         Ok(told)
     }
 
@@ -187,7 +187,7 @@ impl ClientConnection {
             if !self.need_not_be_released(publish, true) {
                 self.duplicates.handled(publish, None)?;
             }
-            self.refusals.note(publish.topic, why, (&self.broker.lines, self.now));
+            self.refusals.note(publish.topic, why, &self.broker.lines, self.now);
         }
         Ok(why.told())
     }

@@ -40,7 +40,7 @@ impl Refusals {
         Refusals { name, count: 0 }
     }
 
-    pub(super) fn note(&mut self, topic: &[u8], why: impl Display, (lines, now): (&Lines, Duration)) {
+    pub(super) fn note(&mut self, topic: &[u8], why: impl Display, lines: &Lines, now: Duration) {
         self.count += 1;
         if self.count.is_power_of_two() && lines.admit(now) {
             let topic: String = String::from_utf8_lossy(topic).chars().take(SHOWN).collect();

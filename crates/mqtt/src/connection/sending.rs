@@ -76,15 +76,9 @@ impl Unacknowledged {
     }
 
     /// Sends a message. One that is longer than the client accepts counts as sent (MQTT 5, section 3.1.2.11.4).
-    pub(super) fn send(
-        &mut self,
-        delivery: Delivery,
-        cause: Cause,
-        (writer, out): (&mut ClientWriter, &mut Outbox),
-        now: Duration,
-    ) {
+    pub(super) fn send(&mut self, delivery: Delivery, cause: Cause, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
         let id = if delivery.qos == Qos::Zero { 0 } else { self.next_id() };
-        let is_said = writer.publish(&delivery, (id, false), now, out);
+        let is_said = writer.publish(&delivery, id, false, now, out);
         if is_said && delivery.qos > Qos::Zero {
             self.kept += usize::from(cause == Cause::Kept);
             self.bytes += delivery.message.cost();
@@ -99,12 +93,12 @@ impl Unacknowledged {
                 Some(_) if self.sent.len() >= self.window => return,
                 Some(delivery) => {
                     let is_over = delivery.message.is_over(now);
-                    if is_over || !writer.publish(delivery, (next.id, true), now, out) {
+                    if is_over || !writer.publish(delivery, next.id, true, now, out) {
                         self.unsent.pop_front().into_iter().for_each(|sent| self.forget(sent));
                         continue;
                     }
                 }
-                None => writer.ack(PacketKind::Pubrel, next.id, (Reason::Success, ""), out),
+                None => writer.ack(PacketKind::Pubrel, next.id, Reason::Success, "", out),
             }
             self.sent.extend(self.unsent.pop_front());
         }
@@ -119,7 +113,7 @@ impl Unacknowledged {
     }
 
     /// Handles a PUBREC: answers with PUBREL, unless the client refused the message, which is then over.
-    pub(super) fn received(&mut self, id: u16, is_refused: bool, (writer, out): (&mut ClientWriter, &mut Outbox)) {
+    pub(super) fn received(&mut self, id: u16, is_refused: bool, writer: &mut ClientWriter, out: &mut Outbox) {
         if is_refused {
             return self.acknowledged(id, PacketKind::Pubcomp);
         }
@@ -128,7 +122,7 @@ impl Unacknowledged {
         if let Some(sent) = sent {
             self.bytes -= sent.delivery.take().map_or(0, |delivery| delivery.message.cost());
         }
-        writer.ack(PacketKind::Pubrel, id, (reason, ""), out);
+        writer.ack(PacketKind::Pubrel, id, reason, "", out);
     }
 
     fn forget(&mut self, sent: Sent) {
@@ -161,7 +155,7 @@ mod tests {
         let message = Arc::new(Message::new(Draft::plain("a", b"x", Qos::One), 0, &Arc::default()));
         let delivery = Delivery { message, qos: Qos::One, retain: false, ids: None };
         let mut send = |unacknowledged: &mut Unacknowledged| {
-            unacknowledged.send(delivery.clone(), Cause::Published, (&mut writer, &mut out), Duration::ZERO);
+            unacknowledged.send(delivery.clone(), Cause::Published, &mut writer, &mut out, Duration::ZERO);
         };
         (0..3).for_each(|_| send(&mut unacknowledged));
         unacknowledged.acknowledged(2, PacketKind::Puback);

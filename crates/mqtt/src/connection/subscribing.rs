@@ -49,7 +49,7 @@ impl ClientConnection {
                     codes.push(options.qos as u8);
                 }
                 Err(why) => {
-                    self.refusals.note(filter.as_bytes(), why, (&self.broker.lines, self.now));
+                    self.refusals.note(filter.as_bytes(), why, &self.broker.lines, self.now);
                     codes.push(match self.writer.version() {
                         Version::Three => write::REFUSED,
                         Version::Five => why.reason() as u8,
@@ -100,7 +100,7 @@ impl ClientConnection {
     /// Logs and ends a connection whose packet has more filters than are accepted.
     fn few<'a>(&mut self, filters: Result<Filters<'a>, Malformed>) -> Result<Filters<'a>, Ended> {
         if let Err(wrong @ Malformed::ManyFilters) = filters {
-            self.refusals.note(b"", wrong, (&self.broker.lines, self.now));
+            self.refusals.note(b"", wrong, &self.broker.lines, self.now);
         }
         Ok(filters?)
     }

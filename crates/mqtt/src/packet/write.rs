@@ -119,7 +119,7 @@ pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
 }
 
 /// Writes a CONNECT with this client id, name and password, and without a will.
-pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
+pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, name: &str, password: &str) {
     head(out, PacketKind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
     out.put_slice(&[4, 0xC0 | u8::from(clean_session) << 1]);
@@ -222,15 +222,15 @@ pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, w
 
 /// Writes a SUBACK with a code for each filter.
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
-    codes_of(out, PacketKind::Suback, id, (&[], codes));
+    codes_of(out, PacketKind::Suback, id, &[], codes);
 }
 
 /// Writes a SUBACK or an UNSUBACK of MQTT 5 with a code for each filter.
 pub fn codes_five(out: &mut BytesMut, kind: PacketKind, id: u16, codes: &[u8], words: Option<&str>) {
-    codes_of(out, kind, id, (&reason_string(words), codes));
+    codes_of(out, kind, id, &reason_string(words), codes);
 }
 
-fn codes_of(out: &mut BytesMut, kind: PacketKind, id: u16, (properties, codes): (&[u8], &[u8])) {
+fn codes_of(out: &mut BytesMut, kind: PacketKind, id: u16, properties: &[u8], codes: &[u8]) {
     head(out, kind.first_byte(), 2 + properties.len() + codes.len());
     out.put_u16(id);
     out.put_slice(properties);
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn what_a_client_says_is_read_again() {
         let mut out = BytesMut::new();
-        connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
+        connect(&mut out, "c17", true, 65_535, "gate", "secret");
         let connect = connect::read(body(&out)).unwrap();
         let credentials = connect.credentials;
         assert_eq!((credentials.name.as_deref(), credentials.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));

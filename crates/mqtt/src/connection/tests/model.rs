@@ -58,7 +58,7 @@ struct Model {
 }
 
 impl Model {
-    fn publish(&mut self, by: usize, topic: &'static str, (payload, qos, retain): (&str, Qos, bool)) {
+    fn publish(&mut self, by: usize, topic: &'static str, payload: &str, qos: Qos, retain: bool) {
         if retain {
             self.ever.insert((topic.to_owned(), payload.to_owned()));
             if payload.is_empty() {
@@ -78,7 +78,7 @@ impl Model {
         }
     }
 
-    fn subscribe(&mut self, client: usize, filter: &'static str, (qos, no_local): (Qos, bool)) {
+    fn subscribe(&mut self, client: usize, filter: &'static str, qos: Qos, no_local: bool) {
         let number = client;
         let client = &mut self.clients[client];
         client.held.insert(filter, (qos, no_local));
@@ -131,7 +131,7 @@ impl Play {
                     five::subscribe_with(filter, qos as u8 | u8::from(no_local) << 2, &[])
                 };
                 self.here(client).unwrap().client(&packet).unwrap();
-                self.model.subscribe(client, filter, (qos, no_local));
+                self.model.subscribe(client, filter, qos, no_local);
             }
             Act::Unsubscribe(filter) => {
                 self.read(client, true);
@@ -159,7 +159,7 @@ impl Play {
         if qos == Qos::Two {
             scene.acknowledge(PacketKind::Pubrel, id);
         }
-        self.model.publish(client, topic, (payload, qos, retain));
+        self.model.publish(client, topic, payload, qos, retain);
     }
 
     fn break_off_or_come_back(&mut self, client: usize) {

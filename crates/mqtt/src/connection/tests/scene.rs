@@ -54,7 +54,7 @@ impl Listener for TestListener {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, said: Said<'_>, (_, is_again): (Option<Epoch>, bool)) -> CommandDecision {
+    fn hear(&self, topic: &str, said: Said<'_>, _: Option<Epoch>, is_again: bool) -> CommandDecision {
         let payload = String::from_utf8_lossy(said.payload);
         let again = if is_again { " again" } else { "" };
         self.0.lock().unwrap().push(format!("{topic} {payload}{again}"));
