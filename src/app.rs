@@ -78,14 +78,15 @@ fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce
     let robots = Robots::of(settings)?;
     let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_hall(settings, (robots, robot), notes, announce));
+    let served = runtime.block_on(serve_hall(settings, robots, robot, notes, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
 
 async fn serve_hall(
     settings: &Settings,
-    (mut robots, robot): (Robots, Option<Adapter>),
+    mut robots: Robots,
+    robot: Option<Adapter>,
     notes: Vec<String>,
     announce: impl FnOnce(Doors, &FirstAccess),
 ) -> Result<(), AppError> {
@@ -105,14 +106,14 @@ async fn serve_hall(
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
     let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();
     let (course, coursed) = watch::channel(Course::default());
-    let (handle, mut task, simulator) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
+    let (handle, mut task, simulator) = start(settings, robots, robot, kept, &halter, coursed, &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
-    let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
+    let coap = coap::open(coap, &threads.coap, resources, secret, handle.watch(), ending.subscribe())?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt_ways = (mqtt_ports, mqtt_access, (&threads, budget));
-    let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe())?;
+    let mqtt =
+        Mqtt::open(settings, mqtt_ports, mqtt_access, &threads, budget, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.core);
     let door = door.with_reckoning(is_reckoned).with_evacuation_of(settings.evacuation_m);
@@ -170,9 +171,11 @@ async fn find_robot(handle: &Handle) {
 /// Starts the robots and the loop. `other` replaces the searching robot.
 async fn start(
     settings: &Settings,
-    (mut robots, other): (Robots, Option<Adapter>),
+    mut robots: Robots,
+    other: Option<Adapter>,
     mut kept: DataFolder,
-    (halter, course): (&Halter, watch::Receiver<Course>),
+    halter: &Halter,
+    course: watch::Receiver<Course>,
     threads: &Threads,
 ) -> (Handle, JoinHandle<()>, Option<Arc<dyn Simulator>>) {
     let clock = Clock::default();

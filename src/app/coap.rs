@@ -11,15 +11,14 @@ use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Secret of the endpoint, the states to show, and the signal for the end.
-pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);
-
 /// Opens the door until `ending` says so; returns a future that ends with it. A panic in it does not close the other doors.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,
     resources: impl Fn() -> Resources,
-    (secret, states, ending): Rest,
+    secret: [u8; 32],
+    states: watch::Receiver<Arc<Snapshot>>,
+    ending: watch::Receiver<bool>,
 ) -> Result<Vec<JoinHandle<()>>, AppError> {
     let open = |port| {
         let socket = {

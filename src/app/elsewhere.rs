@@ -26,7 +26,7 @@ pub(super) async fn put_down(
     engine.put_down_elsewhere(clock.now());
     let mut word = store.word();
     let losses = word.borrow().losses;
-    let last = hand_over(engine, store, (link, halter), losses);
+    let last = hand_over(engine, store, link, halter, losses);
     let settled = word.wait_for(|word| word.kept >= last || word.losses > losses || word.failure.is_some());
     let is_settled = matches!(tokio::time::timeout(KEPT_WITHIN, settled).await, Ok(Ok(_)));
     let kept = word.borrow().kept;
@@ -40,7 +40,7 @@ pub(super) async fn put_down(
 
 /// Hands everything to be stored to the store; returns the last entry. No robot is linked yet and no command was sent, so that
 /// beside records there are only halts and the LED.
-fn hand_over(engine: &mut Engine, store: &mut dyn Store, (link, halter): (&RobotLink, &Halter), losses: u64) -> Seq {
+fn hand_over(engine: &mut Engine, store: &mut dyn Store, link: &RobotLink, halter: &Halter, losses: u64) -> Seq {
     let mut last = Seq(0);
     while let Some(effect) = engine.poll_effect() {
         match effect {

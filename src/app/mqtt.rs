@@ -45,7 +45,10 @@ impl Mqtt {
     /// Opens the door, if there is one: our own broker at these ports. Packets of its clients are read on a thread of their own.
     pub(super) fn open(
         settings: &Settings,
-        (listeners, access, inner): (Listeners, Access, (&Threads, ConnectionBudget)),
+        listeners: Listeners,
+        access: Access,
+        threads: &Threads,
+        budget: ConnectionBudget,
         handle: Handle,
         archive: ArchiveReader,
         ending: watch::Receiver<bool>,
@@ -56,7 +59,7 @@ impl Mqtt {
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
         match broker {
             None => Ok(None),
-            Some(config::Broker::Own { router, .. }) => Ok(Some(own(common, (listeners, *router), inner, access))),
+            Some(config::Broker::Own { router, .. }) => Ok(Some(own(common, listeners, *router, threads, budget, access))),
             Some(config::Broker::Other(other)) => other_broker(common, other).map(Some),
         }
     }
@@ -98,8 +101,10 @@ pub(super) fn note(settings: &Settings) -> Option<String> {
 
 fn own(
     common: Common,
-    (listeners, router): (Listeners, MqttRouter),
-    (threads, budget): (&Threads, ConnectionBudget),
+    listeners: Listeners,
+    router: MqttRouter,
+    threads: &Threads,
+    budget: ConnectionBudget,
     access: Access,
 ) -> Mqtt {
     let (answer, answers) = mpsc::channel(ANSWERS);
@@ -114,8 +119,8 @@ fn own(
         MqttRouter::Own => Broker::new(topics),
     });
     let clients = Clients::with_budget(Arc::clone(&broker), commands, budget);
-    let spoken_of = (common.topics, common.home_assistant);
-    let session = OwnSession::new(broker, spoken_of, common.handle.watch(), answers, common.archive);
+    let Common { topics, home_assistant, handle, archive, .. } = common;
+    let session = OwnSession::new(broker, topics, home_assistant, handle.watch(), answers, archive);
     let (leave, mut left) = watch::channel(());
     let session = tokio::spawn(async move {
         let _leave = leave;

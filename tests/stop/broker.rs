@@ -28,7 +28,7 @@ pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> Socke
     let hearing = tokio::runtime::Handle::current();
     let ways = Ways { listeners: listener.into(), access: Access::Open, web_clients, hearing };
     let archive = ArchiveReader::new(MemoryStore::new().archive());
-    let session = OwnSession::new(broker, (topics, false), handle.watch(), answers, archive);
+    let session = OwnSession::new(broker, topics, false, handle.watch(), answers, archive);
     let until = |mut closed: watch::Receiver<bool>| async move { drop(closed.wait_for(|closing| *closing).await) };
     tokio::spawn(session.run(until(closed.clone())));
     tokio::spawn(serve(clients, ways, until(closed)));

@@ -50,11 +50,11 @@ pub(super) struct ClientEnds {
     pub(super) ahead: Taker,
     pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
-    /// Where closing connections wait, and this client's address.
-    pub(super) leaving: (PendingConnections, IpAddr),
+    /// Where closing connections wait.
+    pub(super) leaving: PendingConnections,
+    /// The client's address.
+    pub(super) from: IpAddr,
 }
-
-pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The connection to the gate, and the bytes for it.
 pub(super) struct ClientIo {
@@ -100,26 +100,33 @@ pub(super) enum TurnLength {
 type Did = Result<bool, Ended>;
 
 /// Runs until it has to end, and returns the reason.
-pub(super) async fn run(connection: ClientConnection, ends: ClientEnds, mut running: Running, whose: Whose<'_>) -> Ended {
-    let ClientEnds { client, ahead, permit, mut id, leaving } = ends;
+pub(super) async fn run(
+    connection: ClientConnection,
+    ends: ClientEnds,
+    mut running: Running,
+    identity: &Identity,
+    access: &Access,
+    clock: Clock,
+) -> Ended {
+    let ClientEnds { client, ahead, permit, mut id, leaving, from } = ends;
     let subscriber = connection.subscriber();
-    let service = OpenService(ClientService::new(ClientIo::new(connection, (client, ahead, Arc::clone(&permit)), whose.2)));
+    let service = OpenService(ClientService::new(ClientIo::new(connection, client, ahead, Arc::clone(&permit), clock)));
     let ended = tokio::select! {
-        ended = service.0.serve(whose.2) => ended,
+        ended = service.0.serve(clock) => ended,
         () = id.wanted() => Ended::TakenOver,
         _ = running.changed() => Ended::Closing,
-        ended = shut_out(whose, &permit) => ended,
+        ended = shut_out(identity, access, clock, &permit) => ended,
     };
-    let ended = if ended == Ended::Closing { drain(&service.0, &subscriber, whose.2).await } else { ended };
+    let ended = if ended == Ended::Closing { drain(&service.0, &subscriber, clock).await } else { ended };
     permit.release();
     let Some(ClientIo { mut connection, client, ahead, .. }) = service.0.close() else { return ended };
     ahead.leave(left(ended));
-    connection.handle_end(ended, whose.2.since_start());
+    connection.handle_end(ended, clock.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
     // The next client of this name need not wait for the last bytes.
     drop(id);
-    send_farewell(ended, (client, to_client, ahead), leaving).await;
+    send_farewell(ended, client, to_client, ahead, leaving, from).await;
     ended
 }
 
@@ -140,8 +147,11 @@ async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clo
 /// Sends the last bytes to a client, within a time limit.
 async fn send_farewell(
     ended: Ended,
-    (mut client, mut to_client, ahead): (Writer, Outbox, Taker),
-    (leaving, from): (PendingConnections, IpAddr),
+    mut client: Writer,
+    mut to_client: Outbox,
+    ahead: Taker,
+    leaving: PendingConnections,
+    from: IpAddr,
 ) {
     let told = async {
         // The client may be gone.
@@ -161,7 +171,7 @@ async fn send_farewell(
 }
 
 impl ClientIo {
-    fn new(connection: ClientConnection, (client, ahead, permit): (Writer, Taker, Arc<SessionPermit>), clock: Clock) -> ClientIo {
+    fn new(connection: ClientConnection, client: Writer, ahead: Taker, permit: Arc<SessionPermit>, clock: Clock) -> ClientIo {
         ClientIo {
             subscriber: connection.subscriber(),
             connection,
@@ -320,7 +330,7 @@ fn left(ended: Ended) -> Left {
 }
 
 /// Waits until an admitted client has to go: its key is not valid any more, or its session was given to somebody else.
-async fn shut_out((identity, access, clock): Whose<'_>, permit: &SessionPermit) -> Ended {
+async fn shut_out(identity: &Identity, access: &Access, clock: Clock, permit: &SessionPermit) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {
             tokio::time::sleep(GLANCE).await;

@@ -61,9 +61,6 @@ struct Rooms {
     clock: Clock,
 }
 
-/// The listener for a client's commands, and the channel that reports when the client has a session.
-type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
-
 struct IdentifiedClient {
     connect: Connect,
     has_new_id: bool,
@@ -108,14 +105,9 @@ impl Clients {
     }
 
     /// Reads from a newcomer until it ends, on the receiving thread, while it is served on `work`.
-    pub(super) async fn attend(
-        self,
-        incoming: IncomingConnection,
-        waiting: PendingConnection,
-        (running, work): (Running, Handle),
-    ) {
+    pub(super) async fn attend(self, incoming: IncomingConnection, waiting: PendingConnection, running: Running, work: Handle) {
         let from = incoming.origin.from;
-        let sent = self.converse(incoming, waiting, (running, work)).await;
+        let sent = self.converse(incoming, waiting, running, work).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
@@ -123,7 +115,8 @@ impl Clients {
         &self,
         incoming: IncomingConnection,
         waiting: PendingConnection,
-        (running, work): (Running, Handle),
+        running: Running,
+        work: Handle,
     ) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
@@ -136,7 +129,7 @@ impl Clients {
         let (mut connect, identity) = match introduced {
             Ok(known) => known,
             Err(sent) => {
-                return self.send_away(IncomingConnection { reader, writer, origin }, &heard, waiting, (sent, work)).await;
+                return self.send_away(IncomingConnection { reader, writer, origin }, &heard, waiting, sent, work).await;
             }
         };
         let version = connect.version();
@@ -147,13 +140,13 @@ impl Clients {
         let known = IdentifiedClient { connect, has_new_id, identity, origin };
         let (feeder, taker) = read_ahead(&self.0.pool);
         let listener = known.identity.listener(&self.0.commands, from);
-        let mut hearing = Hearing::new(version, Arc::clone(&listener), feeder, (self.0.clock, work.clone()));
+        let mut hearing = Hearing::new(version, Arc::clone(&listener), feeder, self.0.clock, work.clone());
         hearing.begin(&heard).await;
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
         // Other faults are checked only now, after a STOP has halted. Until that is done the connection still counts as waiting.
         let (admitted, is_admitted) = oneshot::channel();
-        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, admitted), running));
+        let served = work.spawn(self.clone().serve(writer, taker, known, greeted, listener, admitted, running));
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
@@ -193,7 +186,8 @@ impl Clients {
         incoming: IncomingConnection,
         heard: &[u8],
         waiting: PendingConnection,
-        (sent, work): (SentAway, Handle),
+        sent: SentAway,
+        work: Handle,
     ) -> SentAway {
         let IncomingConnection { reader, writer, origin } = incoming;
         let from = origin.from;
@@ -209,7 +203,7 @@ impl Clients {
         let (feeder, taker) = read_ahead(&self.0.pool);
         taker.leave(Left::HearsOn);
         let listener = identity.listener(&self.0.commands, from);
-        let mut hearing = Hearing::new(version, listener, feeder, (self.0.clock, work.clone()));
+        let mut hearing = Hearing::new(version, listener, feeder, self.0.clock, work.clone());
         hearing.begin(heard).await;
         let told = work.spawn(self.clone().tell(from, writer, sent));
         tokio::select! {
@@ -266,12 +260,16 @@ impl Clients {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client until it ends, and returns the reason; `greeted` bytes of its greeting were sent already.
+    /// Serves a client until it ends, and returns the reason; `greeted` bytes of its greeting were sent already. `admitted` closes
+    /// when it has a session.
     async fn serve(
         self,
-        (writer, ahead): (Writer, Taker),
-        (known, greeted): (IdentifiedClient, usize),
-        (listener, admitted): Heeded,
+        writer: Writer,
+        ahead: Taker,
+        known: IdentifiedClient,
+        greeted: usize,
+        listener: Arc<dyn Listener>,
+        admitted: oneshot::Sender<()>,
         running: Running,
     ) -> SentAway {
         if let Some(welcome) = self.refusal(&known) {
@@ -304,8 +302,8 @@ impl Clients {
             greeting: Bytes::copy_from_slice(&greeting[greeted..]),
         };
         let connection = ClientConnection::new(terms, Arc::clone(&self.0.broker), now);
-        let ends = ClientEnds { client: writer, ahead, permit, id, leaving: (self.0.leaving.clone(), origin.from) };
-        SentAway::Ended(client_io::run(connection, ends, running, (&identity, &origin.access, self.0.clock)).await)
+        let ends = ClientEnds { client: writer, ahead, permit, id, leaving: self.0.leaving.clone(), from: origin.from };
+        SentAway::Ended(client_io::run(connection, ends, running, &identity, &origin.access, self.0.clock).await)
     }
 
     /// Tells a client why it is refused, whether or not it reads that.

@@ -41,7 +41,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let (mut client, stream) = tokio::io::duplex(1024);
     let incoming = IncomingConnection::over(stream, origin);
     let waiting = clients.admit_pending(incoming.origin.from);
-    let served = tokio::spawn(clients.clone().attend(incoming, waiting, (running, Handle::current())));
+    let served = tokio::spawn(clients.clone().attend(incoming, waiting, running, Handle::current()));
     client.write_all(&hello).await.expect("it is taken");
     within("somebody of the same name", hangs.wanted()).await;
     let owner = identity.owner();
@@ -57,7 +57,7 @@ async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let origin = from_here(access);
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
     let waiting = clients.admit_pending(origin.from);
-    let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (running, Handle::current())));
+    let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, running, Handle::current()));
     // The introduction comes before the rest.
     for piece in bytes.chunks(40) {
         // A stranger may have been disconnected already.
@@ -83,7 +83,7 @@ fn packet(first: u8, body: &[u8]) -> Vec<u8> {
 
 /// A CONNECT of this protocol and level, with these flags, this name and password; with level 5 it asks for another way of
 /// authentication.
-fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -> Vec<u8> {
+fn hello(protocol: &str, level: u8, flags: u8, name: &str, password: &str) -> Vec<u8> {
     let properties = if level == 5 { &[4, 0x15, 0, 1, b'S'][..] } else { &[] };
     let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
     packet(0x10, &[&protocol, &[level, flags, 0, 60][..], properties, &field(b"old"), &name, &password].concat())
@@ -95,25 +95,24 @@ const VERSION: [u8; 4] = [0x20, 2, 0, 1];
 async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
     let word = |properties: &[u8]| packet(0x30, &[&field(b"hallsweep/discovery/command"), properties, b"stop"].concat());
-    let (old, five) = (("MQIsdp", 3, 0xC2), ("MQTT", 5, 0xC2));
     let told = NoConnect::Authentication.answer();
     for (hello, stop, answer) in [
-        (hello(old, "anna", "x"), &stop, &VERSION[..]),
-        (hello(old, "anna", "x"), &word(&[]), &VERSION),
-        (hello(five, "anna", "x"), &stop, &told),
-        (hello(five, "anna", "x"), &word(&[0]), &told),
-        (hello(five, "anna", "x"), &word(&[2, 1, 1]), &told),
-        (hello(("MQTT", 9, 0xC2), "anna", "x"), &stop, &VERSION),
-        (hello(("HTTP", 4, 0xC2), "anna", "x"), &stop, &[]),
-        (hello(("MQTT", 4, 0xC3), "anna", "x"), &stop, &[]),
-        (hello(("MQTT", 4, 0x02), "anna", "x"), &stop, &[]),
+        (hello("MQIsdp", 3, 0xC2, "anna", "x"), &stop, &VERSION[..]),
+        (hello("MQIsdp", 3, 0xC2, "anna", "x"), &word(&[]), &VERSION),
+        (hello("MQTT", 5, 0xC2, "anna", "x"), &stop, &told),
+        (hello("MQTT", 5, 0xC2, "anna", "x"), &word(&[0]), &told),
+        (hello("MQTT", 5, 0xC2, "anna", "x"), &word(&[2, 1, 1]), &told),
+        (hello("MQTT", 9, 0xC2, "anna", "x"), &stop, &VERSION),
+        (hello("HTTP", 4, 0xC2, "anna", "x"), &stop, &[]),
+        (hello("MQTT", 4, 0xC3, "anna", "x"), &stop, &[]),
+        (hello("MQTT", 4, 0x02, "anna", "x"), &stop, &[]),
         (packet(0x1F, b"?"), &stop, &[]),
         (Vec::new(), &stop, &[]),
     ] {
         let said = says(Access::Open, &[&hello[..], stop].concat()).await;
         assert_eq!(said, (1, answer.to_vec()), "{hello:?}");
     }
-    assert_eq!(says(Access::Open, &hello(old, "anna", "x")).await, (0, VERSION.to_vec()));
+    assert_eq!(says(Access::Open, &hello("MQIsdp", 3, 0xC2, "anna", "x")).await, (0, VERSION.to_vec()));
 }
 
 /// Safety S8, the other side of it: no key, or a wrong one, never halts.
@@ -126,22 +125,22 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     let access = Access::Keys(keyring);
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
     let told = NoConnect::Authentication.answer();
-    for (version, answer) in
-        [(("MQIsdp", 3, 0xC2), &VERSION[..]), (("MQTT", 5, 0xC2), &told), (("MQTT", 4, 0xC3), &[]), (("HTTP", 4, 0xC2), &[])]
+    for (protocol, level, flags, answer) in
+        [("MQIsdp", 3, 0xC2, &VERSION[..]), ("MQTT", 5, 0xC2, &told), ("MQTT", 4, 0xC3, &[]), ("HTTP", 4, 0xC2, &[])]
     {
         for (name, password, halts) in [("wall", &*shown, 1), ("wall", "wrong", 0), (OPERATOR, &shown, 0), ("nobody", "", 0)] {
-            let said = says(access.clone(), &[hello(version, name, password), stop.clone()].concat()).await;
-            assert_eq!(said, (halts, answer.to_vec()), "{version:?} {name} {password}");
+            let said = says(access.clone(), &[hello(protocol, level, flags, name, password), stop.clone()].concat()).await;
+            assert_eq!(said, (halts, answer.to_vec()), "{protocol} {level} {flags:x} {name} {password}");
         }
     }
     let flagged = |password: &str| {
-        let mut hello = hello(("MQTT", 4, 0xC2), "wall", password);
+        let mut hello = hello("MQTT", 4, 0xC2, "wall", password);
         hello[0] = 0x1F;
         [hello, stop.clone()].concat()
     };
     assert_eq!(says(access.clone(), &flagged(&shown)).await, (1, Vec::new()));
     assert_eq!(says(access.clone(), &flagged("wrong")).await, (0, Vec::new()));
-    for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
+    for nobody in [&hello("MQTT", 5, 2, "", "")[..], &packet(0x1F, b"?"), &[]] {
         assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
     }
 }
@@ -165,23 +164,23 @@ fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
 async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
     let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
     let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()).unwrap());
-    for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
+    for (protocol, level, flags) in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
         let (clients, _script) = clients();
         let (_runs, running) = watch::channel(());
         let mut crowd = Vec::new();
         for _ in 0..WAITING + LEAVING + 100 {
             let (mut client, stream) = tokio::io::duplex(1024);
-            client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
+            client.write_all(&hello(protocol, level, flags, OPERATOR, "wrong")).await.expect("it is taken");
             let origin = from_here(access.clone());
             let waiting = clients.admit_pending(origin.from);
             let incoming = IncomingConnection::over(stream, origin);
-            crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (running.clone(), Handle::current())))));
+            crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, running.clone(), Handle::current()))));
         }
         let there = || crowd.iter().filter(|(_, served)| !served.is_finished()).count();
         tokio::time::sleep(Duration::from_millis(1)).await;
-        assert_eq!(there(), WAITING, "{version:?}");
+        assert_eq!(there(), WAITING, "{protocol} {level} {flags:x}");
         tokio::time::sleep(CONNECT_TIME).await;
-        assert_eq!(there(), 0, "{version:?}");
+        assert_eq!(there(), 0, "{protocol} {level} {flags:x}");
     }
 }
 
@@ -197,9 +196,9 @@ async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
         let (mut client, stream) = tokio::io::duplex(1024);
         let waiting = clients.admit_pending(origin.from);
         let served =
-            clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (running.clone(), idle.handle().clone()));
+            clients.clone().attend(IncomingConnection::over(stream, origin), waiting, running.clone(), idle.handle().clone());
         let served = tokio::spawn(served);
-        client.write_all(&hello(("MQTT", 4, flags), "anna", "x")).await.expect("it is taken");
+        client.write_all(&hello("MQTT", 4, flags, "anna", "x")).await.expect("it is taken");
         let mut greeting = [0; 4];
         if is_greeted {
             within("the greeting", client.read_exact(&mut greeting)).await.expect("it comes");

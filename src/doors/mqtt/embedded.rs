@@ -94,7 +94,7 @@ impl Reception {
 
     fn receive_one(&self, clients: &mut JoinSet<()>, incoming: IncomingConnection) {
         let waiting = self.clients.admit_pending(incoming.origin.from);
-        clients.spawn(self.clients.clone().attend(incoming, waiting, (self.running.clone(), self.work.clone())));
+        clients.spawn(self.clients.clone().attend(incoming, waiting, self.running.clone(), self.work.clone()));
     }
 }
 

@@ -42,7 +42,7 @@ impl TestBroker {
         let ways = Ways { listeners: listener.into(), access: Access::Open, web_clients, hearing: Handle::current() };
         let (shutdown, ended) = oneshot::channel::<()>();
         let archive = ArchiveReader::new(Arc::new(Album));
-        let session = OwnSession::new(broker, (topics(), true), script.publish.subscribe(), answers, archive);
+        let session = OwnSession::new(broker, topics(), true, script.publish.subscribe(), answers, archive);
         let session = session.run(async { drop(ended.await) });
         tokio::spawn(serve(clients, ways, session));
         TestBroker { address, script, shutdown: Some(shutdown) }

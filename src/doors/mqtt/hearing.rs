@@ -49,7 +49,7 @@ struct Read {
 }
 
 impl Hearing {
-    pub(super) fn new(version: Version, listener: Arc<dyn Listener>, feeder: Feeder, (clock, work): (Clock, Handle)) -> Hearing {
+    pub(super) fn new(version: Version, listener: Arc<dyn Listener>, feeder: Feeder, clock: Clock, work: Handle) -> Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
@@ -85,7 +85,7 @@ impl Hearing {
     /// Reads once, and then lets others read; `None` when nobody takes the input any more.
     async fn read(&mut self, reader: &mut ClientReader, room: usize) -> Option<io::Result<Read>> {
         let Hearing { search, listener, feeder, clock, work } = self;
-        let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, (*clock, work), bytes);
+        let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, *clock, work, bytes);
         let read = tokio::select! {
             biased;
             read = std::future::poll_fn(|cx| poll_read(reader, room, &mut hear, cx)) => read,
@@ -128,7 +128,7 @@ impl Hearing {
     }
 
     fn hear(&mut self, bytes: &[u8]) -> Vec<u8> {
-        hear(&mut self.search, &*self.listener, &self.feeder, (self.clock, &self.work), bytes)
+        hear(&mut self.search, &*self.listener, &self.feeder, self.clock, &self.work, bytes)
     }
 }
 
@@ -137,7 +137,8 @@ fn hear(
     search: &mut UrgentSearch,
     listener: &dyn Listener,
     feeder: &Feeder,
-    (clock, work): (Clock, &Handle),
+    clock: Clock,
+    work: &Handle,
     bytes: &[u8],
 ) -> Vec<u8> {
     let _elsewhere = work.enter();

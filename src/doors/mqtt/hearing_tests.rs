@@ -38,7 +38,7 @@ impl Scene {
         let commands = Commands::new(handle, topics, false, mpsc::channel(1024).0);
         let (feeder, taker) = read_ahead(&Pool::default());
         let listener = identity.listener(&commands, [127, 0, 0, 1].into());
-        Scene { hearing: Hearing::new(Version::Three, listener, feeder, (Clock::default(), Handle::current())), taker, script }
+        Scene { hearing: Hearing::new(Version::Three, listener, feeder, Clock::default(), Handle::current()), taker, script }
     }
 
     /// The number of STOPs that reached the loop, which has received nothing else.

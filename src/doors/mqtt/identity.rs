@@ -92,7 +92,7 @@ impl Listener for CommandListener {
 
     fn hear_urgent(&self, Said { topic, payload, answer_to }: Said<'_>) -> bool {
         let answer_to = self.commands.answer_to(answer_to, &self.publisher);
-        self.commands.halts((topic, payload), answer_to, &self.publisher)
+        self.commands.halts(topic, payload, answer_to, &self.publisher)
     }
 }
 

@@ -94,7 +94,7 @@ impl Commands {
     /// Takes a message. Its command is sent immediately, so that commands keep their order, and a STOP has halted the robot when
     /// this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
-        if self.halts((heard.topic.as_bytes(), heard.payload), heard.answer_to, publisher) {
+        if self.halts(heard.topic.as_bytes(), heard.payload, heard.answer_to, publisher) {
             return Taken::Taken;
         }
         if self.parser.is_of_others(heard) {
@@ -122,7 +122,7 @@ impl Commands {
             }
         }
         match &parsed.asked {
-            Ok((command, epoch)) => self.give(&parsed, (command, *epoch), Some(heard), publisher),
+            Ok((command, epoch)) => self.give(&parsed, command, *epoch, Some(heard), publisher),
             Err(problem) => self.refuse(&parsed, problem, publisher),
         }
         Taken::Taken
@@ -130,14 +130,14 @@ impl Commands {
 
     /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); returns whether it does. The message
     /// need not be complete beyond the part that names STOP. Must be called inside a runtime.
-    pub fn halts(&self, (topic, payload): (&[u8], &[u8]), answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
+    pub fn halts(&self, topic: &[u8], payload: &[u8], answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
         if publisher.may(Need::Stop).is_err() {
             return false;
         }
         let mut stop = self.parser.stop(topic, payload);
         if let Some(parsed) = &mut stop {
             parsed.reply.is_wanted(answer_to);
-            self.give(parsed, (&Command::Stop, None), None, publisher);
+            self.give(parsed, &Command::Stop, None, None, publisher);
         }
         stop.is_some()
     }
@@ -166,7 +166,8 @@ impl Commands {
     fn give(
         &self,
         parsed: &ParsedCommand,
-        (command, epoch): (&Command, Option<Epoch>),
+        command: &Command,
+        epoch: Option<Epoch>,
         heard: Option<&IncomingMessage<'_>>,
         publisher: &Publisher,
     ) {
@@ -181,7 +182,7 @@ impl Commands {
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
         if let Ok(permit) = permit {
-            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), permit);
+            self.results.follow(given, parsed.reply.clone(), publisher.clone(), permit);
         }
     }
 

@@ -87,7 +87,7 @@ impl Results {
     }
 
     /// Waits for the result of a command, and publishes it. Must be called inside a runtime.
-    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), permit: Permit)
+    pub(super) fn follow<F>(&self, done: F, reply: Reply, publisher: Publisher, permit: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
     {
@@ -105,7 +105,7 @@ impl Results {
     /// Publishes a refusal; one without a topic is only logged.
     pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
-            Some(topic) => self.publish(topic, (reply, publisher), (None, &problem.shape())),
+            Some(topic) => self.publish(topic, reply, publisher, None, &problem.shape()),
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
@@ -124,11 +124,11 @@ impl Results {
     fn accepted(&self, reply: &Reply, publisher: &Publisher, done: &Done) {
         if let Some(topic) = &reply.topic {
             let answer = AnswerJson::new(done.accepted, &done.snapshot);
-            self.publish(topic, (reply, publisher), (Some(answer.revision), &answer));
+            self.publish(topic, reply, publisher, Some(answer.revision), &answer);
         }
     }
 
-    fn publish(&self, topic: &str, (reply, publisher): (&Reply, &Publisher), (revision, said): (Option<u64>, &impl Serialize)) {
+    fn publish(&self, topic: &str, reply: &Reply, publisher: &Publisher, revision: Option<u64>, said: &impl Serialize) {
         let result = ResultJson { id: reply.id.as_ref().map(CommandId::text), said };
         let payload = serde_json::to_vec(&result).expect("answers and problems are texts, numbers and maps of them");
         let (by, correlation) = (Some(publisher.issuer().who), reply.correlation.clone());

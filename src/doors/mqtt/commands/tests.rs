@@ -463,7 +463,7 @@ async fn an_answer_goes_where_it_is_wanted_when_its_sender_may_say_something_the
     {
         app.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to }, &here());
     }
-    assert!(app.commands.halts((b"hallsweep/discovery/command", b"stop"), answer_to, &here()));
+    assert!(app.commands.halts(b"hallsweep/discovery/command", b"stop", answer_to, &here()));
     for _ in 0..3 {
         let told = app.told().await;
         assert_eq!((&*told.topic, told.beside.correlation.as_deref()), ("panel/answers", Some(&b"7"[..])));

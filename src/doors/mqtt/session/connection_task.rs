@@ -155,7 +155,7 @@ impl ConnectionTask<'_> {
             return;
         }
         let now = self.now();
-        if let Some(is_news) = self.kept.handle_heard((topic, payload), now) {
+        if let Some(is_news) = self.kept.handle_heard(topic, payload, now) {
             if is_news {
                 let broker = &self.session.link;
                 tracing::warn!(%broker, topic, "a topic of ours was overwritten at the MQTT broker; what we said there is said again");
@@ -171,7 +171,7 @@ impl ConnectionTask<'_> {
         let heard = IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to };
         // The commands publish the result themselves.
         if is_repeated {
-            let _ = session.commands.halts((topic.as_bytes(), payload), answer_to, &session.publisher);
+            let _ = session.commands.halts(topic.as_bytes(), payload, answer_to, &session.publisher);
         } else {
             let _ = session.commands.take(&heard, &session.publisher);
         }

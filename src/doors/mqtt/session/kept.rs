@@ -53,7 +53,7 @@ impl Kept {
 
     /// A message was received on a topic, from us or from others. `None` when the topic is not one of these; otherwise whether
     /// others have published there for the first time.
-    pub(super) fn handle_heard(&mut self, (topic, payload): (&str, &[u8]), now: Duration) -> Option<bool> {
+    pub(super) fn handle_heard(&mut self, topic: &str, payload: &[u8], now: Duration) -> Option<bool> {
         let topic = self.topics.get_mut(topic)?;
         // Before our first publication there is nothing to repeat.
         let Some(topic) = topic else { return Some(false) };
@@ -105,11 +105,11 @@ mod tests {
     fn what_others_say_on_a_topic_of_ours_is_answered_by_what_we_said_there_last() {
         for has_echo in [true, false] {
             let mut kept = kept(has_echo);
-            assert_eq!(kept.handle_heard(("elsewhere", b"x"), START), None);
-            assert_eq!(kept.handle_heard(("a", b"x"), START), Some(false), "what stood there before we came");
+            assert_eq!(kept.handle_heard("elsewhere", b"x", START), None);
+            assert_eq!(kept.handle_heard("a", b"x", START), Some(false), "what stood there before we came");
             said(&mut kept, "1");
             let ours = said(&mut kept, "2");
-            assert_eq!(kept.handle_heard(("a", b"x"), START), Some(true));
+            assert_eq!(kept.handle_heard("a", b"x", START), Some(true));
             assert_eq!(kept.poll_timeout(), Some(START));
             assert_eq!(kept.poll_publication(START), Some(ours.clone()));
             kept.handle_given(&ours);
@@ -124,10 +124,10 @@ mod tests {
             said(&mut kept, payload);
         }
         for (heard, is_theirs) in [("1", false), ("2", false), ("x", true), ("1", false)] {
-            assert_eq!(kept.handle_heard(("a", heard.as_bytes()), START), Some(is_theirs), "{heard}");
+            assert_eq!(kept.handle_heard("a", heard.as_bytes(), START), Some(is_theirs), "{heard}");
         }
         assert_eq!(kept.poll_timeout(), None, "ours came last");
-        assert_eq!(kept.handle_heard(("a", b"2"), START), Some(false), "others were told of already");
+        assert_eq!(kept.handle_heard("a", b"2", START), Some(false), "others were told of already");
         assert!(kept.poll_publication(START).is_some(), "an old state of ours is not ours any more");
     }
 
@@ -137,9 +137,9 @@ mod tests {
         (0..200).for_each(|_| drop(said(&mut kept, "lost")));
         assert_eq!(kept.topics["a"].as_ref().map(|topic| topic.echoes.len()), Some(IN_FLIGHT));
         said(&mut kept, "1");
-        kept.handle_heard(("a", b"1"), START);
+        kept.handle_heard("a", b"1", START);
         assert!(kept.topics["a"].as_ref().is_some_and(|topic| topic.echoes.is_empty()));
-        assert_eq!(kept.handle_heard(("a", b"lost"), START), Some(true));
+        assert_eq!(kept.handle_heard("a", b"lost", START), Some(true));
     }
 
     /// Safety A5.
@@ -149,7 +149,7 @@ mod tests {
         said(&mut kept, "online");
         for ms in 0..5000 {
             let now = START + Duration::from_millis(ms);
-            told += usize::from(kept.handle_heard(("a", b"offline"), now) == Some(true));
+            told += usize::from(kept.handle_heard("a", b"offline", now) == Some(true));
             if let Some(ours) = kept.poll_publication(now) {
                 kept.handle_given(&ours);
                 said_again.push(ms);

@@ -35,7 +35,8 @@ pub struct OwnSession {
 impl OwnSession {
     pub fn new(
         broker: Arc<Broker>,
-        (topics, home_assistant): (Topics, bool),
+        topics: Topics,
+        home_assistant: bool,
         states: watch::Receiver<Arc<Snapshot>>,
         answers: mpsc::Receiver<ResultMessage>,
         archive: ArchiveReader,
