@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use eviction_queues::{EvictionQueues, EvictionTurn};
+use eviction_queues::{EvictionQueues, EvictionTurn, QueueHead};
 
 use super::connection_budget::ConnectionBudget;
 use super::pending_connections::EVICTED_AT_ONCE;
@@ -134,7 +134,7 @@ impl ConnectionSlots {
     /// Evicts some connections when the system has no more descriptors, and returns how many.
     pub(in crate::doors) fn evict_some(&self) -> usize {
         let mut table = self.table();
-        (0..EVICTED_AT_ONCE).map_while(|_| table.queues.of_all().1.filter(|first| table.cut(Some(*first)))).count()
+        (0..EVICTED_AT_ONCE).map_while(|_| table.queues.of_all().first.filter(|first| table.cut(Some(*first)))).count()
     }
 
     #[cfg(test)]
@@ -176,13 +176,13 @@ impl SlotTable {
                 return false;
             }
         }
-        let (_, first) = if !has_shares || claim.is_operator() { self.queues.of_all() } else { self.queues.of_others() };
-        self.holders.len() < most || self.cut(first)
+        let yielding = if !has_shares || claim.is_operator() { self.queues.of_all() } else { self.queues.of_others() };
+        self.holders.len() < most || self.cut(yielding.first)
     }
 
-    /// Whether one more than `many` is within `most`, after an eviction if necessary.
-    fn bounded(&mut self, most: usize, (many, first): (usize, Option<EvictionTurn>)) -> bool {
-        many < most || self.cut(first)
+    /// Whether one more of these connections is within `most`, after an eviction if necessary.
+    fn bounded(&mut self, most: usize, head: QueueHead) -> bool {
+        head.many < most || self.cut(head.first)
     }
 
     /// Evicts this connection; `false` when there is none.

@@ -18,6 +18,13 @@ pub(super) struct EvictionTurn {
     pub(super) number: u64,
 }
 
+/// How many connections of one kind there are, and which of them is evicted first; `None` when none of them yields.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct QueueHead {
+    pub(super) many: usize,
+    pub(super) first: Option<EvictionTurn>,
+}
+
 #[derive(Default)]
 pub(super) struct EvictionQueues {
     operators: EvictionQueue,
@@ -49,32 +56,32 @@ impl EvictionQueues {
         leave(&mut self.networks, claim.network, turn);
     }
 
-    /// Number of all connections, and the first to evict.
-    pub(super) fn of_all(&self) -> (usize, Option<EvictionTurn>) {
-        let ((operators, last), (others, first)) = (self.operators.first(), self.others.first());
-        (operators + others, first.or(last))
+    /// All connections; operators are evicted last.
+    pub(super) fn of_all(&self) -> QueueHead {
+        let (operators, others) = (self.operators.head(), self.others.head());
+        QueueHead { many: operators.many + others.many, first: others.first.or(operators.first) }
     }
 
-    /// Number of connections of viewers and strangers, and the first to evict.
-    pub(super) fn of_others(&self) -> (usize, Option<EvictionTurn>) {
-        self.others.first()
+    /// The connections of viewers and strangers.
+    pub(super) fn of_others(&self) -> QueueHead {
+        self.others.head()
     }
 
-    /// Number of connections of the claim's key, and the first to evict; none without a key.
-    pub(super) fn of_key(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
-        claim.who.as_ref().and_then(|who| self.keys.get(who)).map(EvictionQueue::first).unwrap_or_default()
+    /// The connections of the claim's key; none without a key.
+    pub(super) fn of_key(&self, claim: &SlotClaim) -> QueueHead {
+        claim.who.as_ref().and_then(|who| self.keys.get(who)).map(EvictionQueue::head).unwrap_or_default()
     }
 
-    /// Number of connections of the claim's network, and the first to evict.
-    pub(super) fn of_network(&self, claim: &SlotClaim) -> (usize, Option<EvictionTurn>) {
-        self.networks.get(&claim.network).map(EvictionQueue::first).unwrap_or_default()
+    /// The connections of the claim's network.
+    pub(super) fn of_network(&self, claim: &SlotClaim) -> QueueHead {
+        self.networks.get(&claim.network).map(EvictionQueue::head).unwrap_or_default()
     }
 
     /// Whether there are no connections, and no leftover entries of keys or networks.
     #[cfg(test)]
     pub(super) fn are_empty(&self) -> bool {
         let is_kept = self.keys.len() + self.networks.len() + self.operators.yielding.len() + self.others.yielding.len() > 0;
-        self.of_all().0 == 0 && !is_kept
+        self.of_all().many == 0 && !is_kept
     }
 
     fn everybody(&mut self, claim: &SlotClaim) -> &mut EvictionQueue {
@@ -95,8 +102,8 @@ impl EvictionQueue {
         self.yielding.remove(&turn);
     }
 
-    fn first(&self) -> (usize, Option<EvictionTurn>) {
-        (self.many, self.yielding.first().copied())
+    fn head(&self) -> QueueHead {
+        QueueHead { many: self.many, first: self.yielding.first().copied() }
     }
 }
 

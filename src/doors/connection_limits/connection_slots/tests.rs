@@ -271,7 +271,7 @@ fn whoever_is_found_to_give_way_is_the_first_of_all() {
         let found = |among: &dyn Fn(&SlotHolder) -> bool| {
             let these = table.holders.iter().filter(|(_, holder)| among(holder));
             let yielding = these.clone().filter(|(_, holder)| holder.activity() != Activity::Watching);
-            (these.count(), yielding.map(|(number, holder)| holder.turn(*number)).min())
+            QueueHead { many: these.count(), first: yielding.map(|(number, holder)| holder.turn(*number)).min() }
         };
         let claim = SlotClaim { network: Network::of(from.parse().unwrap()), who: Some((Arc::from("lobby"), false)) };
         assert_eq!(table.queues.of_all(), found(&|_| true));
