@@ -380,15 +380,15 @@ mod tests {
     #[tokio::test]
     async fn a_problem_is_said_in_the_language_of_the_reader_who_can_have_the_page_in_another() {
         let app = app(searching());
-        let page = app.italian(("GET", "/nowhere?a=b", ""), &[], &[]).await;
+        let page = app.italian("GET", "/nowhere?a=b", "", &[], &[]).await;
         for wanted in ["<h1>Qui non c", "non si trova: «there is nothing at /nowhere", "Alla console", "value=\"/nowhere?a=b\""]
         {
             assert!(page.contains(wanted), "{wanted}: {page}");
         }
         assert!(page.contains("lang=\"en\">English</button>"), "{page}");
-        let page = app.italian(("POST", "/nowhere", ""), &[], &[]).await;
+        let page = app.italian("POST", "/nowhere", "", &[], &[]).await;
         assert!(page.contains("name=\"next\" value=\"/\""), "{page}");
-        let page = app.italian(("POST", "/language", "language=it"), &[("sec-fetch-site", "cross-site")], &[]).await;
+        let page = app.italian("POST", "/language", "language=it", &[("sec-fetch-site", "cross-site")], &[]).await;
         assert!(page.contains("Questo non è permesso") && page.contains("una pagina di un&#39;altra origine"), "{page}");
         let program = app.send("GET", "/nowhere", &[("accept-language", "it")], "").await;
         assert!(text(program).await.contains("there is nothing at /nowhere: the routes"));

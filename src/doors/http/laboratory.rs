@@ -238,11 +238,7 @@ mod tests {
             ["SRM1", "SRM2", "Sequence", "JSON", "Roomba", "MoveForward", "MoveInSpiral", "GoBack", "Rotate", "Selector"];
         let app = app(searching());
         let page = app
-            .italian(
-                ("GET", "/laboratory?seed=3&seconds=60&palletSeed=2&parcels=2&fault=lost&fault=absent&at=2", ""),
-                &[],
-                &NAMES,
-            )
+            .italian("GET", "/laboratory?seed=3&seconds=60&palletSeed=2&parcels=2&fault=lost&fault=absent&at=2", "", &[], &NAMES)
             .await
             .replace("&#39;", "'");
         for wanted in [

@@ -92,13 +92,9 @@ pub(super) async fn timeline(
     query: Query,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    listed(
-        &door,
-        id,
-        &query,
-        &headers,
-        ("timeline", |archive, mission, after, most| archive.timeline(mission, Span::after(after), most)),
-    )
+    listed(&door, id, &query, &headers, "timeline", |archive, mission, after, most| {
+        archive.timeline(mission, Span::after(after), most)
+    })
     .await
 }
 
@@ -109,7 +105,7 @@ pub(super) async fn events(
     query: Query,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    listed(&door, id, &query, &headers, ("events", entries)).await
+    listed(&door, id, &query, &headers, "events", entries).await
 }
 
 pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
@@ -123,7 +119,8 @@ async fn listed(
     id: u64,
     query: &Query,
     headers: &HeaderMap,
-    (name, which): (&str, Which),
+    name: &str,
+    which: Which,
 ) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);

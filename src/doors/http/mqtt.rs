@@ -137,14 +137,20 @@ pub(super) async fn mqtt(
             let (ours, stream) = tokio::io::duplex(BETWEEN);
             let (held, let_go) = oneshot::channel();
             receive(IncomingConnection { stream: CarriedConnection { stream, _held: held }, from: peer.address, caller, access });
-            carry((socket, peer.address), ours, (let_go, leaving)).await;
+            carry(socket, peer.address, ours, let_go, leaving).await;
         })
         .into_response())
 }
 
 /// Copies bytes both ways until either side ends; neither direction waits for the other. A client that reads slowly does not keep
 /// the connection longer than the broker does.
-async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, PendingConnections)) {
+async fn carry(
+    socket: WebSocket,
+    address: IpAddr,
+    stream: DuplexStream,
+    let_go: oneshot::Receiver<()>,
+    leaving: PendingConnections,
+) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
     let carried = async {
@@ -157,12 +163,12 @@ async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gon
     };
     tokio::select! {
         () = carried => {}
-        () = left(gone, address) => {}
+        () = left(let_go, leaving, address) => {}
     }
 }
 
 /// Waits until a client that the broker dropped had its time to read the rest, or has to make room for others.
-async fn left((let_go, leaving): (oneshot::Receiver<()>, PendingConnections), address: IpAddr) {
+async fn left(let_go: oneshot::Receiver<()>, leaving: PendingConnections, address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
 }
@@ -204,11 +210,11 @@ mod tests {
     async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
         let leaving = PendingConnections::new(LEAVING);
         let (kept, let_go) = oneshot::channel();
-        let mut staying = Box::pin(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1])));
+        let mut staying = Box::pin(left(let_go, leaving.clone(), IpAddr::from([127, 0, 0, 1])));
         let mut gone = Vec::new();
         for _ in 0..LEAVING + 9 {
             let (held, let_go) = oneshot::channel();
-            gone.push(tokio::spawn(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1]))));
+            gone.push(tokio::spawn(left(let_go, leaving.clone(), IpAddr::from([127, 0, 0, 1]))));
             drop(held);
         }
         for _ in 0..3 {

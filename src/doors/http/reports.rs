@@ -55,7 +55,7 @@ pub(super) async fn report(
 ) -> Result<Response, Problem> {
     let language = language_of(&query)?.unwrap_or(language);
     let name = Report::file_name(MissionId(id));
-    send(door, &caller, id, ("text/html; charset=utf-8", name), move |archive, mission, out| {
+    send(door, &caller, id, "text/html; charset=utf-8", name, move |archive, mission, out| {
         let report = Report::new(archive, mission, language)?;
         report.map_or(Ok(()), |report| report.write(out))
     })
@@ -71,7 +71,7 @@ pub(super) async fn lines(
 ) -> Result<Response, Problem> {
     query.only(&[])?;
     let name = format!("hallsweep-mission-{id}.jsonl");
-    send(door, &caller, id, ("application/jsonl", name), list::write_lines).await
+    send(door, &caller, id, "application/jsonl", name, list::write_lines).await
 }
 
 /// `GET missions/{id}/record.csv`
@@ -84,7 +84,7 @@ pub(super) async fn table(
 ) -> Result<Response, Problem> {
     let language = language_of(&query)?.unwrap_or(language);
     let name = format!("hallsweep-mission-{id}.csv");
-    send(door, &caller, id, ("text/csv; charset=utf-8", name), move |archive, mission, out| {
+    send(door, &caller, id, "text/csv; charset=utf-8", name, move |archive, mission, out| {
         list::write_table(archive, mission, language, out)
     })
     .await
@@ -100,7 +100,8 @@ async fn send(
     door: HttpDoor,
     caller: &Caller,
     id: u64,
-    (media_type, name): (&'static str, String),
+    media_type: &'static str,
+    name: String,
     write: impl FnOnce(&dyn Archive, MissionId, &mut dyn Write) -> Result<(), Failure> + Send + 'static,
 ) -> Result<Response, Problem> {
     let mission = MissionId(id);
@@ -207,7 +208,7 @@ mod tests {
         app: &TestApp,
         write: impl FnOnce(&dyn Archive, MissionId, &mut dyn Write) -> Result<(), Failure> + Send + 'static,
     ) -> impl Future<Output = Result<Response, Problem>> {
-        send(app.door.clone(), &Caller::Here, 1, ("text/plain", "half.txt".to_owned()), write)
+        send(app.door.clone(), &Caller::Here, 1, "text/plain", "half.txt".to_owned(), write)
     }
 
     static PART: [u8; CHUNK] = [b'x'; CHUNK];

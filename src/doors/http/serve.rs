@@ -48,14 +48,15 @@ pub struct Front {
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. Input is
 /// read on the runtime of the ports, requests are carried out on that of the caller.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
-    serve_so_many(listeners, door, front, (SLOTS, WAITING), shutdown).await;
+    serve_so_many(listeners, door, front, SLOTS, WAITING, shutdown).await;
 }
 
 async fn serve_so_many(
     listeners: Listeners,
     door: HttpDoor,
     front: Front,
-    (slots, waiting): (usize, usize),
+    slots: usize,
+    waiting: usize,
     shutdown: impl Future<Output = ()>,
 ) {
     if !door.can_date() {

@@ -30,8 +30,9 @@ async fn serve_until(
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
     let door = app.door.clone();
-    let bounds = (slots, slots.min(WAITING));
-    let serving = tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), bounds, shutdown).await });
+    let waiting = slots.min(WAITING);
+    let serving =
+        tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), slots, waiting, shutdown).await });
     (address, serving)
 }
 

@@ -287,7 +287,7 @@ async fn instances_at_several_ports_of_one_host_leave_each_others_sessions_alone
 async fn every_state_of_the_page_is_there_in_italian_and_in_the_other_language_stays_what_it_is() {
     let (app, operator, viewer) = guarded();
     let names = ["Token"];
-    let page = app.italian(("GET", &format!("/sign-in?token={operator}&next=/missions&undone=stop"), ""), &[], &names).await;
+    let page = app.italian("GET", &format!("/sign-in?token={operator}&next=/missions&undone=stop"), "", &[], &names).await;
     for wanted in [
         "<h1>Accedere a hallsweep</h1>".to_owned(),
         "STOP non è stato dato".to_owned(),
@@ -298,14 +298,14 @@ async fn every_state_of_the_page_is_there_in_italian_and_in_the_other_language_s
     }
     for (undone, words) in [("command", "Il comando premuto non è stato eseguito"), ("watching", "L&#39;accesso non vale più: ")]
     {
-        let page = app.italian(("GET", &format!("/sign-in?undone={undone}"), ""), &[], &names).await;
+        let page = app.italian("GET", &format!("/sign-in?undone={undone}"), "", &[], &names).await;
         assert!(page.contains(words), "{page}");
     }
     let known = [("authorization", &*format!("Bearer {viewer}"))];
-    let page = app.italian(("POST", "/sign-in", "token=wrong&next=%2Fmissions"), &known, &names).await;
+    let page = app.italian("POST", "/sign-in", "token=wrong&next=%2Fmissions", &known, &names).await;
     assert!(page.contains("Questo token qui non è conosciuto") && page.contains("ferma subito tutti i robot"), "{page}");
     assert!(page.contains("name=\"next\" value=\"/sign-in?next=/missions\""), "{page}");
-    let page = app.italian(("GET", "/sign-in?next=%22%3E%26token%3D1", ""), &[], &names).await;
+    let page = app.italian("GET", "/sign-in?next=%22%3E%26token%3D1", "", &[], &names).await;
     assert!(page.contains("name=\"next\" value=\"/sign-in\""), "{page}");
 }
 

@@ -393,11 +393,11 @@ mod tests {
         const NAMES: [&str; 5] =
             ["entry 6 of the journal cannot be understood (a mouse was at it)", "English", "Italiano", "JSON Lines", "CSV"];
         let app = app(searching());
-        let list = app.italian(("GET", "/missions", ""), &[], &NAMES).await;
+        let list = app.italian("GET", "/missions", "", &[], &NAMES).await;
         check(&list, &["Una bomba è stata localizzata; rimasto sul posto: bagaglio #2", "In corso: ", ">Missione 1</a>"]);
-        let older = app.italian(("GET", "/missions?before=1", ""), &[], &NAMES).await;
+        let older = app.italian("GET", "/missions?before=1", "", &[], &NAMES).await;
         check(&older, &["Non ci sono missioni più vecchie.", "Le più recenti"]);
-        let one = app.italian(("GET", "/missions/1", ""), &[], &NAMES).await;
+        let one = app.italian("GET", "/missions/1", "", &[], &NAMES).await;
         check(&one, &["3, di cui pericolosi: 1", "Una parte di ciò che è registrato", "da anna (console, 192.0.2.7):"]);
         check(
             &one,
@@ -408,9 +408,9 @@ mod tests {
                 "base</li>",
             ],
         );
-        let steps = app.italian(("GET", "/missions/1?show=all&after=2", ""), &[], &NAMES).await;
+        let steps = app.italian("GET", "/missions/1?show=all&after=2", "", &[], &NAMES).await;
         check(&steps, &["<b>Ogni passo</b>", "Dal principio"]);
-        let unkept = app.italian(("GET", "/missions/2", ""), &[], &NAMES).await;
+        let unkept = app.italian("GET", "/missions/2", "", &[], &NAMES).await;
         check(&unkept, &["La mappa e i bagagli di questa missione non sono conservati.", "non ancora"]);
     }
 

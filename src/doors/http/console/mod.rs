@@ -199,10 +199,10 @@ mod tests {
             "sonar",
         ];
         for (snapshot, path) in [(idle(), "/"), (searching(), "/"), (searching(), "/missions/1/moment?at=4")] {
-            app(snapshot).italian(("GET", path, ""), &[], &NAMES).await;
+            app(snapshot).italian("GET", path, "", &[], &NAMES).await;
         }
-        app(searching()).italian(("GET", "/console/confirm/danger/3?note=red", ""), &[], &NAMES).await;
-        app(searching()).italian(("GET", "/console/confirm/reset", ""), &[], &NAMES).await;
+        app(searching()).italian("GET", "/console/confirm/danger/3?note=red", "", &[], &NAMES).await;
+        app(searching()).italian("GET", "/console/confirm/reset", "", &[], &NAMES).await;
     }
 
     /// Safety S10.

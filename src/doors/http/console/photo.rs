@@ -133,7 +133,7 @@ mod tests {
                 ["Foto 1 di 3 del bagaglio #3, precedente", "da decidere", "Gli orari sono in UTC", "Più piccola"],
             ),
         ] {
-            let page = app.italian(("GET", path, ""), &[], &[]).await.replace("&#39;", "'");
+            let page = app.italian("GET", path, "", &[], &[]).await.replace("&#39;", "'");
             for wanted in wanted {
                 assert!(page.contains(wanted), "{wanted} in {page}");
             }

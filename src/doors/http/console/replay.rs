@@ -122,7 +122,7 @@ mod tests {
     async fn who_reads_italian_reads_it_in_italian() {
         const NAMES: [&str; 1] = ["JSON"];
         let app = app(searching());
-        let page = app.italian(("GET", "/missions/1/retrieval?moment=2", ""), &[], &NAMES).await.replace("&#39;", "'");
+        let page = app.italian("GET", "/missions/1/retrieval?moment=2", "", &[], &NAMES).await.replace("&#39;", "'");
         for wanted in [
             "Recupero nella missione 1 ·",
             "Recupero del bagaglio #1 da parte della coppia",

@@ -86,7 +86,8 @@ impl Operation {
         method: Method,
         path: impl Into<Cow<'static, str>>,
         id: impl Into<Cow<'static, str>>,
-        (subject, summary): (Subject, impl Into<Cow<'static, str>>),
+        subject: Subject,
+        summary: impl Into<Cow<'static, str>>,
     ) -> Operation {
         Operation {
             method,

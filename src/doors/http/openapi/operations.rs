@@ -8,8 +8,8 @@ use super::super::laboratory::asked::{LONGEST_S, MOST_FAULTS, MOST_PARCELS, USUA
 use super::super::metrics;
 use super::super::missions::{EVENTS, MISSIONS, MOST_MISSIONS};
 use super::super::query::MOST;
-use super::operation::Operation;
 use super::operation::Subject::{Commands, Laboratory, Map, Missions, OldClients, Program, Simulator, State};
+use super::operation::{Operation, Subject};
 use crate::api::answer::AnswerJson;
 use crate::api::changes::ChangesJson;
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods};
@@ -46,8 +46,8 @@ pub(super) fn all(schemas: &mut Schemas) -> Vec<Operation> {
     all
 }
 
-fn get(path: &'static str, id: &'static str, about: (super::operation::Subject, &'static str)) -> Operation {
-    Operation::new(Method::GET, path, id, about)
+fn get(path: &'static str, id: &'static str, subject: Subject, summary: &'static str) -> Operation {
+    Operation::new(Method::GET, path, id, subject, summary)
 }
 
 fn text() -> Value {
@@ -66,7 +66,7 @@ fn usual(mut schema: Value, usual: impl Into<Value>) -> Value {
 fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operation {
     let method = if row.methods == Methods::Put { Method::PUT } else { Method::POST };
     let answer = schemas.sent::<AnswerJson>();
-    let operation = Operation::new(method, format!("/api/v1{}", row.path), row.name, (Commands, row.title))
+    let operation = Operation::new(method, format!("/api/v1{}", row.path), row.name, Commands, row.title)
         .answers(JSON, answer)
         .once(row.kind == CommandKind::Stop);
     let operation = match schemas.body(row.takes) {
@@ -79,7 +79,7 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
 
 fn resource(row: &'static resources::ResourceRow, schemas: &mut Schemas) -> Operation {
     let id = format!("get{}{}", row.name[..1].to_ascii_uppercase(), &row.name[1..]);
-    let operation = Operation::new(Method::GET, format!("/api/v1{}", row.path), id, (State, row.title)).tagged();
+    let operation = Operation::new(Method::GET, format!("/api/v1{}", row.path), id, State, row.title).tagged();
     let Some(json) = schemas.resource(row.kind) else {
         let take = ("take", "Which photo of the piece, counted from 1; the newest where it is absent.", number(1, MOST));
         let pictures =
@@ -97,7 +97,7 @@ fn files() -> impl Iterator<Item = Operation> {
         let id = format!("getMap{}{}", ending[..1].to_ascii_uppercase(), &ending[1..]);
         let is_text = media_type.starts_with("text/") || media_type == "application/toml";
         let holds = if is_text { text() } else { Value::Null };
-        Operation::new(Method::GET, format!("/api/v1/map/{}", row.name), id, (Map, row.title)).tagged().answers(media_type, holds)
+        Operation::new(Method::GET, format!("/api/v1/map/{}", row.name), id, Map, row.title).tagged().answers(media_type, holds)
     })
 }
 
@@ -106,7 +106,7 @@ fn old_words(schemas: &mut Schemas) -> Vec<Operation> {
     let words = old_clients::ROWS.iter().flat_map(|row| row.posts);
     let operation = |word: &&'static str| {
         let (path, id) = (format!("/{word}"), format!("old{}{}", word[..1].to_ascii_uppercase(), &word[1..]));
-        Operation::new(Method::POST, path, id, (OldClients, format!("`{word}`")))
+        Operation::new(Method::POST, path, id, OldClients, format!("`{word}`"))
             .answers(JSON, answer.clone())
             .once(old_clients::posted(word) == Ok(Command::Stop))
     };
@@ -121,8 +121,8 @@ fn state(schemas: &mut Schemas) -> Vec<Operation> {
     let robots = schemas.sent::<Vec<RobotBySettingsJson>>();
     let last = "The `id` of the last event its sender has.";
     vec![
-        get("/api/v1/robots", "getRobots", (State, "All robots, each with its kind and address")).tagged().answers(JSON, robots),
-        get("/api/v1/events", "getEvents", (State, events))
+        get("/api/v1/robots", "getRobots", State, "All robots, each with its kind and address").tagged().answers(JSON, robots),
+        get("/api/v1/events", "getEvents", State, events)
             .told("Last-Event-ID", last, text())
             .answers("text/event-stream", text()),
     ]
@@ -130,19 +130,19 @@ fn state(schemas: &mut Schemas) -> Vec<Operation> {
 
 fn missions(schemas: &mut Schemas) -> Vec<Operation> {
     let list = |name: &'static str, id: &'static str, what: &'static str, events: Value| {
-        get(name, id, (Missions, what))
+        get(name, id, Missions, what)
             .asked("after", "The entry behind which the list begins.", usual(number(0, MOST), 0))
             .asked("limit", "How many at most.", usual(number(1, EVENTS), EVENTS))
             .tagged()
             .answers(JSON, events)
     };
     let events = schemas.sent::<EventListJson>();
-    let of = |path, id, what| get(path, id, (Missions, what)).tagged();
+    let of = |path, id, what| get(path, id, Missions, what).tagged();
     let language = || json!({"type": "string", "enum": Language::ALL.map(Language::tag)});
     let spoken = "The language; else as `Accept-Language` asks.";
-    let file = |path, id, what| get(path, id, (Missions, what));
+    let file = |path, id, what| get(path, id, Missions, what);
     vec![
-        get("/api/v1/missions", "getMissions", (Missions, "All missions, the newest first"))
+        get("/api/v1/missions", "getMissions", Missions, "All missions, the newest first")
             .asked("before", "The mission before which the list begins.", number(1, MOST))
             .asked("limit", "How many at most.", usual(number(1, MOST_MISSIONS), MISSIONS))
             .tagged()
@@ -179,7 +179,7 @@ fn missions(schemas: &mut Schemas) -> Vec<Operation> {
 fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     use ProblemKind::{Conflict, NotFound};
     let now = schemas.sent::<SimulatorJson<'static>>();
-    let of = |method, path, id, what| Operation::new(method, path, id, (Simulator, what));
+    let of = |method, path, id, what| Operation::new(method, path, id, Simulator, what);
     let after = |operation: Operation| operation.answers(JSON, now.clone()).also(&[Conflict, NotFound]);
     let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[NotFound]);
     // A hall is accepted with any media type.
@@ -219,7 +219,7 @@ fn laboratory(schemas: &mut Schemas) -> Vec<Operation> {
     let fault = json!({"type": "string", "pattern": format!("^(({names})(@[1-{MOST_PARCELS}])?|{})$", Mishap::Absent.name())});
     let faults = json!({"type": "array", "maxItems": MOST_FAULTS, "items": fault});
     let of = |path, id, what| {
-        get(path, id, (Laboratory, what)).asked("seed", "Where its dice begin.", usual(number(0, u64::MAX), USUAL_SEED))
+        get(path, id, Laboratory, what).asked("seed", "Where its dice begin.", usual(number(0, u64::MAX), USUAL_SEED))
     };
     vec![
         of("/api/v1/laboratory/roomba", "getRoomba", "The Roomba as state machine and as behaviour tree")
@@ -235,10 +235,10 @@ fn laboratory(schemas: &mut Schemas) -> Vec<Operation> {
 fn program() -> Vec<Operation> {
     let description = json!({"type": "object"});
     vec![
-        get("/healthz", "getHealth", (Program, "`ok` and the revision, while the program lives")).answers(TEXT, text()),
-        get("/metrics", "getMetrics", (Program, "Its figures, as Prometheus reads them"))
+        get("/healthz", "getHealth", Program, "`ok` and the revision, while the program lives").answers(TEXT, text()),
+        get("/metrics", "getMetrics", Program, "Its figures, as Prometheus reads them")
             .answers(metrics::FORMATS[0], text())
             .answers(metrics::FORMATS[1], text()),
-        get("/api/v1/openapi.json", "getDescription", (Program, "This description")).tagged().answers(JSON, description),
+        get("/api/v1/openapi.json", "getDescription", Program, "This description").tagged().answers(JSON, description),
     ]
 }

@@ -145,17 +145,17 @@ fn check(page: &str, wanted: &[&str]) {
 async fn the_page_of_the_controls_speaks_italian_in_every_state() {
     let names = ["depot", "mine", "file"];
     let app = simulated(searching(), Access::Open, false);
-    let page = app.italian(("GET", "/simulator", ""), &[], &names).await;
+    let page = app.italian("GET", "/simulator", "", &[], &names).await;
     check(&page, &["In corso a 0,5 × il tempo reale.", "<option value=\"0.5\" selected>0,5 ×</option>"]);
     check(&page, &["I robot sono in <b>depot</b>: 8 × 9 celle di 0,5 m, 1 bagaglio; seme 7.", "Termometro: a posto"]);
     check(&page, &["Al momento: non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA"]);
     check(&page, &["quando è in pausa</small>", "Nessun passaggio è ostruito.", "Non è stato inviato", "value=\"/simulator\""]);
     let app = simulated(idle(), Access::Open, true);
-    let page = app.italian(("GET", "/simulator", ""), &[], &names).await;
+    let page = app.italian("GET", "/simulator", "", &[], &names).await;
     check(&page, &["In pausa: il tempo simulato è fermo.", "Collegamento: interrotto", "Fotocamera: guasta", "Liberare (1, 0)"]);
     let (keyring, tokens) = keys();
     let app = simulated(idle(), Access::Keys(keyring), true);
-    let page = app.italian(("GET", "/simulator", ""), &[("authorization", &format!("Bearer {}", tokens.viewer))], &names).await;
+    let page = app.italian("GET", "/simulator", "", &[("authorization", &format!("Bearer {}", tokens.viewer))], &names).await;
     check(&page, &["Accesso come osservatore: si vede il simulatore"]);
 }
 
@@ -178,7 +178,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
         ("/simulator/editor", "act=keep&opened=mine&name=mine&toml=x", "senza cartella dei dati non si conservano sale"),
         ("/simulator/editor", "act=check&toml=x", "questa sala non si può usare: «hall.toml:1: "),
     ] {
-        let page = app.italian(("POST", path, body), &[], &["depot", "mine"]).await;
+        let page = app.italian("POST", path, body, &[], &["depot", "mine"]).await;
         check(&page, &[&format!("role=\"alert\">{words}")]);
     }
     let (_, state) = app.json("PUT", "/api/v1/simulator/hall", "{\"name\":\"depot\"}").await;
@@ -190,7 +190,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
 async fn the_editor_and_its_script_speak_italian() {
     let names = ["depot", "mine"];
     let app = simulated(searching(), Access::Open, false);
-    let page = app.italian(("GET", "/simulator/editor", ""), &[], &names).await;
+    let page = app.italian("GET", "/simulator/editor", "", &[], &names).await;
     check(
         &page,
         &["<h1>Editor delle sale</h1>", "Parete <kbd>", "Annulla", "aria-label=\"Pianta della sala\"", "value=\"0,05\""],
@@ -198,30 +198,30 @@ async fn the_editor_and_its_script_speak_italian() {
     check(&page, &["colonna { $x }, riga { $y }", "Al momento: non è possibile durante una missione"]);
     let checked = |toml: &str| format!("act=check&toml={}", toml.replace('\n', "%0A").replace('#', "%23").replace(' ', "+"));
     let walled = checked("drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
-    let page = app.italian(("POST", "/simulator/editor", &walled), &[], &names).await;
+    let page = app.italian("POST", "/simulator/editor", &walled, &[], &names).await;
     check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 2, riga -1: il bagaglio «"]);
     check(&page, &["<li>colonna 2, riga 1: questa cella libera non si può raggiungere dalla base</li>"]);
-    let sound = app.italian(("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n")), &[], &names).await;
+    let sound = app.italian("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n"), &[], &names).await;
     check(&sound, &["È a posto: tutto si può raggiungere."]);
-    let opened = app.italian(("GET", "/simulator/editor?hall=mine", ""), &[], &names).await;
+    let opened = app.italian("GET", "/simulator/editor?hall=mine", "", &[], &names).await;
     check(
         &opened,
         &["Questa è la sala conservata come <b>mine</b>.", "name=\"opened\" id=\"opened\" value=\"mine\"", "Eliminare mine"],
     );
-    let asked = app.italian(("POST", "/simulator/editor", "discard=mine&opened=mine&toml=%23"), &[], &names).await;
+    let asked = app.italian("POST", "/simulator/editor", "discard=mine&opened=mine&toml=%23", &[], &names).await;
     check(&asked, &["Eliminare <b>mine</b>? Poi non ci sarà più.", "name=\"discard_for_good\" value=\"mine\"", ">#</textarea>"]);
-    let discarded = app.italian(("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23"), &[], &names).await;
+    let discarded = app.italian("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23", &[], &names).await;
     check(&discarded, &["<b>mine</b> non è più conservata.", ">#</textarea>"]);
     assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
     // A request for one name does not replace a hall of another name.
     for body in ["act=keep&name=mine&toml=x", "replace=other&name=mine&toml=x", "act=keep&opened=other&name=mine&toml=x"] {
-        let asked = app.italian(("POST", "/simulator/editor", body), &[], &names).await;
+        let asked = app.italian("POST", "/simulator/editor", body, &[], &names).await;
         check(&asked, &["Un'altra sala è conservata come <b>mine</b>: sostituirla", "name=\"replace\" value=\"mine\""]);
     }
     let (keyring, tokens) = keys();
     let app = simulated(idle(), Access::Keys(keyring), true);
     let viewer = format!("Bearer {}", tokens.viewer);
-    let page = app.italian(("GET", "/simulator/editor", ""), &[("authorization", &viewer)], &names).await;
+    let page = app.italian("GET", "/simulator/editor", "", &[("authorization", &viewer)], &names).await;
     check(&page, &["Accesso come osservatore: si vede la sala"]);
 }
 

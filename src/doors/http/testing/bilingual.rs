@@ -12,7 +12,9 @@ impl TestApp {
     /// The Italian page for this request. Texts that are equal on the English page must be among `names`.
     pub(in crate::doors::http) async fn italian(
         &self,
-        (method, path, body): (&str, &str, &str),
+        method: &str,
+        path: &str,
+        body: &str,
         headers: &[(&str, &str)],
         names: &[&str],
     ) -> String {
