@@ -48,15 +48,14 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     let archives = opened(files, &mut faults);
     // An earlier archive is on record in every later one.
     let mut records = Records::of(journal).map_err(words)?;
-    let mut later = (chain::anchor(journal).map_err(words)?, "the journal");
+    let (mut begins, mut later) = (chain::anchor(journal).map_err(words)?, "the journal");
     for archive in archives.iter().rev() {
         let others = archives.iter().filter(|other| other.digest != archive.digest).map(|other| &other.connection);
-        let fault = between(later, archive, &records, others.chain([journal]));
+        let fault = between(begins, later, archive, &records, others.chain([journal]));
         let added = fault.and_then(|fault| records.add(&archive.connection).map(|()| fault));
         faults.extend(added.map_err(|fault| refused(Path::new(&archive.shown), &fault))?);
-        later = (archive.begins, &archive.shown);
+        (begins, later) = (archive.begins, &archive.shown);
     }
-    let (begins, _) = later;
     if begins.seq > Seq(0) && records.unpacked(begins).is_none() {
         let last =
             records.written_out(begins.seq).map(|last| format!("; the last of them is {} (SHA-256 {})", last.file, last.digest));
@@ -66,9 +65,10 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
-/// Faults between an archive and what begins after it, by its name; or those of an unpacked one.
+/// Faults between an archive and what begins after it, which `later` names; or those of an unpacked one.
 fn between<'a>(
-    (begins, later): (Head, &str),
+    begins: Head,
+    later: &str,
     archive: &OpenArchive,
     records: &Records,
     mut others: impl Iterator<Item = &'a Connection>,

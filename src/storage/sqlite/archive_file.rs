@@ -46,7 +46,7 @@ const UNFINISHED: &str = "unfinished";
 /// Moves all missions that were put away before `before`, oldest first and without a gap, from the journal into `file`. `None`,
 /// and no change, when there are none.
 pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> Result<Option<Archived>, Unreadable> {
-    write_out_within(data, (before, now), Bound::NONE, |_| file.to_owned())
+    write_out_within(data, before, now, Bound::NONE, |_| file.to_owned())
 }
 
 /// Like `write_out`, into the folder `archives` of the data folder, limited to what a start can wait for.
@@ -57,7 +57,7 @@ pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Resul
         Unreadable(format!("{} cannot be used ({error}): move it away, then start hallsweep again", archives.display()))
     })?;
     // The name follows from the contents, so that the same archive gets the same name again.
-    write_out_within(data, (before, now), Bound::OF_A_START, |Cut { missions: (first, latest), last, .. }| {
+    write_out_within(data, before, now, Bound::OF_A_START, |Cut { missions: (first, latest), last, .. }| {
         names::ARCHIVE.of(data, &format!("missions-{first}-to-{latest}-{}", &last.hex()[..16]))
     })
 }
@@ -78,7 +78,8 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
 /// used: a kill or a lock came between writing it and changing the journal.
 pub(super) fn write_out_within(
     data: &Path,
-    (before, now): (WallTime, WallTime),
+    before: WallTime,
+    now: WallTime,
     bound: Bound,
     file: impl Fn(&Cut) -> PathBuf,
 ) -> Result<Option<Archived>, Unreadable> {

@@ -46,7 +46,7 @@ pub(super) fn moments(
         let (seq, wall) = places[place];
         let Some(state) = stood(connection, mission, seq, before, &words)? else { return Ok(Vec::new()) };
         before = Some((seq, state.clone()));
-        moments.push((place, moment(connection, mission, (seq, wall), state, end)?));
+        moments.push((place, moment(connection, mission, seq, wall, state, end)?));
     }
     moments.sort_by_key(|(place, _)| *place);
     Ok(moments.into_iter().map(|(_, moment)| moment).collect())
@@ -94,7 +94,7 @@ fn stood(
     if let Some((known, state)) = before
         && standing <= Some(known)
     {
-        return recall::go_on(connection, mission, state, (Some(known), end), words).map(Some);
+        return recall::go_on(connection, mission, state, Some(known), end, words).map(Some);
     }
     if standing.is_none() && rows::first(connection)? > Some(Seq(1)) {
         return Ok(None);
@@ -105,7 +105,8 @@ fn stood(
 fn moment(
     connection: &Connection,
     mission: MissionId,
-    (seq, wall): (Seq, WallTime),
+    seq: Seq,
+    wall: WallTime,
     state: Sound<PersistentState>,
     end: Seq,
 ) -> Result<PastMoment, Fault> {

@@ -79,7 +79,7 @@ pub(super) fn standing_of(
 ) -> Result<Sound<PersistentState>, Fault> {
     let first = Sound { of: PersistentState::first(Strategy::default()), damage: Vec::new() };
     let from = sound_standing(connection, before)?.map(|seq| Seq(seq.0.saturating_sub(1)));
-    go_on(connection, mission, first, (from, before), words)
+    go_on(connection, mission, first, from, before, words)
 }
 
 /// The state of a mission after further entries, between the two bounds, as far as they can be read.
@@ -87,7 +87,8 @@ pub(super) fn go_on(
     connection: &Connection,
     mission: MissionId,
     from: Sound<PersistentState>,
-    (after, before): (Option<Seq>, Option<Seq>),
+    after: Option<Seq>,
+    before: Option<Seq>,
     words: impl Fn(&Fault) -> String,
 ) -> Result<Sound<PersistentState>, Fault> {
     let Sound { of: mut state, damage } = from;

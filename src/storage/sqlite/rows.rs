@@ -206,10 +206,10 @@ impl EntryFilter {
 fn line(connection: &Connection, row: &Row<'_>, before: Option<Seq>) -> (Seq, Result<Line, Fault>) {
     // The place is the key of the table, which is a number even when other columns are damaged.
     let seq = Seq(row.get(0).map_or(0, count));
-    (seq, understood(connection, row, (seq, before)))
+    (seq, understood(connection, row, seq, before))
 }
 
-fn understood(connection: &Connection, row: &Row<'_>, (seq, before): (Seq, Option<Seq>)) -> Result<Line, Fault> {
+fn understood(connection: &Connection, row: &Row<'_>, seq: Seq, before: Option<Seq>) -> Result<Line, Fault> {
     let mission: Option<i64> = row.get(1)?;
     let wall = WallTime { unix_ms: row.get(2)?, offset_s: row.get(3)? };
     let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
@@ -218,12 +218,12 @@ fn understood(connection: &Connection, row: &Row<'_>, (seq, before): (Seq, Optio
         return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
     }
     // When this query fails, the entry is returned as it was written.
-    let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, (seq, before)).unwrap_or(false));
+    let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, seq, before).unwrap_or(false));
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
 }
 
 /// Whether a piece was found dangerous after an entry: at any time, or before the entry `before`.
-fn was_dangerous(connection: &Connection, luggage: LuggageId, (after, before): (Seq, Option<Seq>)) -> Result<bool, Fault> {
+fn was_dangerous(connection: &Connection, luggage: LuggageId, after: Seq, before: Option<Seq>) -> Result<bool, Fault> {
     let sql = "SELECT 1 FROM luggage WHERE id = ?1 AND verdict = 'danger'";
     let is_dangerous = connection.prepare_cached(sql)?.exists([whole(luggage.0)?])?;
     if !is_dangerous || before.is_none() {

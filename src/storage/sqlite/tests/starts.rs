@@ -76,7 +76,7 @@ fn photos_that_stay_are_not_looked_at_when_others_leave() {
     drop(journal);
     std::fs::remove_file(folder.photo(&Picture { digest, media_type })).unwrap();
     let bound = Bound { entries: 16, ..Bound::NONE };
-    let archived = write_out_within(&scratch.data(), (LATER, LATER), bound, |_| file(&scratch, "first"));
+    let archived = write_out_within(&scratch.data(), LATER, LATER, bound, |_| file(&scratch, "first"));
     assert_eq!(missions(archived.unwrap()), (MissionId(1), MissionId(1)));
 }
 
@@ -119,7 +119,7 @@ fn content(scratch: &Scratch) -> Vec<String> {
 #[test]
 fn no_more_is_written_out_at_once_than_is_waited_for() {
     let some = |scratch: &Scratch, entries, photo_bytes| {
-        write_out_within(&scratch.data(), (LATER, LATER), Bound { entries, photo_bytes }, |cut| {
+        write_out_within(&scratch.data(), LATER, LATER, Bound { entries, photo_bytes }, |cut| {
             file(scratch, &format!("{}-{}", cut.missions.0, cut.missions.1))
         })
     };
@@ -154,7 +154,7 @@ fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
         let name = |Cut { missions: (_, last), .. }: &Cut| {
             if *last == MissionId(2) { there.to_owned() } else { file(scratch, &last.to_string()) }
         };
-        write_out_within(&scratch.data(), (LATER, LATER), bound, name)
+        write_out_within(&scratch.data(), LATER, LATER, bound, name)
     };
     assert_eq!(missions(some(&other, 24, &both).unwrap()), (MissionId(1), MissionId(2)));
     assert_eq!(missions(some(&one, 16, &file(&one, "second")).unwrap()), (MissionId(1), MissionId(1)));

@@ -19,7 +19,7 @@ fn two_in_a_row() -> (Scratch, [PathBuf; 2]) {
     let archives = ["first", "second"].map(|name| file(&scratch, name));
     for archive in &archives {
         let bound = Bound { entries: 16, ..Bound::NONE };
-        write_out_within(&scratch.data(), (LATER, LATER), bound, |_| archive.clone()).unwrap().expect("one is over");
+        write_out_within(&scratch.data(), LATER, LATER, bound, |_| archive.clone()).unwrap().expect("one is over");
     }
     (scratch, archives)
 }
