@@ -6,7 +6,7 @@ use super::*;
 #[tokio::test(start_paused = true)]
 async fn what_is_on_record_is_counted_and_how_long_it_took_is_measured() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let starting = giving(&handle, Command::Start);
     tokio::time::sleep(Duration::from_secs(5)).await;
     let figures = handle.figures();
@@ -28,7 +28,7 @@ async fn a_stop_is_counted_when_it_is_raised_and_measured_when_it_is_heard() {
     handle.halter().stop();
     let figures = handle.figures().clone();
     assert_eq!((figures.value("stops_total"), figures.value("stop_seconds_count")), (1.0, 0.0));
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     give(&handle, Command::Stop).await.unwrap().unwrap();
     assert_eq!(figures.value("stops_total"), 2.0);
     assert!(figures.value("stop_seconds_count") >= 1.0);
@@ -37,7 +37,7 @@ async fn a_stop_is_counted_when_it_is_raised_and_measured_when_it_is_heard() {
 #[tokio::test]
 async fn what_the_store_lost_is_not_counted_and_that_it_was_lost_is() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let starting = giving(&handle, Command::Start);
     seen(&handle, "the link", |state| !state.mission.holds.contains(&Hold::RobotLink)).await;
     word.send_modify(|word| (word.losses, word.failure) = (3, Some("the disk is on strike".into())));

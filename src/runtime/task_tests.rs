@@ -85,10 +85,11 @@ fn task_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::S
 }
 
 async fn running() -> (Handle, RobotSide, watch::Sender<Course>) {
-    start(task()).await
+    let (handle, task, robot) = task();
+    start(handle, task, robot).await
 }
 
-async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<Course>) {
+async fn start(handle: Handle, task: Task, robot: RobotSide) -> (Handle, RobotSide, watch::Sender<Course>) {
     let (course, coursed) = watch::channel(Course::default());
     tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
@@ -183,7 +184,7 @@ async fn heat_halts_past_the_queue_of_orders() {
 #[tokio::test]
 async fn a_store_that_answers_late_delays_start_but_not_stop() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, mut robot, _close) = start((handle, task, robot)).await;
+    let (handle, mut robot, _close) = start(handle, task, robot).await;
     let starting = giving(&handle, Command::Start);
     tokio::task::yield_now().await;
     give(&handle, Command::Stop).await.unwrap().unwrap();
@@ -198,7 +199,7 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
 async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order) {
     let at_once = Arc::new(AtomicBool::new(true));
     let (handle, task, robot, _word) = task_keeping(&at_once);
-    let (handle, mut robot, close) = start((handle, task, robot)).await;
+    let (handle, mut robot, close) = start(handle, task, robot).await;
     give(&handle, Command::Start).await.unwrap().unwrap();
     let Stamped { order, .. } = ordered(&mut robot).await;
     at_once.store(!hangs, Ordering::SeqCst);
@@ -247,7 +248,7 @@ async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     let (handle, task, robot) = task();
     let halter = handle.halter().clone();
     halter.note(Some(Epoch(0)));
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let mut stopping = Box::pin(give(&handle, Command::Stop));
     assert!(tokio::time::timeout(TENTH / 2, &mut stopping).await.is_err(), "it is not noted yet");
     halter.note(Some(Epoch(1)));
@@ -367,7 +368,7 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
 #[tokio::test]
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let refused = || giving(&handle, Command::Retrieve);
     let first = refused();
     seen(&handle, "the refusal", says("refused")).await;
@@ -389,7 +390,7 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
 #[tokio::test]
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let issuer = Issuer { who: "lobby".into(), ..Issuer::operator(Door("http")) };
     let refused = Refused::NotAllowed("lobby may only look".to_owned());
     let note = || {
@@ -419,7 +420,7 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
         let (issuer, asked) = (Issuer::operator(Door("coap")), Asked::Words(format!("RESET {n}")));
         handle.note_refused_at_once(issuer, asked, Refused::NotAllowed("no".to_owned()));
     }
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     for stop in stops {
         within("the answer to a stop", stop).await.unwrap().unwrap();
     }
@@ -432,7 +433,7 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let (handle, task, robot, word) = task_with(false);
-    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let (handle, _robot, _close) = start(handle, task, robot).await;
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
     // The accepted command is not shown before it is on record, but the later refusal is: it tells that the loop has taken both.
     giving(&handle, Command::Retrieve);

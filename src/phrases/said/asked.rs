@@ -38,7 +38,7 @@ impl Language {
             Carries::Alarm(id) => named.with("id", id),
             Carries::Move(step) => named.with("move", self.say_of("move", letter(step))),
             Carries::Cell(cell) => named.with("cell", cell),
-            Carries::Verdict(luggage, verdict, note) => return self.verdict_given((luggage, meant), verdict, note),
+            Carries::Verdict(luggage, verdict, note) => return self.verdict_given(luggage, meant, verdict, note),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
             Carries::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
@@ -50,7 +50,7 @@ impl Language {
         said.to_string()
     }
 
-    fn verdict_given(self, (luggage, meant): (LuggageRef, Option<LuggageId>), verdict: Verdict, note: Option<&Note>) -> String {
+    fn verdict_given(self, luggage: LuggageRef, meant: Option<LuggageId>, verdict: Verdict, note: Option<&Note>) -> String {
         let named = match luggage {
             LuggageRef::Id(id) => Some(id),
             LuggageRef::Pending => meant,

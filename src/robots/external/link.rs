@@ -39,7 +39,8 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 /// Runs an external robot until the loop's end of the channels is gone. What the next program must know is written to the file,
 /// when there is one, before the robot or anybody else is told of its consequences.
 pub(super) async fn run(
-    (robot, driver): (RobotId, Box<dyn Driver>),
+    robot: RobotId,
+    driver: Box<dyn Driver>,
     address: Address,
     side: RobotSide,
     clock: Clock,
@@ -327,7 +328,7 @@ mod tests {
         let order = Order { id: OrderId(1), action, epoch: Epoch(0), deadline: Duration::from_secs(2) };
         link.orders.try_send(Stamped { order, halts: link.halts.now().count }).unwrap();
         halter.halt();
-        tokio::spawn(run((RobotId::discovery(), Box::new(LineDriver::new())), address, side, Clock::default(), None));
+        tokio::spawn(run(RobotId::discovery(), Box::new(LineDriver::new()), address, side, Clock::default(), None));
         within("its answer", link.reports.recv()).await.unwrap()
     }
 
@@ -388,8 +389,8 @@ mod tests {
         let address = Address::Tcp(silent.local_addr().unwrap().to_string(), None);
         let halter = Halter::new(Epoch(0));
         let (mut link, side) = link(halter.watch());
-        let robot: (RobotId, Box<dyn Driver>) = (RobotId::discovery(), Box::new(Recorder::default()));
-        tokio::spawn(run(robot, address, side, Clock::default(), Some(file)));
+        let driver = Box::new(Recorder::default());
+        tokio::spawn(run(RobotId::discovery(), driver, address, side, Clock::default(), Some(file)));
         let mut told = "one\nled false".to_owned();
         for number in 1..=50 {
             let order = Order {

@@ -114,6 +114,6 @@ impl ExternalRobot {
             }
             ProtocolKind::Line => Box::new(LineDriver::new()),
         };
-        Box::new(move |side| Box::pin(link::run((id, driver), address, side, clock, file)))
+        Box::new(move |side| Box::pin(link::run(id, driver, address, side, clock, file)))
     }
 }
