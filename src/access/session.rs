@@ -46,12 +46,6 @@ impl Person {
         let is_sound = |letter: char| letter.is_alphanumeric() && !is_blank(letter) || " .'’-".contains(letter);
         (name.chars().count() <= Person::MOST && name.chars().all(is_sound)).then_some(Person(name))
     }
-
-    fn read(digits: &str) -> Option<Arc<str>> {
-        let byte = |at| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
-        let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
-        String::from_utf8(bytes?).ok().map(Arc::from)
-    }
 }
 
 pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment) -> String {
@@ -86,7 +80,12 @@ pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Optio
         }
         _ => End::Unix(end_s.parse().ok()?),
     };
-    end.is_ahead(now).then(|| SignedIn { person: person.and_then(Person::read), ..key.holder(Some(end)) })
+    let person = person.and_then(|digits| {
+        let byte = |at| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
+        let name: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
+        String::from_utf8(name?).ok().map(Arc::from)
+    });
+    end.is_ahead(now).then(|| SignedIn { person, ..key.holder(Some(end)) })
 }
 
 fn seal(key: &Key, purpose: &str, claim: &str) -> String {

@@ -56,7 +56,9 @@ pub(in crate::doors::http) async fn one(
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
-    Ok(html(&One { language, record, state, damage, show, after, events, next, zone }))
+    let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
+    let has_retrieval = fetched || state.as_ref().is_some_and(|state| state.retrieval.is_some());
+    Ok(html(&One { language, record, state, has_retrieval, damage, show, after, events, next, zone }))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +114,7 @@ struct One {
     language: Language,
     record: MissionRecord,
     state: Option<PersistentState>,
+    has_retrieval: bool,
     damage: Vec<String>,
     show: Show,
     after: Seq,
@@ -180,11 +183,6 @@ impl One {
         let report = |language: Language| (language.name().to_owned(), at(&format!("report?language={}", language.tag())));
         let lists = [("JSON Lines", "record.jsonl"), ("CSV", "record.csv")].map(|(name, file)| (name.to_owned(), at(file)));
         Language::ALL.map(report).into_iter().chain(lists).collect()
-    }
-
-    fn has_retrieval(&self) -> bool {
-        let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*self.record.phase);
-        fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
     }
 
     fn at(&self, seq: &Seq) -> String {
