@@ -98,8 +98,8 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
             _ = &mut ended => break,
             Some(_) = connections.join_next() => {}
             accepted = listeners.accept() => match accepted {
-                Ok(newcomer) => {
-                    begin(&mut connections, converse(newcomer, Arc::clone(&context))).await;
+                Ok((stream, address)) => {
+                    begin(&mut connections, converse(stream, address, Arc::clone(&context))).await;
                     newcomers += 1;
                 }
                 Err(error) => {

@@ -98,7 +98,8 @@ where
         from: R,
         to: W,
         peer: Peer,
-        (waiting, cut): (PendingConnection, Arc<Notify>),
+        waiting: PendingConnection,
+        cut: Arc<Notify>,
         context: Arc<ServerContext>,
     ) -> Connection<R, W> {
         Connection {
@@ -261,7 +262,7 @@ where
 
     fn begin(&mut self) {
         if let (Some(slot), Some(to)) = (&self.slot, self.to.take()) {
-            self.task = Some(ConnectionTask::begin(to, (self.search.judge.peer, slot), &self.context, &self.shared));
+            self.task = Some(ConnectionTask::begin(to, self.search.judge.peer, slot, &self.context, &self.shared));
         }
     }
 

@@ -54,7 +54,8 @@ impl ConnectionTask {
     /// Begins the task on the runtime of the routes.
     pub(super) fn begin<W>(
         to: W,
-        (peer, slot): (Peer, &Arc<ConnectionSlot>),
+        peer: Peer,
+        slot: &Arc<ConnectionSlot>,
         context: &Arc<ServerContext>,
         shared: &Arc<ConnectionState>,
     ) -> ConnectionTask
@@ -67,7 +68,7 @@ impl ConnectionTask {
         let transport =
             Transport { from: theirs, to: WriteTimeoutStream::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
-        task.spawn_on(run(transport, (peer, Arc::clone(slot)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
+        task.spawn_on(run(transport, peer, Arc::clone(slot), Arc::clone(context), Arc::clone(shared), gone), &context.work);
         ConnectionTask { to: Some(ours), over, task }
     }
 
@@ -104,7 +105,8 @@ pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
 
 async fn run<W>(
     transport: Transport<W>,
-    (peer, slot): (Peer, Arc<ConnectionSlot>),
+    peer: Peer,
+    slot: Arc<ConnectionSlot>,
     context: Arc<ServerContext>,
     shared: Arc<ConnectionState>,
     gone: Arc<Notify>,

@@ -49,7 +49,7 @@ fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexSt
     let cut = Arc::new(Notify::new());
     let waiting = context.pending.admit(HERE.into(), Arc::clone(&cut));
     let peer = Peer { address: HERE.into(), is_encrypted: false };
-    (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(context)), says, hears, cut)
+    (Connection::new(from, to, peer, waiting, Arc::clone(&cut), Arc::clone(context)), says, hears, cut)
 }
 
 /// Whether the task runs for this time, and has ended a second later.
@@ -161,8 +161,8 @@ async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHan
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-    let newcomer = listener.accept().await.unwrap();
-    (client, tokio::spawn(converse(newcomer, Arc::clone(context))))
+    let (stream, address) = listener.accept().await.unwrap();
+    (client, tokio::spawn(converse(stream, address, Arc::clone(context))))
 }
 
 /// Safety S9: bytes that the system has received count as received.
@@ -241,9 +241,9 @@ async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let mut client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     std::io::Write::write_all(&mut client, STOP.as_bytes()).unwrap();
-    let newcomer = listener.accept().await.unwrap();
+    let (stream, address) = listener.accept().await.unwrap();
     let before = app.door.handle.epoch();
-    let mut conversation = Box::pin(converse(newcomer, Arc::new(context(&app, 8))));
+    let mut conversation = Box::pin(converse(stream, address, Arc::new(context(&app, 8))));
     assert!(conversation.as_mut().now_or_never().is_none());
     assert!(app.door.handle.epoch() > before);
 }

@@ -25,7 +25,7 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 const FIRST_WORDS: usize = 1024;
 
 /// Serves one connection to its end, or until it is evicted. A client's faults are only logged.
-pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, SocketAddr), context: Arc<ServerContext>) {
+pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketAddr, context: Arc<ServerContext>) {
     let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
@@ -36,26 +36,26 @@ pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, Sock
     };
     tokio::select! {
         biased;
-        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), context) => {}
+        () = encrypted(stream, peer, waiting, Arc::clone(&cut), context) => {}
         () = has_to_go => tracing::debug!("a connection gave way to a newer one"),
     }
 }
 
 /// Performs the TLS handshake, if there is TLS, and reads the connection.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (PendingConnection, Arc<Notify>), context: Arc<ServerContext>) {
+async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cut: Arc<Notify>, context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let Some(Tls(acceptor)) = context.tls.clone() else {
         let said = first_words(&stream);
         let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, waiting, context).hear(said).await;
+        return Connection::new(from, to, peer, waiting, cut, context).hear(said).await;
     };
     // Boxed, because most connections do not use TLS.
     match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
-            Box::pin(Connection::new(from, to, peer, waiting, context).hear(BytesMut::new())).await;
+            Box::pin(Connection::new(from, to, peer, waiting, cut, context).hear(BytesMut::new())).await;
         }
         Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
         Err(_) => tracing::debug!("a client did not agree on encryption in time"),
