@@ -18,7 +18,7 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::{Said, Trouble};
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Heading, OrderId, Pose};
-use crate::world::hall_map::{Mark, REACH};
+use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::resource::Resource;
 
 impl Engine {
@@ -100,13 +100,8 @@ impl Engine {
 
     /// The robot's own reckoning counts: it may have ended a move of which nothing is on record (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
-        if pose.cell.x.abs() > REACH || pose.cell.y.abs() > REACH {
-            let said = Said::Robot(robot.clone(), Trouble::TooFar(pose.cell));
-            return if self.searches(robot) {
-                self.robot_failed(said.to_string())
-            } else {
-                self.world.write(self.now.wall, Tone::Alarm, said)
-            };
+        if !is_in_reach(pose.cell) {
+            return self.is_too_far(robot, pose.cell);
         }
         self.note_outside(robot, 0);
         let is_elsewhere = self.pose_of(robot) != pose;
@@ -250,11 +245,24 @@ impl Engine {
         }
     }
 
+    /// Nothing is stored of a cell beyond the reach, so the robot's place stays as it was recorded last.
+    fn is_too_far(&mut self, robot: &RobotId, cell: Cell) {
+        let said = Said::Robot(robot.clone(), Trouble::TooFar(cell));
+        if self.searches(robot) {
+            self.robot_failed(said.to_string());
+        } else {
+            self.world.write(self.now.wall, Tone::Alarm, said);
+        }
+    }
+
     /// The robot stands where the move led; after a late answer too, so it is no longer off centre.
     fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);
         let pose = after(before, step);
+        if !is_in_reach(pose.cell) {
+            return self.is_too_far(robot, pose.cell);
+        }
         if self.searches(robot) {
             self.follow_move(step, before, pose);
         } else if self.is_fetching(robot) && self.state.map.at(pose.cell) != Mark::Visited {

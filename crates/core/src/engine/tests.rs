@@ -3,6 +3,7 @@
 
 mod by_hand;
 mod clock;
+mod endless;
 mod fetching;
 mod floods;
 mod shown;

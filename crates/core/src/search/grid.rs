@@ -4,7 +4,7 @@
 
 use super::census::Census;
 use crate::units::{Cell, Heading};
-use crate::world::hall_map::{Bounds, HallMap, Mark};
+use crate::world::hall_map::{Bounds, HallMap, Mark, is_in_reach};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -64,13 +64,22 @@ impl Grid {
         let room = bounds.grown(RIM + 1);
         let size = usize::try_from(i64::from(room.width()) * i64::from(room.height())).expect("a room has a positive size");
         let width = isize::try_from(room.width()).expect("a room is narrower than a memory");
-        Grid {
+        let mut grid = Grid {
             squares: vec![Square::Unknown; size],
             room,
             known: Bounds::of(Cell::HOME),
             counts: Counts::default(),
             steps: [-width, 1, width, -1],
+        };
+        if !is_in_reach(room.least) || !is_in_reach(room.most) {
+            // Nothing is stored beyond the reach, so a search would never be done with it.
+            for spot in 0..size {
+                if !is_in_reach(grid.cell(spot)) {
+                    grid.squares[spot] = Square::Obstacle;
+                }
+            }
         }
+        grid
     }
 
     #[must_use]
@@ -95,7 +104,7 @@ impl Grid {
     }
 
     pub fn set(&mut self, cell: Cell, square: Square) {
-        if self.at(cell) == square {
+        if self.at(cell) == square || !is_in_reach(cell) {
             return;
         }
         if !self.room.grown(-RIM).contains(cell) {
@@ -162,9 +171,14 @@ impl Grid {
         self.known
     }
 
+    /// Whether there is memory for a cell. A damaged journal may put the robot anywhere.
+    pub(crate) fn has_room_for(&self, cell: Cell) -> bool {
+        self.room.contains(cell)
+    }
+
     #[must_use]
     pub fn at(&self, cell: Cell) -> Square {
-        if self.room.contains(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
+        if self.has_room_for(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
     }
 
     /// Doubles the memory on every side that is too near.

@@ -42,6 +42,9 @@ impl Planner {
 
     pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, objective: Objective, sonar_cells: u8) -> NextGoal {
         let Planner { grid, ways, costs } = self;
+        if !grid.has_room_for(pose.cell) {
+            return NextGoal::GoHome;
+        }
         let terms = Terms { objective, sonar_cells, costs: *costs };
         search.next(&View { grid, pose, gait, terms }, ways)
     }
@@ -88,6 +91,9 @@ impl Ways {
 }
 
 fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
+    if !grid.has_room_for(start.cell) {
+        return None;
+    }
     // The known cells, and those next to them.
     let area = grid.known().including(start.cell).grown(1);
     if !area.contains(goal) {

@@ -90,6 +90,9 @@ impl Ways {
         passable: impl Fn(Spot) -> bool,
         mut reached: impl FnMut(Reached) -> u32,
     ) -> bool {
+        if !grid.has_room_for(start.cell) {
+            return true;
+        }
         self.prepare(grid, costs);
         let price = [STEP, costs.turn, costs.turn];
         let length = self.ring.len();

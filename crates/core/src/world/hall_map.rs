@@ -11,6 +11,11 @@ use crate::units::{Cell, Revision};
 /// Greatest coordinate of a stored cell, in either direction from home: a robot that reports more is wrong.
 pub const REACH: i32 = 8192;
 
+pub(crate) const fn is_in_reach(cell: Cell) -> bool {
+    // `i32::MIN` has no `abs`.
+    cell.x.unsigned_abs() <= REACH.unsigned_abs() && cell.y.unsigned_abs() <= REACH.unsigned_abs()
+}
+
 #[derive(Clone, Debug)]
 pub struct HallMap {
     tiles: Tiles,
@@ -44,7 +49,7 @@ impl HallMap {
     }
 
     pub(crate) fn is_news(&self, cell: Cell, mark: Mark) -> bool {
-        self.at(cell) != mark && cell.x.abs() <= REACH && cell.y.abs() <= REACH
+        self.at(cell) != mark && is_in_reach(cell)
     }
 
     /// Writes a mark; true when it changed anything. Cells beyond `REACH` are not stored.
