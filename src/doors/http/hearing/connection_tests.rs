@@ -18,7 +18,6 @@ use super::*;
 use crate::api::fixture::searching;
 use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections};
 use crate::doors::http::guard::Hosts;
-use crate::doors::http::hearing::converse;
 use crate::doors::http::router;
 use crate::doors::http::testing::{TestApp, app};
 use crate::runtime::within::within;

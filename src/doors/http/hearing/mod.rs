@@ -11,7 +11,6 @@
 mod connection;
 mod connection_task;
 mod context;
-mod conversation;
 mod frames;
 mod judge;
 mod shared;
@@ -19,6 +18,6 @@ mod stop_search;
 
 #[cfg(test)]
 pub(super) use connection::AHEAD;
+pub(super) use connection::converse;
 pub(super) use context::ServerContext;
-pub(super) use conversation::converse;
 pub(super) use shared::{Arrived, Pressed};
