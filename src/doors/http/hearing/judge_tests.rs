@@ -10,7 +10,6 @@ use super::*;
 use crate::access::{Access, Keyring, Moment, Person, SESSION_S};
 use crate::api::door;
 use crate::api::fixture::searching;
-use crate::doors::http::hearing::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 
 /// A request in lines.

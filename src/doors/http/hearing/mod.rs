@@ -14,7 +14,6 @@ mod context;
 mod frames;
 mod judge;
 mod shared;
-mod stop_search;
 
 #[cfg(test)]
 pub(super) use connection::AHEAD;
