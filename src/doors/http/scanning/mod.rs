@@ -2,9 +2,7 @@
 //! who sends it. There is no socket, no clock and no decision about permissions here.
 
 mod body;
-mod head;
 pub mod names;
 mod scanner;
 
-pub use head::{BodyLength, Field, Head, KEYS};
-pub use scanner::{Heard, Scanner};
+pub use scanner::{BodyLength, Field, Head, Heard, KEYS, Scanner};

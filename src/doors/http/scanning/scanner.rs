@@ -1,9 +1,19 @@
 //! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body is,
 //! and where the next head begins. It is lenient, because a STOP with a fault is still a STOP; for a request that hyper accepts,
 //! both find the same length. It reads no socket, stores little however long a head is, and decides nothing.
+//!
+//! Of the lines of a head only what names STOP, who sends it and how long the body is is stored, each within a bound:
+//!
+//! ```text
+//!   POST /api/v1/commands/stop?now HTTP/1.1        method, path
+//!   POST http://localhost/h HTTP/1.1               and the host, when the target is a whole address (RFC 9112, section 3.2.2)
+//!   Host: localhost                                kept fields, up to FIELDS different values of each
+//!    folded                                        goes on with the line before
+//!   Cookie: a=b; hallsweep-8080=…                  pair by pair, of which only ours are kept
+//!   X-Anything: …                                  passes by
+//! ```
 
 use super::body::Chunks;
-use super::head::{BodyLength, Head, HeadReader};
 use super::names;
 
 /// Maximum number of bytes stored of a body that may say STOP. Of a body that is longer than any allowed one, only the beginning
@@ -140,6 +150,345 @@ impl BodyStart {
             self.bytes.extend_from_slice(&bytes[..bytes.len().min(room)]);
         }
     }
+}
+
+/// Maximum number of bytes stored of a method, a path, a host or a value: the longest token, name or session is shorter.
+const TEXT: usize = 1024;
+
+/// Longest header name that is compared, in bytes.
+const NAME: usize = 32;
+
+/// Maximum number of different values stored of one header.
+const FIELDS: usize = 4;
+
+/// Maximum number of keys stored, of which one valid key is enough.
+pub const KEYS: usize = 16;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    Host,
+    Origin,
+    /// Whether the origin is one of ours, in the browser's words.
+    SecFetchSite,
+    Authorization,
+    /// A session: the pair of the cookie that has our name.
+    Cookie,
+    IdempotencyKey,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyLength {
+    Known(u64),
+    Chunked,
+    /// The length in the head is invalid, or differs between two fields.
+    Unknown,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Head {
+    pub method: Vec<u8>,
+    /// The target up to its query, without scheme and host.
+    pub path: Vec<u8>,
+    /// The host of a target that is a whole address.
+    pub host: Option<Vec<u8>>,
+    /// Stored fields, in the order in which they came.
+    pub fields: Vec<(Field, Vec<u8>)>,
+    /// Whether a part of the host or the origin was not stored, so that it cannot be said that they are ours.
+    pub is_in_doubt: bool,
+    pub body: BodyLength,
+    pub wants_upgrade: bool,
+}
+
+#[derive(Debug)]
+pub(super) struct HeadReader {
+    cookie: String,
+    head: Head,
+    part: HeadPart,
+    /// Whether the last byte was a carriage return. Whatever comes next ends the line, be it a line feed or not.
+    after_cr: bool,
+    /// Whether no byte of this line has come.
+    is_new_line: bool,
+    line: HeaderLine,
+    /// Whether the last `Transfer-Encoding` ends in `chunked`; `None` without one.
+    is_chunked: Option<bool>,
+    length: Option<u64>,
+}
+
+/// The line of one header, as far as it is stored.
+#[derive(Debug, Default)]
+struct HeaderLine {
+    name: Vec<u8>,
+    value: Vec<u8>,
+    what: Option<Named>,
+    is_in_value: bool,
+    is_long: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Named {
+    Kept(Field),
+    ContentLength,
+    TransferEncoding,
+    Upgrade,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum HeadPart {
+    Method,
+    Path,
+    /// The host of a whole address, in which a `;` ends nothing.
+    Host,
+    /// The query and the version.
+    Rest,
+    Fields,
+}
+
+impl HeadReader {
+    pub(super) fn new(cookie: &str) -> HeadReader {
+        HeadReader {
+            cookie: cookie.to_owned(),
+            head: Head::default(),
+            part: HeadPart::Method,
+            after_cr: false,
+            is_new_line: true,
+            line: HeaderLine::default(),
+            is_chunked: None,
+            length: None,
+        }
+    }
+
+    /// Whether what has come cannot begin a method (RFC 9110, section 5.6.2).
+    pub(super) fn is_no_method(&self) -> bool {
+        let first = self.head.method.first();
+        first.is_some_and(|byte| !byte.is_ascii_graphic() || b"\"(),/:;<=>?@[\\]{}".contains(byte))
+    }
+
+    /// Memory of the stored parts, in bytes.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> usize {
+        let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
+        fields
+            + self.head.method.capacity()
+            + self.head.path.capacity()
+            + self.head.host.as_ref().map_or(0, Vec::capacity)
+            + self.line.name.capacity()
+            + self.line.value.capacity()
+    }
+
+    /// Number of the next bytes that can be skipped, since one by one they would change nothing. Large heads consist mostly of
+    /// such bytes.
+    pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
+        let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
+        let end = match (self.part, what) {
+            (HeadPart::Rest, _) => b'\n',
+            (HeadPart::Fields, None) if *is_in_value => b'\n',
+            (HeadPart::Fields, Some(_)) if *is_long => b';',
+            (HeadPart::Fields, None) if name.len() > NAME => b':',
+            _ => return 0,
+        };
+        if self.after_cr || self.is_new_line {
+            return 0;
+        }
+        bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n') || *byte == end).unwrap_or(bytes.len())
+    }
+
+    /// Reads one byte; returns the head when this was its last byte.
+    pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
+        match byte {
+            b'\n' if self.is_new_line && self.part == HeadPart::Fields => {
+                self.end_field();
+                return Some(self.end());
+            }
+            b'\n' => self.end_line(),
+            b'\r' => {
+                self.after_cr = true;
+                return None;
+            }
+            _ => {
+                if self.after_cr && !self.is_new_line {
+                    self.end_line();
+                }
+                self.put(byte);
+            }
+        }
+        self.after_cr = false;
+        None
+    }
+
+    fn end_line(&mut self) {
+        self.is_new_line = true;
+        if self.part != HeadPart::Fields && !self.head.method.is_empty() {
+            self.part = HeadPart::Fields;
+        }
+    }
+
+    fn put(&mut self, byte: u8) {
+        let begins_line = std::mem::take(&mut self.is_new_line);
+        let is_space = matches!(byte, b' ' | b'\t');
+        match self.part {
+            HeadPart::Method if is_space => {
+                if !self.head.method.is_empty() {
+                    self.part = HeadPart::Path;
+                }
+            }
+            HeadPart::Method => drop(keep(&mut self.head.method, byte)),
+            HeadPart::Path if is_space => {
+                if !self.head.path.is_empty() {
+                    self.part = HeadPart::Rest;
+                }
+            }
+            HeadPart::Path if matches!(byte, b'?' | b'#' | b';') => self.part = HeadPart::Rest,
+            HeadPart::Path if byte == b'/' && self.is_behind_scheme() => {
+                self.part = HeadPart::Host;
+                self.head.path.clear();
+                self.head.host = Some(Vec::new());
+            }
+            HeadPart::Path => drop(keep(&mut self.head.path, byte)),
+            HeadPart::Host if is_space || matches!(byte, b'?' | b'#') => self.part = HeadPart::Rest,
+            HeadPart::Host if byte == b'/' => {
+                self.part = HeadPart::Path;
+                self.head.path.push(byte);
+            }
+            HeadPart::Host => {
+                let is_kept = self.head.host.as_mut().and_then(|host| keep(host, byte)).is_some();
+                self.head.is_in_doubt |= !is_kept;
+            }
+            HeadPart::Rest => {}
+            HeadPart::Fields => {
+                if begins_line && !is_space {
+                    self.end_field();
+                }
+                self.put_in_field(byte);
+            }
+        }
+    }
+
+    /// Whether the target so far is a scheme, a colon and the first of two slashes.
+    fn is_behind_scheme(&self) -> bool {
+        let path = &self.head.path;
+        self.head.host.is_none() && path.ends_with(b":/") && !path[..path.len() - 1].contains(&b'/')
+    }
+
+    fn put_in_field(&mut self, byte: u8) {
+        let line = &mut self.line;
+        if !line.is_in_value {
+            if byte == b':' {
+                line.is_in_value = true;
+                line.what = named(&line.name);
+            } else if line.name.len() <= NAME {
+                line.name.push(byte);
+            }
+            return;
+        }
+        match line.what {
+            None => {}
+            Some(Named::Kept(Field::Cookie)) if byte == b';' => {
+                self.keep_pair();
+                self.line.value.clear();
+                self.line.is_long = false;
+            }
+            Some(_) => line.is_long |= keep(&mut line.value, byte).is_none(),
+        }
+    }
+
+    /// Ends a header that the next line does not continue.
+    fn end_field(&mut self) {
+        match self.line.what {
+            None => {}
+            Some(Named::Kept(Field::Cookie)) => self.keep_pair(),
+            Some(Named::Kept(field)) => {
+                let (value, is_long) = (self.line.value.trim_ascii().to_vec(), self.line.is_long);
+                self.keep_field(field, value, is_long);
+            }
+            Some(Named::ContentLength) => self.content_length(),
+            Some(Named::TransferEncoding) => {
+                let last = self.line.value.rsplit(|byte| *byte == b',').next().unwrap_or_default();
+                let is_chunked = last.trim_ascii().eq_ignore_ascii_case(b"chunked");
+                self.is_chunked = Some(is_chunked && !self.line.is_long && self.line.value.is_ascii());
+            }
+            Some(Named::Upgrade) => self.head.wants_upgrade = true,
+        }
+        self.line = HeaderLine::default();
+    }
+
+    fn keep_pair(&mut self) {
+        let pair = self.line.value.trim_ascii();
+        let is_ours = pair.strip_prefix(self.cookie.as_bytes()).is_some_and(|rest| rest.first() == Some(&b'='));
+        if is_ours && !self.line.is_long {
+            let pair = pair.to_vec();
+            self.keep_field(Field::Cookie, pair, false);
+        }
+    }
+
+    fn keep_field(&mut self, field: Field, value: Vec<u8>, is_long: bool) {
+        let of_it = self.head.fields.iter().filter(|(other, _)| *other == field);
+        let most = if matches!(field, Field::Authorization | Field::Cookie) { KEYS } else { FIELDS };
+        let is_lost = is_long || of_it.clone().count() >= most;
+        if of_it.clone().any(|(_, other)| *other == value) && !is_long {
+            return;
+        }
+        if !is_lost {
+            self.head.fields.push((field, value));
+        } else if matches!(field, Field::Host | Field::Origin | Field::SecFetchSite) {
+            self.head.is_in_doubt = true;
+        }
+    }
+
+    /// Reads the length as hyper does: digits, the same value each time, and ignored after a `Transfer-Encoding`.
+    fn content_length(&mut self) {
+        if self.is_chunked.is_some() {
+            return;
+        }
+        let digits = self.line.value.trim_ascii();
+        let value = digits.iter().try_fold(0u64, |sum, byte| {
+            let digit = char::from(*byte).to_digit(10)?;
+            sum.checked_mul(10)?.checked_add(u64::from(digit))
+        });
+        let value = value.filter(|_| !digits.is_empty() && !self.line.is_long);
+        match (value, self.length) {
+            (Some(value), None) => self.length = Some(value),
+            (Some(value), Some(before)) if value == before => {}
+            (Some(_) | None, _) => self.head.body = BodyLength::Unknown,
+        }
+    }
+
+    fn end(&mut self) -> Head {
+        let fresh = HeadReader::new(&self.cookie);
+        let HeadReader { mut head, is_chunked, length, .. } = std::mem::replace(self, fresh);
+        head.body = match (head.body, is_chunked) {
+            (BodyLength::Unknown, _) | (_, Some(false)) => BodyLength::Unknown,
+            (_, Some(true)) => BodyLength::Chunked,
+            (_, None) => BodyLength::Known(length.unwrap_or(0)),
+        };
+        head
+    }
+}
+
+impl Default for BodyLength {
+    fn default() -> BodyLength {
+        BodyLength::Known(0)
+    }
+}
+
+/// `None` when there is no room for the byte.
+fn keep(text: &mut Vec<u8>, byte: u8) -> Option<()> {
+    (text.len() < TEXT).then(|| text.push(byte))
+}
+
+fn named(name: &[u8]) -> Option<Named> {
+    const NAMES: [(&[u8], Named); 9] = [
+        (b"host", Named::Kept(Field::Host)),
+        (b"origin", Named::Kept(Field::Origin)),
+        (b"sec-fetch-site", Named::Kept(Field::SecFetchSite)),
+        (b"authorization", Named::Kept(Field::Authorization)),
+        (b"cookie", Named::Kept(Field::Cookie)),
+        (b"idempotency-key", Named::Kept(Field::IdempotencyKey)),
+        (b"content-length", Named::ContentLength),
+        (b"transfer-encoding", Named::TransferEncoding),
+        (b"upgrade", Named::Upgrade),
+    ];
+    let name = name.trim_ascii();
+    NAMES.iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, named)| *named)
 }
 
 #[cfg(test)]

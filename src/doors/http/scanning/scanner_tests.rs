@@ -2,7 +2,6 @@
 
 use proptest::prelude::*;
 
-use super::super::head::Field;
 use super::*;
 
 /// Everything that the scanner finds in these bytes, in pieces of this size.
