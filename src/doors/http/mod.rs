@@ -4,7 +4,6 @@
 mod accept;
 mod assets;
 mod command;
-mod command_sender;
 mod console;
 mod etag;
 mod events;

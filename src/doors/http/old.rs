@@ -5,7 +5,7 @@ use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Redirect, Response};
 
 use super::accept::preferred;
-use super::command_sender::CommandSender;
+use super::command::CommandSender;
 use super::language::PageReader;
 use super::{command, console};
 use crate::api::old_clients::posted;

@@ -30,7 +30,7 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 
 use super::HttpDoor;
 use super::accept::preferred;
-use super::command_sender::CommandSender;
+use super::command::CommandSender;
 use super::language::{PageReader, Spoken, spoken};
 use super::problem::Problem;
 use super::reading::{Form, Number};

@@ -10,7 +10,7 @@ use crate::access::Need;
 use crate::api::halt::{says_halt, says_halt_from};
 use crate::doors::connection_limits::SlotClaim;
 use crate::doors::http::HttpDoor;
-use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
+use crate::doors::http::command::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
 use crate::doors::http::peer::Peer;
