@@ -17,8 +17,8 @@ const VIEWERS: u32 = 50;
 pub(in crate::doors) struct CommandRate(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl CommandRate {
-    /// Counts one more command, and returns whether it is accepted. `now` is the time since the start of the program. There are
-    /// as many senders as keys.
+    /// Counts a command even if it is refused. `now` is the time since the start of the program. The table has at most
+    /// one entry per key.
     pub(in crate::doors) fn admits(&self, sender: Arc<str>, is_viewer: bool, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         // The entry of a removed key stays; nobody creates many keys.

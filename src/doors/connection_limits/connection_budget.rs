@@ -12,7 +12,6 @@ const RESERVED: u64 = 80;
 /// Smallest value to which a limit is scaled down.
 const LEAST: usize = 4;
 
-/// Descriptors that connections may take.
 #[derive(Clone, Copy, Debug)]
 pub struct ConnectionBudget {
     descriptors: u64,
@@ -24,7 +23,7 @@ impl ConnectionBudget {
         ConnectionBudget { descriptors: descriptors.saturating_sub(RESERVED).min(CONNECTIONS) }
     }
 
-    /// Scales down `all`, the limit in a full budget, to this budget.
+    /// `all` is the limit in a full budget. Limits of at most `LEAST` are not scaled down.
     pub fn scaled(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.descriptors / CONNECTIONS).unwrap_or(all);
         part.max(LEAST.min(all))

@@ -30,7 +30,6 @@ const KEPT: usize = 8;
 /// connections costs no more than this.
 const LEAVING: usize = 32;
 
-/// All slots of the door. Cheap to clone.
 #[derive(Clone)]
 pub(in crate::doors) struct ConnectionSlots(Arc<Mutex<SlotTable>>);
 
@@ -107,7 +106,6 @@ impl SlotClaim {
 }
 
 impl ConnectionSlots {
-    /// Free slots for a door. There are no shares without keys.
     pub(in crate::doors) fn new(most: usize, budget: ConnectionBudget, access: &Access) -> ConnectionSlots {
         let (most, leaving, has_shares) = (budget.scaled(most), budget.scaled(LEAVING), matches!(access, Access::Keys(_)));
         let (holders, queues) = (HashMap::new(), EvictionQueues::default());
@@ -185,7 +183,7 @@ impl SlotTable {
         head.many < most || self.cut(head.first)
     }
 
-    /// Evicts this connection; `false` when there is none.
+    /// Returns whether there was a connection to evict.
     fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
         let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
         holder.cut.notify_one();
@@ -218,7 +216,7 @@ impl ConnectionSlot {
             holder.open += 1;
         });
         if is_another {
-            // A key with too many connections loses one of them.
+            // The connection counts for the key that it showed last, whose share may now be exceeded.
             let mut table = self.slots.table();
             if table.has_shares {
                 let (most, of_key) = (table.most / PARTS + 1, table.queues.of_key(&claim));
@@ -231,7 +229,7 @@ impl ConnectionSlot {
         self.change(true, |holder| holder.is_receiving = false);
     }
 
-    /// Notes that the answer to a request has no end.
+    /// Notes an answer without end, during which the connection is not evicted.
     pub(in crate::doors) fn watches(&self) {
         self.change(false, |holder| holder.is_watching = true);
     }
@@ -241,7 +239,7 @@ impl ConnectionSlot {
         let _ = self.slots.table().remove(self.number);
     }
 
-    /// Notes that a part of an answer was fetched for sending.
+    /// Notes progress: a part of an answer was fetched for sending.
     pub(in crate::doors) fn sends(&self) {
         self.change(true, |_| {});
     }

@@ -14,7 +14,6 @@ use crate::access::Network;
 /// Number of connections evicted at once when the system has no more descriptors, so that newcomers and files find some.
 pub(super) const EVICTED_AT_ONCE: usize = 16;
 
-/// The pending connections of a door. Cheap to clone.
 #[derive(Clone)]
 pub(in crate::doors) struct PendingConnections(Arc<Mutex<PendingTable>>);
 
@@ -23,7 +22,6 @@ struct PendingTable {
     entered: u64,
     /// Connections by number, oldest first.
     waiting: BTreeMap<u64, (Network, Arc<Notify>)>,
-    /// Number of pending connections of each network.
     networks: HashMap<Network, usize>,
 }
 
@@ -80,7 +78,7 @@ impl PendingConnections {
 }
 
 impl PendingTable {
-    /// Evicts the oldest connection of the largest network; `false` when there is none.
+    /// The largest network is the one with most pending connections. Returns whether there was a connection to evict.
     fn evict_one(&mut self) -> bool {
         let most = self.networks.values().max();
         let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);

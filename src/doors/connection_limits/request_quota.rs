@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::access::{Access, Caller, Role};
 
-/// Limits of the requests that are open at once.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) most: usize,
@@ -18,7 +17,6 @@ pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) few: usize,
 }
 
-/// A quota, and what is under way. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct RequestQuota(Arc<Counted>);
 
@@ -31,7 +29,7 @@ struct Counted {
 #[derive(Debug, Default)]
 struct InUse {
     all: usize,
-    /// Number of open requests of each key that has any.
+    /// Only keys with open requests have an entry, which bounds the memory.
     by_key: HashMap<Arc<str>, usize>,
 }
 

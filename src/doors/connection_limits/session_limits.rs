@@ -39,7 +39,6 @@ pub(in crate::doors) struct SessionOwner {
     pub(in crate::doors) has_share: bool,
 }
 
-/// All sessions. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct SessionLimits(Arc<Mutex<SessionTable>>);
 
@@ -94,7 +93,7 @@ impl SessionLimits {
         SessionLimits(Arc::new(Mutex::new(SessionTable { most, share, opened: 0, sessions: HashMap::new() })))
     }
 
-    /// Opens a session at `now`; another session may be evicted for it.
+    /// Opens a session; another one may be evicted for it. `now` is the time since the start of the program.
     pub(in crate::doors) fn take(&self, owner: SessionOwner, now: Duration) -> SessionPermit {
         let (progress_ms, evict) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut table = self.table();
@@ -173,7 +172,6 @@ impl SessionTable {
         self.sessions.values().filter(|session| is_among(&session.owner)).count()
     }
 
-    /// The session without progress for longest.
     fn least_active(&self, is_among: impl Fn(&SessionOwner) -> bool) -> Option<u64> {
         let among = self.sessions.iter().filter(|(_, session)| is_among(&session.owner));
         among.min_by_key(|(number, session)| (session.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)

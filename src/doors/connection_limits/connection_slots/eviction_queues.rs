@@ -67,12 +67,10 @@ impl EvictionQueues {
         self.others.head()
     }
 
-    /// The connections of the claim's key; none without a key.
     pub(super) fn of_key(&self, claim: &SlotClaim) -> QueueHead {
         claim.who.as_ref().and_then(|who| self.keys.get(who)).map(EvictionQueue::head).unwrap_or_default()
     }
 
-    /// The connections of the claim's network.
     pub(super) fn of_network(&self, claim: &SlotClaim) -> QueueHead {
         self.networks.get(&claim.network).map(EvictionQueue::head).unwrap_or_default()
     }
@@ -107,7 +105,7 @@ impl EvictionQueue {
     }
 }
 
-/// Removes the entry of a key or network with its last connection.
+/// Removes the entry of a key or network with its last connection, which bounds the memory of the maps.
 fn leave<K: Eq + Hash>(queues: &mut HashMap<K, EvictionQueue>, of: K, turn: EvictionTurn) {
     if let Entry::Occupied(mut queue) = queues.entry(of) {
         queue.get_mut().leave(turn);
