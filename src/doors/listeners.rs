@@ -31,7 +31,6 @@ impl Listeners {
         self.ports.first().and_then(|port| port.local_addr().ok()).map_or(0, |address| address.port())
     }
 
-    /// Whether only this machine can reach them.
     pub fn are_local(&self) -> bool {
         self.ports.iter().all(|port| port.local_addr().is_ok_and(|address| address.ip().to_canonical().is_loopback()))
     }

@@ -20,7 +20,7 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
-    /// The refusal of the core that the detail is the sentence of.
+    /// The refusal of the core whose English sentence is the detail.
     refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
     /// What was asked for, if it is known better than by method and path.
@@ -77,7 +77,6 @@ impl Problem {
         Problem::new(problem::NO_SUCH_METHOD, detail)
     }
 
-    /// The resource has none of the accepted formats.
     pub(super) const fn not_acceptable(detail: String) -> Problem {
         Problem::new(problem::NOT_ACCEPTABLE, detail)
     }
@@ -106,7 +105,6 @@ impl Problem {
         &self.detail
     }
 
-    /// The refusal of the core of which the detail is the sentence.
     pub(super) fn of_core(&self) -> Option<&Refused> {
         self.refused.as_deref()
     }

@@ -6,7 +6,6 @@ use std::time::Duration;
 /// A megabyte a second of one state, which takes some hundredths of a processor.
 const A_BYTE: Duration = Duration::from_micros(1);
 
-/// The interval after an update of this many bytes.
 pub(super) fn for_size(bytes: usize) -> Duration {
     A_BYTE.saturating_mul(u32::try_from(bytes).unwrap_or(u32::MAX))
 }

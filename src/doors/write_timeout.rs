@@ -22,7 +22,7 @@ impl<S> WriteTimeoutStream<S> {
         WriteTimeoutStream { stream, stalled: None }
     }
 
-    /// Passes on the result of a write, and starts, keeps or stops the timer accordingly.
+    /// The timer runs only while a write waits; any progress stops it.
     fn bounded<T>(&mut self, cx: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stalled = None;
