@@ -25,7 +25,6 @@ use hallsweep_core::units::Epoch;
 
 type CommandAnswer = Result<Response, Problem>;
 
-/// `POST commands/stop`
 pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }

@@ -27,16 +27,15 @@ pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);
 /// Minimum time between two events of one stream: no program that watches a robot needs more than fifty a second.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Time after which a reader reconnects.
+/// Time after which a reader reconnects when its stream has ended: the field `retry` of the first event.
 const RETRY: Duration = Duration::from_secs(1);
 
 /// Tells proxies not to buffer a stream.
 pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
 
-/// `GET events`
 pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
-    // The revision of a returning reader, if its id is of this run.
+    // An id is `run-revision`; one of another run, or with a revision that is not reached yet, starts anew.
     let resumed = headers.get("last-event-id").and_then(|id| {
         let (run, revision) = id.to_str().ok()?.trim().rsplit_once('-')?;
         let revision = Revision(revision.parse().ok()?);
@@ -48,7 +47,6 @@ pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, h
     Ok(([UNBUFFERED], beating).into_response())
 }
 
-/// The first event of a stream; `None` when the reader is up to date.
 fn first_event(snapshot: &Snapshot, resumed: Option<Revision>) -> Option<Event> {
     match resumed {
         Some(revision) if revision == snapshot.revision => None,

@@ -41,7 +41,6 @@ pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer
     Issuer { door, who: caller.signature(), from: peer.name() }
 }
 
-/// Checks a right; the error says what is missing.
 pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
     caller.may(need).map_err(Refused::NotAllowed)
 }
@@ -74,7 +73,6 @@ impl HttpDoor {
         let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
 
-    /// Logs a line about a stranger, up to a maximum in a time.
     fn log_stranger(&self, write: impl FnOnce()) {
         self.strangers.write(self.clock.now().since_start, write);
     }
@@ -105,7 +103,6 @@ impl HttpDoor {
     }
 }
 
-/// Passes a request on to its route when its sender has the right; answers everybody else with what is missing.
 pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
     let shown = shown(request.headers(), door.cookie());
     let Some(caller) = door.caller(peer, &shown) else {

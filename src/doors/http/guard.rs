@@ -30,7 +30,7 @@ use crate::phrases::Language;
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
                                        base-uri 'self'";
 
-/// On every answer.
+/// Headers of every answer, problems included.
 const SECURITY: [(HeaderName, &str); 6] = [
     (header::CONTENT_SECURITY_POLICY, CONTENT_SECURITY_POLICY),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -81,12 +81,12 @@ impl Hosts {
     }
 }
 
-/// A name in lower case, without a final dot, for comparison.
+/// The case of a host name does not matter, and it may end with a dot (RFC 3986, section 3.2.2).
 fn plain(name: &str) -> String {
     name.trim_end_matches('.').to_ascii_lowercase()
 }
 
-/// The routes behind their guard. Event streams and pictures are not compressed.
+/// Event streams and pictures are not compressed: the default of `CompressionLayer`.
 pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;
     let guarded = routes
@@ -137,7 +137,7 @@ fn host_fault(request: &Request) -> Option<&'static str> {
     }
 }
 
-/// Whether this is a host, with or without a port.
+/// Whether this is a host, with or without a port; user information before it is a fault.
 fn is_host(value: &HeaderValue) -> bool {
     let Some(authority) = value.to_str().ok().and_then(|text| text.parse::<Authority>().ok()) else { return false };
     let port = authority.as_str().strip_prefix(authority.host());

@@ -40,7 +40,6 @@ pub(super) struct Laboratory {
     turn: Arc<Semaphore>,
 }
 
-/// `GET laboratory`
 pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Query) -> Result<Html<String>, Problem> {
     let PageReader { caller, language } = to;
     let asked = AskedPage::of(&query)?;
@@ -51,13 +50,11 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Qu
     Ok(html(&page.await?))
 }
 
-/// `GET laboratory/roomba`
 pub(super) async fn roomba(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedRoomba::of(&query)?;
     Ok(json(door.computed(&caller, move || Ok(asked.run()?.json())).await?))
 }
 
-/// `GET laboratory/pallet`
 pub(super) async fn pallet(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedPallet::of(&query)?;
     let run = move || {

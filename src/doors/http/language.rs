@@ -30,7 +30,6 @@ pub(super) struct Choice {
     next: Option<String>,
 }
 
-/// The reader of a page, after the gate.
 pub(super) struct PageReader {
     pub(super) caller: Caller,
     pub(super) language: Language,
@@ -72,7 +71,6 @@ fn asked_for(headers: &HeaderMap) -> Language {
     most.map_or(Language::English, |(language, _)| language)
 }
 
-/// `POST language`
 pub(super) async fn choose(peer: Peer, Form(choice): Form<Choice>) -> Result<Response, Problem> {
     let Some(language) = Language::ALL.into_iter().find(|language| language.tag() == choice.language) else {
         return Err(Problem::unusable("language is en or it".to_owned()));

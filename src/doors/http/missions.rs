@@ -26,7 +26,6 @@ use hallsweep_core::units::{MissionId, Seq};
 /// Default number of missions in one answer.
 pub(super) const MISSIONS: u64 = 20;
 
-/// Maximum number of missions in one answer.
 pub(super) const MOST_MISSIONS: u64 = 100;
 
 /// Default and maximum number of events in one answer: some 100 KiB of JSON.
@@ -198,7 +197,6 @@ pub(super) struct RecordedMission {
     pub(super) damage: Vec<String>,
 }
 
-/// A mission, with the state when it was put away, or its present state.
 pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.state(mission)?))).await?;
@@ -231,8 +229,8 @@ pub(super) async fn of_these(
     Ok((entries, next))
 }
 
-/// Entries of a mission after a given one that are wanted or cannot be read; at least `least` if there are as many, and where to
-/// continue.
+/// Reads pages of entries until at least `least` wanted or unreadable ones are found, or `LOOKS` pages are read.
+/// Returns them, and the entry after which the next search begins.
 pub(super) async fn wanted(
     door: &HttpDoor,
     id: u64,

@@ -65,7 +65,6 @@ pub const STREAMS: usize = 256;
 /// Default distance from a bomb that people must keep, in metres, as in the settings.
 const EVACUATION_M: f64 = 100.0;
 
-/// What the door needs of the program. Cheap to clone.
 #[derive(Clone)]
 pub struct HttpDoor {
     handle: Handle,
@@ -95,12 +94,12 @@ pub struct HttpDoor {
     settings: Settings,
     /// Present when the searching robot is simulated.
     simulator: Option<Arc<dyn Simulator>>,
-    /// Makes uploaded halls be read one after the other.
+    /// One permit: uploaded halls are read one after the other (safety S7).
     halls: Arc<Semaphore>,
 }
 
 impl HttpDoor {
-    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` decides who is admitted.
+    /// `hall` is the name of the hall on the page, unless a simulator tells another.
     pub fn new(handle: Handle, archive: ArchiveReader, hall: &str, access: Access) -> HttpDoor {
         HttpDoor {
             handle,

@@ -20,7 +20,8 @@ pub(super) struct Detail {
     pub(super) of_core: Option<Refused>,
 }
 
-/// The text of a problem that the core knows nothing of: its detail in English, otherwise a phrase of the language.
+/// Text of a problem without its `Refused`: the phrase of a core's code needs the values in that, so the English detail
+/// is shown instead.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
@@ -130,14 +131,15 @@ pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) 
     Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
 }
 
-/// The answer to a known path with another method; the header `Allow` lists the allowed ones.
+/// The answer to a known path with another method; the header `Allow` lists the allowed ones (RFC 9110, section
+/// 15.5.6).
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed.as_deref()));
     let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
     Problem::no_method(detail)
 }
 
-/// The sentence added when a STOP was recognised in a refused request.
+/// Added to the text of a refusal, so that nobody takes the STOP in the request for refused too.
 pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
     if pressed.is_some_and(Pressed::is_there) { "; the STOP in it has halted the robot" } else { "" }
 }

@@ -137,7 +137,6 @@ impl Payload for JsonPayload {
         json(&self.headers, &self.body)
     }
 
-    /// An empty body is the default.
     fn optional<T: Fields + Default>(&self) -> Result<T, Problem> {
         if self.body.is_empty() { Ok(T::default()) } else { json(&self.headers, &self.body) }
     }
@@ -152,7 +151,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     }
 }
 
-/// The fields of a form in the usual encoding of browsers.
+/// Reads `application/x-www-form-urlencoded`, the usual encoding of browsers.
 async fn pairs<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let read = axum::Form::<T>::from_request(whole(form_type(headers)?, body), state).await;
     read.map(|axum::Form(fields)| fields).map_err(|_| unreadable())
@@ -214,7 +213,7 @@ async fn body_of(request: Request, most: usize) -> Result<(HeaderMap, Bytes), Pr
     Ok((parts.headers, read(body, most).await?))
 }
 
-/// Reads a whole body, unless it is too large or comes too slowly.
+/// Refuses a body that is larger than `most` bytes or slower than `BODY_RATE`.
 async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
     let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
     let (mut span, mut before) = (BODY_BEGIN, None);

@@ -53,7 +53,6 @@ pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> 
     conditional(&headers, &tag, || axum::Json(robots.collect::<Vec<_>>()).into_response())
 }
 
-/// `GET luggage/{id}`
 pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
@@ -91,7 +90,7 @@ pub(super) fn asked_take(query: &Query) -> Result<Option<u64>, Problem> {
     query.count("take", 1..=MOST)
 }
 
-/// The requested photo, by default the newest.
+/// Number of the requested photo, counted from 1, by default the newest.
 pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhoto> {
     let newest = luggage.take()?;
     let Some(asked) = asked else { return Ok(newest) };

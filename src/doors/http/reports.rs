@@ -29,7 +29,7 @@ use hallsweep_core::units::{MissionId, Seq};
 /// Limits of downloads at once: half of them for one key, and one reserved for a key that has none.
 const PLACES: QuotaLimits = QuotaLimits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
-/// Bytes written ahead of the reader.
+/// Bytes per part; up to `AHEAD` parts wait for the reader.
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
@@ -45,7 +45,6 @@ impl Default for Reports {
     }
 }
 
-/// `GET missions/{id}/report`
 pub(super) async fn report(
     State(door): State<HttpDoor>,
     LetIn(caller): LetIn,
@@ -62,7 +61,6 @@ pub(super) async fn report(
     .await
 }
 
-/// `GET missions/{id}/record.jsonl`
 pub(super) async fn lines(
     State(door): State<HttpDoor>,
     LetIn(caller): LetIn,
@@ -74,7 +72,6 @@ pub(super) async fn lines(
     send(door, &caller, id, "application/jsonl", name, list::write_lines).await
 }
 
-/// `GET missions/{id}/record.csv`
 pub(super) async fn table(
     State(door): State<HttpDoor>,
     LetIn(caller): LetIn,

@@ -103,7 +103,6 @@ fn files_of_the_map() -> Vec<RouteRow> {
     FILES.iter().map(row).collect()
 }
 
-/// Further resources for programs: figures, robots with their kinds, every change, and the past.
 #[rustfmt::skip]
 fn changes_and_past() -> Vec<RouteRow> {
     vec![

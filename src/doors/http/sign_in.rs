@@ -101,7 +101,6 @@ impl Undone {
     }
 }
 
-/// `GET sign-in`
 pub(super) async fn page(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
@@ -123,7 +122,6 @@ pub(super) async fn page(
     shown(StatusCode::OK, peer, SignIn { language, token, next, here, undone, why, is_in, ..SignIn::default() })
 }
 
-/// `POST sign-in`
 pub(super) async fn sign_in(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
@@ -148,7 +146,6 @@ pub(super) async fn sign_in(
     (cookie(&door, &session, KEPT_S, peer), Redirect::to(next)).into_response()
 }
 
-/// `POST sign-out`
 pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Response {
     (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }

@@ -9,7 +9,7 @@ use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
-/// The fields of any of the forms; missing ones were not sent.
+/// One struct for all forms of the page: a field is missing when its form does not have it.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     epoch: Option<String>,

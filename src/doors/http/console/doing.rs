@@ -31,7 +31,7 @@ impl View<'_> {
         Some(self.language.robot_said(why))
     }
 
-    /// Its parts; `None` while there is no link.
+    /// Parts of the searching robot; `None` while there is no link to it.
     pub(super) fn parts(&self) -> Option<Parts> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }

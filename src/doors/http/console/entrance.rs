@@ -49,7 +49,7 @@ impl Entrance {
         Entrance { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
     }
 
-    /// By how much the picture is higher with it.
+    /// Height that the area adds to the picture, in the picture's units.
     pub(super) const fn height(self) -> i32 {
         (ROWS * ROW + 4) * self.tenth
     }

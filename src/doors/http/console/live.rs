@@ -62,7 +62,6 @@ struct ShownLine {
     growing: u64,
 }
 
-/// `GET console/live`
 pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: PageReader) -> Result<Response, Problem> {
     let PageReader { caller, language } = to;
     let who = who(&door, &caller);
@@ -154,7 +153,7 @@ impl ShownLine {
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
-    /// New and changed sections, and the removed ones of another mission's timeline.
+    /// New and changed sections by element id; those of another mission's timeline are removed by empty markup.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
         // A timeline that is being read again and is still incomplete removes nothing from the page.
         if self.mission == line.mission().0 && line.full() < self.full {

@@ -27,7 +27,6 @@ use hallsweep_core::world::luggage::Luggage;
 /// Events on a page: a few screens.
 const EVENTS: u64 = 200;
 
-/// `GET missions`
 pub(in crate::doors::http) async fn list(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
@@ -40,7 +39,6 @@ pub(in crate::doors::http) async fn list(
     Ok(html(&List { language, missions, before, next, zone }))
 }
 
-/// `GET missions/{id}`
 pub(in crate::doors::http) async fn one(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
@@ -77,7 +75,7 @@ impl Show {
         }
     }
 
-    /// Its parameter in an address, joined to what is there.
+    /// Query parameter of this view, after `?` or `&`; the main view is the default and has none.
     fn address(self, joined_by: &str) -> String {
         match self {
             Show::Main => String::new(),
@@ -254,7 +252,6 @@ impl Event {
     }
 }
 
-/// The area before the entrance, if something is in the container.
 fn entrance(state: &PersistentState) -> Option<Entrance> {
     state.luggage.iter().any(|luggage| luggage.secured.is_some()).then(|| Entrance::of(&state.map))
 }

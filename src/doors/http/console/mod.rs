@@ -56,7 +56,6 @@ pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str,
     response
 }
 
-/// `GET /`
 pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<String> {
     whole(&door, &to, None).await
 }
@@ -122,7 +121,6 @@ pub(super) async fn confirm_danger(
     refused_page(&door, &to, button, &problem).await
 }
 
-/// `GET console/confirm/reset`
 pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
     html(&parts::Confirm::reset(language))
 }
@@ -136,7 +134,6 @@ async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<Strin
     html(&ConsolePage::new(&view))
 }
 
-/// Who is signed in; `None` where no key is required.
 fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     match door.access {
         Access::Open => None,

@@ -190,7 +190,6 @@ impl Inspect<'_> {
         photo_url(luggage)
     }
 
-    /// The photos before the newest, if there are any.
     fn earlier(&self, luggage: &Luggage) -> Option<Vec<Take>> {
         let mut takes = takes(luggage);
         takes.pop();
@@ -281,7 +280,6 @@ impl Gallery<'_> {
         latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
-    /// Number of pieces that are not shown.
     fn more(&self) -> usize {
         self.v.snapshot.luggage.len().saturating_sub(PIECES)
     }
@@ -292,7 +290,7 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
-    /// The unacknowledged alarms, newest first, without those of an incident.
+    /// Newest first; the incident shows the alarms about its bombs.
     fn unseen(&self) -> Vec<&AlarmView> {
         let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()

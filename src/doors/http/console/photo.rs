@@ -53,7 +53,7 @@ pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
 struct PhotoPage<'a> {
     language: Language,
     luggage: &'a Luggage,
-    /// The shown photo; `None` when there is none.
+    /// Number of the shown photo, counted from 1; `None` when the piece has no photo.
     take: Option<u32>,
     zone: Zone,
 }

@@ -18,7 +18,6 @@ use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
-/// `GET missions/{id}/retrieval`
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,

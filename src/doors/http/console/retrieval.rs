@@ -29,7 +29,7 @@ pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
     /// Whether its children follow.
     pub(in crate::doors::http) opens: bool,
-    /// Number of nodes above it that end with it.
+    /// Number of nodes above it whose last descendant it is.
     pub(in crate::doors::http) closes: usize,
 }
 

@@ -179,7 +179,6 @@ impl View<'_> {
         self.is_viewer().then(|| self.say("dead-viewer").to_string())
     }
 
-    /// Whether the reader may only look.
     pub(super) fn is_viewer(&self) -> bool {
         self.who.as_ref().is_some_and(|who| !who.role.may(Need::Act))
     }
@@ -207,7 +206,6 @@ impl View<'_> {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
-    /// Whether all robots stand, including the fetching ones.
     pub(super) fn is_still(&self) -> bool {
         let stands = |view: &RobotView| view.state == RobotState::Stopped && !view.halting;
         stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))

@@ -79,7 +79,6 @@ impl Words for Language {
     }
 }
 
-/// The events at the pallet, in order.
 pub(super) fn events(language: Language, pallet: &Pallet) -> Vec<Event> {
     pallet.entries().iter().map(|entry| event(language, entry)).collect()
 }

@@ -38,7 +38,6 @@ struct Description {
 static OPEN: LazyLock<Description> = LazyLock::new(|| Description::of(false));
 static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
 
-/// `GET openapi.json`
 pub(super) async fn description(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let Description { json, tag } = at(&door);
     conditional(&headers, tag, || json.sent(&headers))

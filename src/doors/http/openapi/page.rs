@@ -25,7 +25,6 @@ static PAGES: LazyLock<Vec<(Language, Kept)>> = LazyLock::new(|| {
     Language::ALL.map(|language| (language, Kept::new("text/html; charset=utf-8", page(language)))).into()
 });
 
-/// `GET /api`
 pub(in super::super) async fn page(Spoken(language): Spoken, headers: HeaderMap) -> Result<Response, Problem> {
     let page = PAGES.iter().find(|(spoken, _)| *spoken == language);
     page.map(|(_, page)| page.sent(&headers)).ok_or_else(Problem::internal)
@@ -63,7 +62,7 @@ struct Shown {
 
 struct Field {
     name: String,
-    /// Where it is sent, if that is not obvious.
+    /// Where a parameter is sent, such as `query`; empty for a field of a shape.
     place: &'static str,
     kind: Vec<Word>,
     what: String,

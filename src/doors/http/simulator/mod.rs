@@ -80,7 +80,6 @@ impl Asker {
         self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
     }
 
-    /// Why the robots cannot be moved to another hall now, in the words of the pages.
     fn bound_in_words(&self) -> Option<String> {
         self.bound().map(|problem| self.in_words(&problem))
     }
@@ -137,31 +136,26 @@ impl From<NotSimulated> for Problem {
     }
 }
 
-/// `GET simulator`
 pub(super) async fn simulator(asker: Asker) -> Response {
     asker.json(&asker.state())
 }
 
-/// `PUT simulator`
 pub(super) async fn change(asker: Asker, body: JsonPayload) -> PageAnswer {
     let ChangeBody(change) = body.needed()?;
     let state = Asker::done(Arc::clone(&asker.simulator).change(change, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
-/// `POST simulator/step`
 pub(super) async fn step(asker: Asker) -> PageAnswer {
     let state = Asker::done(Arc::clone(&asker.simulator).step(asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
-/// `GET simulator/hall`
 pub(super) async fn hall(asker: Asker) -> Response {
     // Not copied: it may be large, and many may ask.
     toml(axum::body::Bytes::from_owner(Shared(Arc::clone(&asker.state().hall.toml))))
 }
 
-/// `GET simulator/halls/{name}`
 pub(super) async fn offered(asker: Asker, Named(name): Named) -> PageAnswer {
     if !asker.simulator.halls().contains(&name) {
         let words = format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name));
@@ -175,7 +169,7 @@ async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSim
     in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
-/// A shared text as the bytes of an answer.
+/// Lets answers share the text of a hall, which may be large, instead of copying it.
 struct Shared(Arc<str>);
 
 impl AsRef<[u8]> for Shared {
@@ -196,20 +190,17 @@ pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> Pa
     Ok(asker.json(&state))
 }
 
-/// `DELETE simulator/halls/{name}`
 pub(super) async fn discard(asker: Asker, Named(name): Named) -> PageAnswer {
     let state = Asker::done(Arc::clone(&asker.simulator).discard(name, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
-/// `PUT simulator/hall`
 pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> PageAnswer {
     let HallBody(hall) = body.needed()?;
     let state = Asker::done(Arc::clone(&asker.simulator).put_down(hall, asker.issuer(door::HTTP))).await?;
     Ok(asker.json(&state))
 }
 
-/// `POST simulator/hall/check`
 pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> PageAnswer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
@@ -218,7 +209,6 @@ pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, 
     Ok(axum::Json(read).into_response())
 }
 
-/// Reads uploaded halls one after the other, apart from other requests.
 async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<ReadHall, Problem> {
     let read = in_turn(door, move || {
         let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;

@@ -88,7 +88,6 @@ impl SimulatorPage {
     }
 }
 
-/// `GET simulator`, the page.
 pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
     html(&SimulatorPage::of(&asker, None))
 }
@@ -103,7 +102,6 @@ pub(in crate::doors::http) struct Fields {
     y: Option<String>,
 }
 
-/// `POST simulator/change`
 pub(in crate::doors::http) async fn change_by_form(asker: Asker, Form(fields): Form<Fields>) -> Response {
     let issuer = asker.issuer(door::CONSOLE);
     let simulator = Arc::clone(&asker.simulator);
@@ -123,7 +121,6 @@ pub(in crate::doors::http) struct HallFields {
     seed: Option<String>,
 }
 
-/// `POST simulator/hall`
 pub(in crate::doors::http) async fn choose_by_form(asker: Asker, Form(fields): Form<HallFields>) -> Response {
     let seed = fields.seed.as_deref().map(str::trim).filter(|seed| !seed.is_empty());
     let wrong = |seed: &str| Problem::unusable(format!("seed is {:?}: a whole number from 0 belongs there", in_short(seed)));

@@ -59,7 +59,6 @@ pub(in super::super) struct Timeline {
     zone: Zone,
     threshold: Celsius,
     full: Vec<Arc<str>>,
-    /// The last section, which grows.
     growing: Section,
     carried: OpenSpans,
     began: Option<i64>,
@@ -150,9 +149,9 @@ impl Timeline {
         At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
     }
 
-    /// The stretch between two jumps of the clock that contains a moment, the time at which the moment is drawn, and its distance
-    /// from the timeline's time. A time that a clock set back showed twice means the later one; a time that the clock jumped over
-    /// is drawn at the jump.
+    /// Returns the stretch between two jumps of the clock that contains `unix_ms`, the time at which that moment is
+    /// drawn, and how far the clock is ahead of the timeline there, in milliseconds. When the clock was set back, a
+    /// time that it showed twice means the later one; a time that it jumped over is drawn at the jump.
     fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
         let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
         let mut stretch = (0, from, 0);
@@ -267,7 +266,7 @@ impl Timeline {
     }
 }
 
-/// Class of a fact's mark; `None` when it has no mark.
+/// CSS class of a fact's mark; `None` when it has no mark.
 fn class(fact: &Fact) -> Option<&'static str> {
     Some(match fact {
         Fact::Luggage { .. } => "found",
@@ -293,7 +292,6 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Retrieval(_) => {
             return None;
         }
-        // Not shown on the timeline.
         Fact::State(_) | Fact::Epoch(_) | Fact::Goal(..) | Fact::Pose(_) | Fact::RobotPose(..) | Fact::Outside(..) => {
             return None;
         }

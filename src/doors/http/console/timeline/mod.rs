@@ -29,7 +29,6 @@ const LINES: usize = 8;
 /// Number of entries read at a time.
 const PAGE: usize = 2000;
 
-/// The cached timelines, shared by all pages of a door.
 #[derive(Debug)]
 pub(in crate::doors::http) struct Timelines(Mutex<LruCache<(MissionId, Language), Known>>);
 
@@ -46,7 +45,7 @@ impl Default for Timelines {
 }
 
 impl Timelines {
-    /// The timeline of this mission as far as it can be read now.
+    /// As much of the timeline as can be read within `PATIENCE`; the next call continues.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
         let present = door.handle.snapshot().mission.id;

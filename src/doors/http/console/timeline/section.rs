@@ -91,7 +91,7 @@ impl Section {
         }
     }
 
-    /// Its group, including the last reading as far as it stays valid.
+    /// Markup of its group. A reading that is still valid is drawn on to the far end.
     pub(super) fn drawn(&self, place: usize, lasting: Option<TemperaturePoint>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
         if let Some(TemperaturePoint { x, height, is_hot, .. }) = lasting {

@@ -58,7 +58,7 @@ impl View<'_> {
     pub(in super::super) fn left(&self) -> Option<Phrase<'static>> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
         if most.is_none() && least < ROUGHLY {
-            return None; // that says nothing
+            return None; // "at least 0 s" would say nothing
         }
         let least = roughly(least, |seconds, unit| seconds / unit);
         Some(match most {
@@ -80,7 +80,6 @@ impl View<'_> {
 /// Rounding of times below two minutes.
 const ROUGHLY: Duration = Duration::from_secs(10);
 
-/// A time in tens of seconds, or from two minutes on in minutes, rounded by `round`.
 fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {
     let seconds = time.as_secs();
     if seconds < 120 { format!("{} s", round(seconds, 10) * 10) } else { format!("{} min", round(seconds, 60)) }
