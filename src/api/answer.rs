@@ -1,4 +1,5 @@
-//! The answer to an accepted command.
+//! The answer to an accepted command, in the same shape at every door: the revision that contains its effect, and the
+//! epoch for the next movement command.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -22,7 +23,7 @@ pub struct AnswerJson {
 }
 
 impl AnswerJson {
-    /// The answer to an accepted command, from a snapshot that contains its effect.
+    /// `snapshot` must contain the command's effect already: the record of the piece is read from it.
     pub fn new(accepted: Accepted, snapshot: &Snapshot) -> AnswerJson {
         let luggage = accepted.luggage.and_then(|id| snapshot.luggage(id));
         AnswerJson {

@@ -47,7 +47,8 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     Ok(fields)
 }
 
-/// Whether another field follows, in a map of a known or of an indefinite length.
+/// Whether another field follows. The break at the end of a map of indefinite length is consumed (RFC 8949, section
+/// 3.2.2).
 fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unread> {
     if let Some(left) = left {
         let more = *left > 0;

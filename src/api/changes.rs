@@ -52,7 +52,6 @@ pub struct ChangesJson {
 }
 
 impl ChangesJson {
-    /// The changes since `older`.
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
@@ -93,8 +92,8 @@ impl ChangesJson {
     }
 }
 
-/// The luggage for a reader of `older`: all of it up to 256 pieces, in another mission, or with fewer pieces than before;
-/// otherwise only the changed pieces.
+/// All of the luggage, or only the changed pieces. Changed pieces do not show which ones are gone, so the luggage of
+/// another mission, or with fewer pieces than before, is sent whole.
 fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
     if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
     {

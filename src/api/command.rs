@@ -77,7 +77,7 @@ pub struct StrategyBody {
     name: String,
 }
 
-/// A pattern for texts whose characters are all visible, apart from blanks at both ends; the same as `is_visible`.
+/// The rule of `is_visible` as a pattern for clients. Blanks at both ends are allowed, since `note` trims them off.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
 
 impl JsonSchema for TemperatureBody {

@@ -38,7 +38,7 @@ pub enum Subject {
 pub enum Takes {
     /// Its body is not read.
     Nothing,
-    /// A body may be missing.
+    /// The body may be missing.
     Epoch,
     Move,
     Goto,
@@ -62,7 +62,8 @@ pub struct CommandRow {
     pub name: &'static str,
     pub title: &'static str,
     pub kind: CommandKind,
-    /// The least right that its sender needs. A move may turn out to be a STOP; otherwise it needs more than this.
+    /// The least right that its sender needs. For `move` it is the right to STOP, as the move may be one; other moves
+    /// need more.
     pub need: Need,
     /// Path under `/api/v1` and at the CoAP door; `{id}` stands for the number of the subject.
     pub path: &'static str,
@@ -75,7 +76,7 @@ pub struct CommandRow {
 
 const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
-/// All commands, in the order in which they are listed.
+/// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
 pub const COMMANDS: [CommandRow; 12] = [
     word("start", "/commands/start", "begin, or go on", CommandKind::Start, EPOCH),
@@ -146,13 +147,12 @@ impl CommandRow {
         self.subject == Subject::None && !self.needs_body()
     }
 
-    /// Whether the body may not be missing where there are paths.
     pub const fn needs_body(&self) -> bool {
         !matches!(self.takes, Takes::Nothing | Takes::Epoch)
     }
 }
 
-/// A command for operators that is about nothing with a number and carries an epoch at most.
+/// The usual row: a POST for operators, without a subject, whose body carries an epoch at most.
 const fn word(
     name: &'static str,
     path: &'static str,

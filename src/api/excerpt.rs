@@ -27,7 +27,6 @@ const NEWEST: usize = 256;
 /// Maximum number of characters and quotes in the rows of a map published whole: with its frame it fits into a message of 2 MiB.
 const MAP_BYTES: i64 = 2 * 1024 * 1024 - 1024;
 
-/// The part of the luggage that nobody may miss.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct LuggageExcerpt {
     pieces: usize,
@@ -83,7 +82,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
     })
 }
 
-/// Maximum size of a piece in bytes.
+/// Upper bound of a piece's size in JSON, in bytes. Each quote and backslash of the note takes one more.
 fn bytes(piece: &Luggage) -> usize {
     let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
     PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()

@@ -65,7 +65,6 @@ impl BodyFields {
         self.field(name, "a whole number, as 3,", integer)
     }
 
-    /// An optional whole number of at least 0.
     pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
         self.field(name, "a whole number from 0", integer)
     }

@@ -80,7 +80,7 @@ impl Finding {
     }
 }
 
-/// Reads a file; its name tells the format.
+/// The extension of the file's name decides its format.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Hall, HallError> {
     let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
     if ends(".js") {

@@ -19,7 +19,7 @@ pub fn is_halt(word: &str) -> bool {
     HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
 }
 
-/// A part of a path without surrounding blanks and control characters.
+/// Removes blanks and control characters round a part of a path: a client that adds some still means STOP (safety S8).
 pub fn bare(part: &str) -> &str {
     part.trim_matches(|letter: char| letter.is_whitespace() || letter.is_control())
 }

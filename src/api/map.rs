@@ -11,7 +11,6 @@ use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark, cells_of};
 use hallsweep_core::world::resource::Resource;
 
-/// The contents of a map: the hall, and the cell of the robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     pub hall: &'a HallMap,

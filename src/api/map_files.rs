@@ -22,13 +22,12 @@ enum MapPart {
     Image,
 }
 
-/// Common name of all files, without extension.
+/// The files share this stem, because the YAML names its image.
 const STEM: &str = "hall";
 
 /// Side of a cell in metres when it is not known: the default of hall files.
 const USUAL_CELL_M: f64 = 0.5;
 
-/// All files, in the order in which they are listed.
 #[rustfmt::skip]
 pub const FILES: [MapFileRow; 5] = [
     row("hall.toml", "application/toml", "A hall file", MapPart::File(Format::Toml)),
@@ -47,7 +46,7 @@ impl MapFileRow {
         snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
     }
 
-    /// The contents of the file. `cell_m` is the side of a cell in metres, if known.
+    /// `cell_m` is the side of a cell in metres, if known.
     pub fn written(&self, hall: &str, cell_m: Option<f64>, snapshot: &Snapshot) -> Vec<u8> {
         let export = Export::explored(hall, cell_m.unwrap_or(USUAL_CELL_M), snapshot);
         match self.part {

@@ -81,7 +81,6 @@ impl Links {
 }
 
 impl MissionWholeJson {
-    /// A mission with its state, and sentences about the parts that cannot be read.
     pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
@@ -147,7 +146,7 @@ pub struct MomentLinks {
 }
 
 impl MomentJson {
-    /// The state of a mission after an entry, with the time of that entry and sentences about unreadable parts.
+    /// `wall` is the time of the entry `past.seq`.
     pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>) -> MomentJson {
         let Links { events, page, .. } = Links::of(mission);
         let (seq, state, reading) = (past.seq, &past.state, past.reading());

@@ -35,7 +35,6 @@ pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, ver
 
 const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
 
-/// All requests, in the order in which they are listed.
 #[rustfmt::skip]
 pub static ROWS: [OldCommandRow; 12] = [
     word(Asks::Move, MOVES, &["userCmd", "robotCmd"]),

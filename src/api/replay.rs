@@ -64,7 +64,7 @@ impl ReplayJson {
         moments
     }
 
-    /// The state of all trees after the last change up to this time.
+    /// All trees as they stood `t` seconds after the run began.
     pub fn shown(&self, t: f64) -> TreesView {
         let mut entries = BTreeMap::new();
         let mut ticks: Vec<&TickJson> = self.trees.iter().flat_map(|tree| tree.up_to(t)).collect();

@@ -51,7 +51,7 @@ const SHAPES: &[Form] = &[Form::Json, Form::Cbor];
 const WITH_TEXT: &[Form] = &[Form::Json, Form::Cbor, Form::Text];
 const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 
-/// All resources, in the order in which they are listed.
+/// The doors and `docs/` list the resources in this order.
 #[rustfmt::skip]
 pub const RESOURCES: [ResourceRow; 12] = [
     row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),

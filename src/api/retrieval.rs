@@ -124,7 +124,7 @@ impl From<ArmState> for ArmJson {
     }
 }
 
-/// One line, such as `fetching luggage #6`, or `none`.
+/// One line, such as `fetching, luggage #6`, or `none`.
 pub fn text(snapshot: &Snapshot) -> String {
     match snapshot.retrieval.as_deref() {
         None => "none".to_owned(),

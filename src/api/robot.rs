@@ -1,4 +1,4 @@
-//! Robots and places in the hall in JSON.
+//! Robots in JSON, and the cell where each stands. While its link is down, a robot is shown as it last said it was.
 
 use schemars::JsonSchema;
 use serde::Serialize;

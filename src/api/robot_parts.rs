@@ -28,7 +28,7 @@ pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
     missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
 }
 
-/// The parts that a searching robot with these parts lacks, each with the words for its replacement.
+/// Only the missing parts that something replaces, each with the words for its replacement.
 pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
 }

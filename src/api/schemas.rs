@@ -102,7 +102,7 @@ fn renamed(mut schema: Value) -> Value {
     schema
 }
 
-/// Public name of a schema, without the suffix `Json`.
+/// The suffix `Json` means something only to programmers of this program, so schemas are named without it.
 fn public(name: &str) -> &str {
     name.strip_suffix("Json").unwrap_or(name)
 }

@@ -136,7 +136,7 @@ impl Body for ChangeBody {
     }
 }
 
-/// A speed, also in the form that people write.
+/// Accepts blanks at both ends and a decimal comma, as people type them.
 pub fn pace(text: &str) -> Result<Pace, Unusable> {
     if text.trim() == "max" {
         return Ok(Pace::Max);
@@ -152,7 +152,6 @@ pub fn pace(text: &str) -> Result<Pace, Unusable> {
 /// `PUT simulator/hall`
 pub struct HallBody(pub OtherHall);
 
-/// A hall that is offered, or one that is sent, and where its dice begin.
 impl JsonSchema for HallBody {
     fn schema_name() -> Cow<'static, str> {
         "HallBody".into()

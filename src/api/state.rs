@@ -70,7 +70,7 @@ pub fn robot(snapshot: &Snapshot) -> RobotJson {
     RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
 }
 
-/// All robots, the searching one first.
+/// The first robot of a snapshot is the one that searches.
 pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
     let revision = snapshot.revision_of(Resource::Robot);
     let named = |(place, shown)| NamedRobotJson::new(shown, place == 0, revision);
@@ -93,7 +93,6 @@ pub fn retrieval(snapshot: &Snapshot) -> RetrievalJson {
     RetrievalJson::new(snapshot.retrieval.as_deref(), snapshot.revision_of(Resource::Retrieval))
 }
 
-/// Stored log lines with a number above `number`, oldest first.
 pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
     snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
 }

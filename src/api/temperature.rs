@@ -1,4 +1,4 @@
-//! The temperature in JSON.
+//! The temperature in JSON, with the sources that keep the hall too hot. The core judges the readings.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -10,7 +10,7 @@ use hallsweep_core::snapshot::log;
 use hallsweep_core::world::temperature;
 use hallsweep_core::{command, hold, not_fetched, phase, robot, units};
 
-/// A list: its name in the description, the purpose of the words, and the words.
+/// Makes a schema of each list of words. Its doc comment becomes the description, which clients see.
 macro_rules! lists {
     ($($(#[doc = $doc:literal])* $name:ident = $words:expr;)*) => {$(
         $(#[doc = $doc])*

@@ -1,4 +1,4 @@
-//! Requests in the journal.
+//! Requests in the journal, a code with fields each: commands, STOPs in quick succession, and changes of the simulator.
 
 use std::time::Duration;
 

@@ -10,7 +10,6 @@ use serde_json::{Map, Value};
 use super::Unparsed;
 use crate::api::fields::in_short;
 
-/// Form in which a fact is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// For the journal.
@@ -19,7 +18,6 @@ pub(super) enum Form {
     Sentences,
 }
 
-/// A value as the journal stores it.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Coded {
     pub(super) code: String,
@@ -28,7 +26,6 @@ pub(super) struct Coded {
     pub(super) fields: Map<String, Value>,
 }
 
-/// A value in either form.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum CodeOrSentence {
@@ -36,7 +33,6 @@ pub(super) enum CodeOrSentence {
     Coded(Coded),
 }
 
-/// A value that has a code and a sentence.
 pub(super) trait Valued: Display + Sized {
     fn coded(&self) -> Coded;
 
@@ -50,19 +46,17 @@ pub(super) trait Valued: Display + Sized {
 }
 
 impl Coded {
-    /// A code with the fields of this object; null fields are left out.
+    /// Null fields are left out.
     pub(super) fn new(code: &str, fields: Value) -> Coded {
         let Value::Object(mut fields) = fields else { return Coded { code: code.to_owned(), fields: Map::new() } };
         fields.retain(|_, field| !field.is_null());
         Coded { code: code.to_owned(), fields }
     }
 
-    /// A code without fields.
     pub(super) fn bare(code: &str) -> Coded {
         Coded::new(code, Value::Null)
     }
 
-    /// Code and fields as one object.
     pub(super) fn object(mut self) -> Value {
         self.fields.insert("code".to_owned(), self.code.into());
         self.fields.into()

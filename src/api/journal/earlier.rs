@@ -167,7 +167,6 @@ pub(super) fn asked(sentence: &str) -> Option<Coded> {
     one_of(&ASKED, sentence).or_else(|| Some(Coded { code: "simulatorChange".to_owned(), fields: changes(sentence)? }))
 }
 
-/// The fields of a refusal with this code.
 pub(super) fn refused(code: &str, sentence: &str) -> Option<Coded> {
     if code == "held" {
         return held(sentence).map(|fields| Coded::new(code, fields));
@@ -183,7 +182,6 @@ pub(super) fn not_fetched(sentence: &str) -> Option<Coded> {
     one_of(&NOT_FETCHED, sentence)
 }
 
-/// The code and fields of the first sentence that fits these words.
 fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) -> Option<Coded> {
     sentences.into_iter().find_map(|(code, sentence)| {
         let fields = fields(sentence, words)?;
@@ -191,7 +189,7 @@ fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) ->
     })
 }
 
-/// The values in words that fit this sentence. The text between two fields is searched from the left.
+/// The values of a sentence's fields in `words`. The text between two fields is searched from the left.
 fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     let Some((before, behind)) = sentence.split_once('{') else { return (sentence == words).then(Map::new) };
     let words = words.strip_prefix(before)?;
@@ -209,7 +207,6 @@ fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     words.match_indices(next).find_map(|(end, _)| ends_at(end))
 }
 
-/// The value of a field from its text; `None` when it is not of this kind.
 fn value(kind: &str, words: &str) -> Option<Value> {
     let known = |all: &[Sentence]| all.iter().find(|(_, known)| *known == words).map(|(name, _)| Value::from(*name));
     match kind {
@@ -228,7 +225,7 @@ fn value(kind: &str, words: &str) -> Option<Value> {
         "pair" => known(&OF_PAIR),
         "alone" => known(&ALONE),
         "stuck" => known(&STUCK),
-        // In the form that phases have.
+        // In the shape of `CauseShape` in `phase`: a name, or an object with the name as its only key.
         "fault" => {
             let Coded { code, mut fields } = one_of(&FAULTS, words)?;
             let own = fields.remove("words").or_else(|| fields.remove("why"));
@@ -264,8 +261,8 @@ fn cell(words: &str) -> Option<Value> {
     Some(json!({ "x": side(x)?, "y": side(y)? }))
 }
 
-/// Reads the holds in their order, after the reason of the store. From the end, every text that is a hold is taken for one, and
-/// the rest for the reason of the store.
+/// Reads holds separated by `; `, possibly after the reason of a store's failure. The reason may contain `; ` itself,
+/// so the known holds are split off from the end, and the rest is the reason.
 fn held(sentence: &str) -> Option<Value> {
     let mut rest = sentence.strip_prefix("not possible while held: ")?;
     let mut holds = Vec::new();
@@ -276,13 +273,13 @@ fn held(sentence: &str) -> Option<Value> {
         rest = before;
     }
     let store_failure = rest.strip_prefix("nothing can be recorded: ").filter(|_| !holds.contains(&"store"))?;
-    // The reason of the store comes first, whatever the position of its hold is.
+    // The sentence begins with the store's reason; in the list, its hold has the place that `HOLDS` gives it.
     let behind = holds.iter().position(|hold| place(hold) > place("store")).unwrap_or(holds.len());
     holds.insert(behind, "store");
     Some(json!({ "holds": holds, "storeFailure": store_failure }))
 }
 
-/// The words before this hold, where they end with it.
+/// The words before this hold if they end with it; the inner `None` when nothing stands before it.
 fn before_last<'w>(words: &'w str, hold: &str) -> Option<Option<&'w str>> {
     let before = words.strip_suffix(hold)?;
     if before.is_empty() { Some(None) } else { before.strip_suffix("; ").map(Some) }

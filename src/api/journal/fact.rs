@@ -197,7 +197,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
 }
 
 impl Shape {
-    /// The shape of a fact in this form. Of a photo it has only the file.
+    /// Of a photo, the shape has only the digest and the media type of its file.
     pub(super) fn of(fact: &Fact, picture: Option<&Picture>, form: Form) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },

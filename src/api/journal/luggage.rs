@@ -1,4 +1,5 @@
-//! Luggage records and alarms in the journal.
+//! Luggage records and alarms in the journal. Fields that earlier versions did not have are left out while they say
+//! nothing, so that a record is written as it was before.
 
 use std::sync::Arc;
 

@@ -30,7 +30,6 @@ pub(super) fn named(name: &str) -> Result<Mark, Unparsed> {
     known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{:?} is no mark of a cell", in_short(name))))
 }
 
-/// The known cells, row by row.
 pub(super) fn rows(map: &HallMap) -> Vec<Row> {
     let mut cells: Vec<(i32, i32, Mark)> = map.known().map(|(cell, mark)| (cell.y, cell.x, mark)).collect();
     cells.sort_unstable_by_key(|(y, x, _)| (*y, *x));
@@ -57,7 +56,6 @@ fn row(cells: &[(i32, i32, Mark)]) -> Row {
     Row(y, first, runs.text())
 }
 
-/// Text of the runs so far, with the last run still open.
 #[derive(Default)]
 struct Runs {
     text: String,

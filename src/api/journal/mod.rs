@@ -115,10 +115,6 @@ pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
     written(&Shape::of(fact, picture, Form::Codes))
 }
 
-/// Reads the JSON object of a fact.
-///
-/// # Errors
-/// What is wrong with the object.
 pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
     parsed::<Shape>(text.as_bytes())?.fact()
 }
@@ -152,7 +148,6 @@ pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
     Ok(Line { seq: Seq(seq), mission: mission.map(MissionId), entry, picture })
 }
 
-/// The record of a piece, with its verdict, as a JSON object.
 pub fn record(record: &Luggage) -> String {
     written(&luggage::LuggageShape::from(record))
 }
@@ -161,10 +156,6 @@ pub fn moment(wall: WallTime) -> String {
     written(&places::Moment::from(wall))
 }
 
-/// Reads the JSON object of a piece.
-///
-/// # Errors
-/// What is wrong with the object.
 pub fn read_record(text: &str) -> Result<Luggage, Unparsed> {
     parsed::<luggage::LuggageShape>(text.as_bytes())?.record()
 }

@@ -39,7 +39,6 @@ pub(super) struct Moment {
     offset_s: i32,
 }
 
-/// Goal of a search: a cell to visit, or home.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum GoalShape {
