@@ -52,7 +52,6 @@ impl SmallFile {
         files::read_if_there(&self.path, most)
     }
 
-    /// Temporary name of the file until it is complete.
     pub(crate) fn unfinished(&self) -> PathBuf {
         self.path.with_extension("new")
     }

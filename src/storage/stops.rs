@@ -39,9 +39,9 @@ pub struct Stops {
     file: SmallFile,
     epoch: Epoch,
     turn: usize,
-    /// Whether the contents could not be read.
+    /// Whether a line could not be read at the start, so that the last stop may be missing.
     was_damaged: bool,
-    /// Whether a copy of them was stored under another name.
+    /// Whether the damaged contents were given the name `stops.damaged` before they were replaced.
     was_set_aside: bool,
 }
 

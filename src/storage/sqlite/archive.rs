@@ -107,13 +107,13 @@ fn ask_folder<T: Default>(
     Ok(answer)
 }
 
-/// A number above the largest of the store belongs to nothing.
 impl MemoryStore {
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
     }
 }
 
+/// Numbers above the largest `i64`, which SQLite cannot store, belong to nothing.
 impl Archive for SqliteArchive {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };

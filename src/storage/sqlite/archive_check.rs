@@ -65,7 +65,8 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
-/// Faults between an archive and what begins after it, which `later` names; or those of an unpacked one.
+/// The fault, if any, between `archive` and what begins after it, which the sentence calls `later`. An archive from
+/// which the journal was unpacked must begin where `later` does, and be continued by the journal or another archive.
 fn between<'a>(
     begins: Head,
     later: &str,

@@ -77,7 +77,7 @@ pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
     if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }
 }
 
-/// Deletes all pages after `kept`, with their entries.
+/// Deletes the digests of all pages that end after `kept`; their entries are deleted by `rows::take_back`.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault> {
     connection.execute("DELETE FROM pages WHERE last > ?1", [whole(kept.0)?])?;
     Ok(())

@@ -22,7 +22,6 @@ const PATIENCE: Duration = Duration::from_millis(500);
 
 const WORDS: [&str; 2] = ["everything after entry ", " was said to be lost\n"];
 
-/// Contents when nothing is lost.
 const NOTHING: &str = "nothing was said to be lost";
 
 /// Writes and clears the mark, never both at once.
@@ -73,7 +72,7 @@ pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
     Ok(files::sync_folder(folder.path())?)
 }
 
-/// The entry after which everything was declared lost.
+/// The entry after which everything was declared lost; `None` when nothing was.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
     let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
     let damaged = || Fault::Unusable(names::LOST, "it is damaged, so that what was said to be lost is not known".to_owned());

@@ -157,7 +157,7 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     }
 }
 
-/// Reads the stored state; migrates a file of an older version first.
+/// Reads the stored state. A file is written to only if an older version made it, to migrate it first.
 fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     match recall::recall(folder, lost_after) {
         Err(Fault::Older(_)) => {

@@ -1,4 +1,4 @@
-//! The archives that a journal or archive has on record.
+//! The archives that a journal or archive has on record: those written out of it, and those it was unpacked from.
 
 use rusqlite::Connection;
 

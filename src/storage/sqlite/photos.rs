@@ -85,7 +85,8 @@ impl Pictures<'_> {
     }
 }
 
-/// Temporary file, fsync, rename, fsync of the folder.
+/// Temporary file, fsync, rename, fsync of the folders: in this order no name ever stands for an incomplete photo
+/// (safety D3).
 fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
     let path = folder.photo(picture);
     let shelf = path.parent().expect("a photo is in a folder named by the first two letters of its digest");

@@ -54,7 +54,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
     }
 }
 
-/// Rebuilds all projections; returns the number of entries read.
+/// Reads only the entries from which projections follow; returns their number.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;

@@ -21,7 +21,7 @@ use hallsweep_core::units::{MissionId, Seq};
 /// Number of entries recalled for the log: as many as a console shows without much scrolling.
 const LATEST: usize = 60;
 
-/// Number of last entries searched for them: a robot may have made many steps between two of them.
+/// Number of last entries searched for these `LATEST`: a robot may have made many steps between two of them.
 const LATEST_AMONG: u64 = 10_000;
 
 /// Maximum number of sentences about one mission's damage; the rest is only counted.

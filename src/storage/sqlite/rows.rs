@@ -1,4 +1,4 @@
-//! Entries as rows of the table `events`.
+//! Entries as rows of the table `events`: how they are selected, and read as they were known at a given entry.
 
 use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_iter};
@@ -39,7 +39,7 @@ pub(super) enum Kinds {
     Verdicts,
     Retrieval,
     Timeline,
-    /// Commands and findings.
+    /// Entries that a start or a past moment shows in the log.
     Told,
     OfArchives,
     Temperatures,
@@ -83,7 +83,6 @@ pub(super) fn insert(connection: &Connection, line: &Line) -> Result<(), Fault> 
     Ok(())
 }
 
-/// Deletes every entry after `kept`; returns their number.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fault> {
     Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
 }
@@ -100,12 +99,12 @@ pub(super) fn first(connection: &Connection) -> Result<Option<Seq>, Fault> {
     Ok(first.map(|seq| Seq(count(seq))))
 }
 
-/// The last entry of a mission up to `most`, and its time.
+/// The last entry of a mission up to and including `most`.
 pub(super) fn last_of(connection: &Connection, mission: MissionId, most: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     one_of(connection, "mission = ?1 AND seq <= ?2 ORDER BY seq DESC", mission, most)
 }
 
-/// The first entry of a mission from `least` on, and its time.
+/// The first entry of a mission from `least` on, itself included.
 pub(super) fn first_of(connection: &Connection, mission: MissionId, least: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     one_of(connection, "mission = ?1 AND seq >= ?2 ORDER BY seq", mission, least)
 }

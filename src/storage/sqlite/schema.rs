@@ -1,4 +1,5 @@
-//! The tables of the journal, and the migrations of older files.
+//! The tables of the journal, and the migrations of older files. A file of a newer version or of another program is
+//! refused.
 
 use rusqlite::Connection;
 
@@ -47,7 +48,7 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     }
 }
 
-/// Migrates a file to the present format, in one transaction.
+/// Migrates a file in one transaction, so that a kill leaves it in its old format.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
     // What is not ours is refused; an empty file is of format 0.
     format(connection)?;

@@ -18,7 +18,7 @@ use crate::storage::names::{self, Name};
 use hallsweep_core::effect::{Entry, Fact, Page, Unpacked};
 use hallsweep_core::units::WallTime;
 
-/// Makes the folder `data` from the archive `file`; returns its number of entries.
+/// Returns the number of entries in the new folder, including the last one, which names the archive.
 pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable> {
     let archive = Folder::new(file);
     if !archive.is_archive() {
@@ -110,7 +110,8 @@ impl UnpackTarget {
     }
 }
 
-/// Builds the folder, photos first, up to an entry of its own; returns its number of entries.
+/// Builds the folder: photos first, so that no entry names a missing one, and `own` as the last entry. Returns the
+/// number of entries.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {
     folder.create_path()?;
     let _lock = folder.lock()?;

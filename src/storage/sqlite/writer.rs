@@ -32,9 +32,9 @@ const MARGIN: usize = 256 * 1024;
 pub(super) struct Patience {
     /// Pause between two attempts after a failure.
     pub(super) retry: Duration,
-    /// Number of looks after which a batch is given up.
+    /// Looks of the watchman after which a batch is given up.
     pub(super) looks: u32,
-    /// Time between two looks.
+    /// Time between two looks of the watchman.
     pub(super) look: Duration,
     /// How long the end of the program waits for the last pages: a slower disk would not have stored them either.
     pub(super) end: Duration,
@@ -189,7 +189,7 @@ impl Writer {
     }
 }
 
-/// Looks at the writer now and then; a batch that takes too long is given up.
+/// Gives up a batch that the writer is still at after `patience.looks` looks, since a disk that hangs reports no error.
 pub(super) fn watch(status: &WriterStatus, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
     let mut seen = (None, 0);
     while ended.recv_timeout(patience.look) == Err(RecvTimeoutError::Timeout) {
