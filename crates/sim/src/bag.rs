@@ -15,7 +15,6 @@ pub struct Bag {
     pub colour: Colour,
     /// The cells it covers, in map coordinates, at least one, by row and column.
     pub cells: Vec<Cell>,
-    /// Its height in metres.
     pub height_m: f64,
     pub dangerous: bool,
 }
@@ -49,7 +48,6 @@ impl BagKind {
         BagKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The usual height of such a piece, in metres.
     pub(crate) const fn usual_height_m(self) -> f64 {
         match self {
             BagKind::Suitcase => 0.70,
@@ -62,7 +60,6 @@ impl BagKind {
     }
 }
 
-/// A colour, each part 0–255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Colour {
     pub red: u8,

@@ -69,7 +69,7 @@ impl Taken {
         Some(piece)
     }
 
-    /// The pieces in the container, by their numbers.
+    /// In the order of their numbers.
     pub fn in_container(&self) -> impl Iterator<Item = Piece> {
         let words = (0..).zip(self.container);
         words.flat_map(|(word, bits)| (0..64).filter(move |bit| bits & (1 << bit) != 0).map(move |bit| Piece(word * 64 + bit)))
@@ -181,7 +181,6 @@ impl Astray {
     }
 }
 
-/// The hall without the pieces that were taken.
 pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
     match taken {
         Taken::NONE => Arc::clone(hall),

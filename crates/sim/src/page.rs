@@ -48,15 +48,13 @@ pub struct Whose {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryPage {
     pub whose: Whose,
-    /// Counts the writings.
+    /// Counts the writings; its parity chooses the slot.
     pub turn: u64,
     pub memory: SimMemory,
 }
 
-/// Why bytes are no memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
-    /// It was written by another version.
     Version(String),
     Damaged(String),
 }
@@ -85,7 +83,7 @@ pub fn slot(turn: u64, memory: &SimMemory) -> Vec<u8> {
     line(&Written::of(turn, memory), SLOT)
 }
 
-/// Where in the file the memory of a turn belongs.
+/// Offset in the file, in bytes, at which the memory of a turn belongs.
 pub const fn place(turn: u64) -> u64 {
     if turn.is_multiple_of(2) { HEAD as u64 } else { (HEAD + SLOT) as u64 }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// The settings of a simulated robot. Times are in simulated time.
+/// Times are in simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimSettings {
     /// The seed of its noise and failures.
@@ -25,7 +25,6 @@ pub struct SimSettings {
     pub has_hook: bool,
     /// Duration of taking a piece, and of releasing it.
     pub hook: Duration,
-    /// In metres.
     pub wheel_radius_m: f64,
     /// The distance between the wheels, in metres.
     pub axle_m: f64,
@@ -43,7 +42,6 @@ pub enum Camera {
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl SimSettings {
-    /// The usual robot with this seed and camera.
     #[must_use]
     pub fn new(seed: u64, camera: Camera) -> SimSettings {
         SimSettings { seed, camera, ..SimSettings::default() }

@@ -80,7 +80,7 @@ enum End {
     At(Pose),
     /// This many steps from home, before the entrance.
     Outside(u8),
-    /// Against an obstacle ahead, or behind.
+    /// Against an obstacle, which is behind the robot unless it is `ahead`.
     Against {
         ahead: bool,
     },

@@ -17,7 +17,6 @@ pub enum Speed {
 pub struct SpeedError(String);
 
 impl Speed {
-    /// The slowest speed but standing still.
     pub const SLOWEST: f64 = 0.1;
     /// The fastest speed; timers are no finer than a millisecond, so more would not be quicker.
     pub const FASTEST: f64 = 1000.0;

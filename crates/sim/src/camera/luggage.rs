@@ -74,7 +74,6 @@ impl Making {
         }
     }
 
-    /// A telescopic handle from the top of the body to the full height.
     fn telescope(&mut self, base: f32, behind: f32) {
         let (x, top) = (0.13, self.height - 0.03);
         for side in [-x, x] {

@@ -105,7 +105,7 @@ fn board(paint: Paint, at: Vector, half: Vector, normal: Vector) -> Paint {
     if !on_top && (printed || arrows) { PRINT } else { paint.lit(if on_top { 1.05 } else { 1.0 }) }
 }
 
-/// An arrow that points up: this side up.
+/// The print that means *this side up*.
 fn arrow(across: f32, up: f32) -> bool {
     let shaft = across.abs() < 0.012 && (-0.06..0.02).contains(&up);
     let head = (0.0..0.06).contains(&up) && across.abs() < (0.06 - up) * 0.7;

@@ -47,7 +47,6 @@ impl View {
         self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / self.focal)
     }
 
-    /// By how much the direction changes from one column to the next.
     pub(super) fn column_step(&self) -> Vector {
         self.right * (1.0 / self.focal)
     }

@@ -15,9 +15,7 @@ use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Our own hall file.
     Toml,
-    /// A map of the MovingAI benchmark.
     MovingAi,
     /// A map of ROS `map_server`: YAML, and a PGM image beside it.
     Occupancy,
@@ -38,7 +36,6 @@ impl Format {
         }
     }
 
-    /// The format of a file, by the end of its name.
     #[must_use]
     pub fn of_file(path: &Path) -> Option<Format> {
         let extension = path.extension()?;
@@ -51,7 +48,6 @@ const EXPLORED: &str = "As far as it was explored; where nothing is known it has
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenHall {
-    /// The bytes of the main file.
     pub file: Vec<u8>,
     /// The PGM image beside it, for the format that has one.
     pub image: Option<Vec<u8>>,
@@ -112,7 +108,6 @@ impl Export {
         Export { hall, marks: Some(marks), lost_before: Vec::new() }
     }
 
-    /// Its size and number of pieces, for people.
     #[must_use]
     pub fn in_words(&self) -> String {
         let (bounds, cell_m) = (self.hall.bounds(), self.hall.cell_m());

@@ -60,7 +60,7 @@ pub struct Hall {
     temperature: Option<Curve>,
 }
 
-/// What a hall file's cells say.
+/// The content of a hall file's cells, without name, cell size and temperature.
 #[derive(Debug)]
 pub(super) struct Plan {
     /// The rectangle of the hall in map coordinates.
@@ -97,7 +97,6 @@ impl Hall {
         &self.name
     }
 
-    /// In metres.
     #[must_use]
     pub const fn cell_m(&self) -> f64 {
         self.cell_m
@@ -187,7 +186,6 @@ impl Hall {
         Ok(self)
     }
 
-    /// How much of it a robot can reach from its start.
     #[must_use]
     pub fn reach(&self) -> Reach {
         let count = |places: usize| u32::try_from(places).unwrap_or(u32::MAX);

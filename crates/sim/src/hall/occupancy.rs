@@ -344,7 +344,6 @@ fn whole(cells: f64) -> usize {
     cells as usize
 }
 
-/// The YAML file; `image_file` is the name of its image.
 pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
     // World (0, 0) is the centre of the home cell; the image is placed by its south-west corner,

@@ -10,11 +10,11 @@ pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
 pub(super) struct Pixel {
     /// The mean of its colours.
     pub(super) shade: f64,
-    /// How opaque it is, in an image with an alpha channel.
+    /// 0 is transparent, 1 opaque; `None` in an image without an alpha channel.
     pub(super) alpha: Option<f64>,
 }
 
-/// Checks the sides of an image against the bounds.
+/// Refuses an empty image, and a side longer than `MAX_IMAGE_SIDE`.
 pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
     if width == 0 || height == 0 {
         return Err(HallFault::EmptyImage(width, height));

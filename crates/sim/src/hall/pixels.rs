@@ -9,7 +9,6 @@ use super::error::HallFault;
 use super::pgm::Pgm;
 use super::pixel::{Pixel, sides};
 
-/// Largest image file, in bytes.
 pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
 
 /// Most memory of a PNG besides its file, in bytes: a few rows of the widest, with room.
@@ -26,7 +25,6 @@ pub(super) enum Image<'a> {
 }
 
 impl<'a> Image<'a> {
-    /// Whether bytes begin like an image that can be read.
     pub(super) fn begins(bytes: &[u8]) -> bool {
         Pgm::begins(bytes) || bytes.starts_with(PNG_BEGIN)
     }

@@ -108,8 +108,6 @@ pub struct SceneSonar {
 }
 
 impl Scene {
-    /// The scene in the file of this path.
-    ///
     /// # Errors
     /// The file cannot be read, or what is wrong in it.
     pub fn open(path: &str) -> Result<Scene, HallError> {
@@ -125,7 +123,7 @@ impl Scene {
         Scene::parse(path, &bytes)
     }
 
-    /// The scene that these bytes describe; `file` is named in errors.
+    /// `file` is named in errors.
     ///
     /// # Errors
     /// What is wrong, and in which line.
@@ -142,7 +140,7 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
-            // A moving thing may stand anywhere.
+            // The reader expects a comment behind the `/` of a division.
             let reason =
                 if reason == "expected comment" { "what stands here is not reckoned out, as .5 is for 1/2" } else { reason };
             HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
@@ -150,7 +148,7 @@ impl Scene {
         written.scene().map_err(|fault| fault.at(file, literal.line))
     }
 
-    /// How long a cell takes where the page is as quick as it is meant to be.
+    /// Time for one cell on a page that makes `FRAMES` moves per second.
     ///
     /// # Errors
     /// The player's speed is too low or too high for any page.
@@ -241,7 +239,7 @@ struct Axis {
     y: bool,
 }
 
-/// Checked while it is read, since its line is known only then; the same holds for the next types.
+/// Checked while serde reads it, because later the line of a fault is unknown. The same holds for the types below.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 struct Side(f64);
@@ -293,7 +291,7 @@ impl TryFrom<f64> for Amount {
     }
 }
 
-/// It is shown to people, and repeated in messages about a wall or a piece.
+/// Bounded, because it is shown to people and repeated in messages.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
 struct Name(String);

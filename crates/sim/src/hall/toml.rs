@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
     source.check_length(content.name.as_ref(), 1..=64, HallFault::NameLength)?;
-    // A description is for whoever reads the file.
+    // Only who reads the file sees a description: it may be longer than a name, or empty.
     source.check_length(content.description.as_ref(), 0..=1000, HallFault::DescriptionLength)?;
     let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
     let plan = match &content.drawing {
@@ -72,7 +72,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     Ok(hall.described(content.description.as_ref().map(|words| words.get_ref().as_str())))
 }
 
-/// The text, for the lines of its faults.
+/// Finds the lines of faults in the text.
 struct Source<'a> {
     file: &'a str,
     text: &'a str,

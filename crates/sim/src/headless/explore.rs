@@ -32,7 +32,7 @@ pub struct Figures {
     pub seed: u64,
     /// Reachable cells of the hall, home included.
     pub cells: usize,
-    /// All free cells of the hall.
+    /// All free cells of the hall, whether or not they can be reached.
     pub free_cells: usize,
     pub reachable_pieces: usize,
     pub pieces: usize,
@@ -51,7 +51,7 @@ pub struct Figures {
     pub stuck: Option<String>,
 }
 
-/// Most photos in a row that are retaken.
+/// Most photos in a row that are retaken before the run counts as stuck.
 const MOST_RETAKEN: u32 = 10_000;
 
 /// Runs a mission from START to its end. `watch` sees the state after everything that happens.

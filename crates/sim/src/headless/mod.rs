@@ -110,7 +110,7 @@ impl Run {
         self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
-    /// Sends a command with its sender.
+    /// Like `give`, for any sender.
     ///
     /// # Errors
     /// The core's refusal.

@@ -81,7 +81,7 @@ pub(super) struct Grip {
     pub(super) height: f64,
     /// Steps over which it was carried.
     pub(super) steps: u32,
-    /// Of the force, in newtons; of the angle, in radians; of the gap, in metres.
+    /// Errors: of the force in newtons, of the angle in radians, of the gap in metres.
     pub(super) force: Held,
     pub(super) angle: Held,
     pub(super) gap: Held,
@@ -94,7 +94,7 @@ pub(super) struct Grip {
 }
 
 impl Grip {
-    /// Grippers that have just closed round it, with small errors.
+    /// Grippers that have just closed round a parcel, with small random errors.
     pub(super) fn new(parcel: Parcel, noise: &mut RandomStream) -> Grip {
         let mut about = |most: f64| Held { error: (noise.fraction() * 2.0 - 1.0) * most, sum: 0.0 };
         let (force, angle) = (about(5.0), about(0.03));
@@ -154,7 +154,6 @@ impl Spread {
         self.worst
     }
 
-    /// The root of the mean of the squares of the errors.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a run has far fewer steps than a double counts")]
     pub fn rms(&self) -> f64 {

@@ -109,7 +109,7 @@ impl PairGround {
         self.moved.insert(parcel.piece, Some(parcel.place));
     }
 
-    /// The container takes in a piece that was released before it.
+    /// The piece lies nowhere on the floor afterwards.
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);

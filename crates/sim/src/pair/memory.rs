@@ -61,7 +61,7 @@ pub enum AstrayMemory {
     Turned(i64),
 }
 
-/// A parcel in the grippers. For each quantity: the error, and its sum over time, in millionths.
+/// A parcel in the grippers. Each quantity consists of its error and the sum of the error over seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GripMemory {
     pub parcel: Parcel,
@@ -69,11 +69,11 @@ pub struct GripMemory {
     pub height: i64,
     /// Steps over which it was carried.
     pub steps: u32,
-    /// Of the force, in newtons.
+    /// In millionths of a newton.
     pub force: [i64; 2],
-    /// Of the angle, in radians.
+    /// In microradians.
     pub angle: [i64; 2],
-    /// Of the distance of the bases, in metres.
+    /// Distance of the bases, in micrometres.
     pub gap: [i64; 2],
     /// Share by which the second base is faster, in millionths.
     pub faster: i64,
@@ -182,7 +182,7 @@ impl Pair {
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);
         let mut pair = Pair::placed(hall, settings, memory, now.since_start);
-        // A parcel in the grippers is off the floor, or it stands where it was gripped.
+        // Only a lifted parcel is off the floor; one that is merely gripped still stands there.
         if let Some(grip) = &pair.grip
             && grip.is_loaded()
         {

@@ -222,7 +222,7 @@ impl Pair {
         self.ground.taken_in()
     }
 
-    /// Where each piece lies on the floor: one that was moved, where it was put or fell.
+    /// Pieces on the floor that were moved, each where it was put down or fell.
     #[must_use]
     pub fn lying(&self) -> Vec<(Piece, Place)> {
         self.ground.lying().collect()

@@ -199,7 +199,7 @@ impl Pair {
         (way, Some(if is_ahead { seen } else { Obstacle::Unknown }))
     }
 
-    /// How long a robot needs back to where it belongs.
+    /// How long a robot needs back to `Robot::stands`, in proportion to how far it is astray.
     fn way_back(&self, which: Which, step: Duration) -> Duration {
         match self.robots[which.index()].astray {
             Astray::Not => Duration::ZERO,

@@ -84,8 +84,6 @@ pub fn written(whose: &Whose, memory: &PairMemory) -> Vec<u8> {
     format!("{MAGIC}{VERSION}\n{:016x} {json}\n", Fingerprint::of(&json)).into_bytes()
 }
 
-/// Reads a whole file.
-///
 /// # Errors
 /// Why its bytes are no memory of a pair.
 pub fn read(bytes: &[u8]) -> Result<(Whose, PairMemory), Unread> {

@@ -26,7 +26,6 @@ enum Due {
 }
 
 impl Pair {
-    /// Handles everything that is due by `now`.
     pub(super) fn pass_to(&mut self, now: Duration) {
         while let Some((at, due)) = self.next_due(true).filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
@@ -295,7 +294,7 @@ impl Pair {
         }
     }
 
-    /// The deadline of an order has passed.
+    /// Called when the deadline of an order has passed.
     fn give_up(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };
         let words = if task.run.is_some() {

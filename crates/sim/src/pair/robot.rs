@@ -58,7 +58,7 @@ pub(super) enum Work {
         until: f64,
         against: Option<Obstacle>,
     },
-    /// Back to where it belongs.
+    /// Back to `Robot::stands`.
     Back,
     Turn {
         clockwise: bool,

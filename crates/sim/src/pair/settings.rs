@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use hallsweep_core::place::Place;
 
-/// The settings of a simulated pair. Times are in simulated time.
+/// Times are in simulated time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairSettings {
     /// The seed of its noise and failures.
@@ -29,7 +29,7 @@ pub struct PairSettings {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mishaps {
     pub slips: Vec<Slip>,
-    /// Parcels that a look does not recognise.
+    /// Parcels that the first look does not recognise.
     pub unrecognised: Vec<u32>,
     /// Parcels round which a gripper does not close, however often it tries.
     pub jams: Vec<u32>,
@@ -48,7 +48,6 @@ pub struct Slip {
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl PairSettings {
-    /// The usual pair, with its container at this place.
     #[must_use]
     pub fn new(seed: u64, container: Place) -> PairSettings {
         PairSettings {

@@ -6,7 +6,6 @@ use hallsweep_core::units::{Cell, Now};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
-    /// Its thermometer is missing, and no reading comes.
     pub no_thermometer: bool,
     pub camera_fails: bool,
 }

@@ -8,7 +8,7 @@ use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
 use hallsweep_core::robot::Part;
 
 impl Sim {
-    /// Reports this when the link comes up.
+    /// Queues the first reports after the link comes up: the place, the hook, then the capabilities.
     pub(super) fn introduce(&mut self) {
         let off_centre = self.is_off_centre();
         let stands = match self.outside {

@@ -11,7 +11,7 @@ use hallsweep_core::units::{Now, OrderId};
 
 #[derive(Debug)]
 pub(super) enum Film {
-    /// It is developed here when its time has come.
+    /// The simulator develops it itself when the photo's time is over.
     Here(Exposure),
     Away,
     Developed(Photo),

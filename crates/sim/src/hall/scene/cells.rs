@@ -20,12 +20,11 @@ use hallsweep_core::world::hall_map::Bounds;
 /// The page's name for the edge of the floor.
 const BORDER: &str = "floor-border";
 
-/// A hall made of a scene, and what it does not say of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallOfScene {
     /// With the player's place as its home.
     pub hall: Hall,
-    /// A few words each.
+    /// Parts of the scene that the hall leaves out, a few words each.
     pub lost: Vec<String>,
 }
 
