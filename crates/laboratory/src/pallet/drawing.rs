@@ -15,7 +15,6 @@ const SIDE: f64 = 24.0;
 /// Width of the wall that is drawn around the yard, in cells.
 const BORDER: i32 = 1;
 
-/// Looks of the robots, by their places in the pair.
 const ROBOTS: [Look; 2] = [Look::new("yard-one", "#1f5fa8"), Look::new("yard-two", "#b02a4c")];
 
 /// A CSS class, and the colour where no page sets another.
@@ -31,7 +30,7 @@ impl Look {
     }
 }
 
-/// Position and size of the drawing in the yard.
+/// `corner` is the north-western cell of the drawing, `BORDER` included.
 struct Scale {
     corner: Cell,
     cell_m: f64,
@@ -42,7 +41,7 @@ impl Scale {
         (f64::from(cell.x - self.corner.x) * SIDE, f64::from(cell.y - self.corner.y) * SIDE)
     }
 
-    /// Converts metres, of which the origin is the centre of home.
+    /// Converts metres from the centre of home.
     fn of_metres(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
         let scale = |metres: f64, corner: i32| (metres / self.cell_m - f64::from(corner) + 0.5) * SIDE;
         (scale(x_m, self.corner.x), scale(y_m, self.corner.y))
@@ -52,7 +51,7 @@ impl Scale {
 /// Title of the drawing, for screen readers and the command line.
 pub const TITLE: &str = "The yard from above, with the ways of both robots and of the parcels";
 
-/// The whole drawing. The title is inserted without escaping.
+/// `title` is inserted without escaping.
 pub fn drawing(run: &PalletRun, title: &str) -> String {
     let hall = &run.yard().hall;
     let bounds = hall.bounds();

@@ -14,7 +14,6 @@ const LOST_AFTER: u32 = 3;
 pub enum Mishap {
     /// The parcel slips out of the grippers while it is carried.
     Lost,
-    /// The parcel slips while it is lifted.
     LostLifting,
     /// The parcel is not recognised at the first look.
     Unrecognised,
@@ -54,12 +53,11 @@ pub struct AskedFault {
     pub parcel: u32,
 }
 
-/// Why a text is not a fault. Whoever shows the error puts the text before it.
+/// Whoever shows the error puts the text before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     #[error("nothing that goes wrong is called that; there are lost, lostLifting, unrecognised, blocked, jammed and absent")]
     Unknown,
-    /// A parcel was named for a fault of the whole run.
     #[error("absent is said of the whole run, without a parcel")]
     OfTheWholeRun,
     #[error("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet")]
@@ -171,7 +169,6 @@ pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed
     faults.iter().filter(|fault| is_left(fault)).map(|fault| (*fault, why(fault.mishap))).collect()
 }
 
-/// Removes one such item from the list; returns whether there was one.
 fn take<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> bool {
     list.iter().position(|item| *item == wanted).map(|index| list.remove(index)).is_some()
 }

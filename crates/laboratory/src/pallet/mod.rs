@@ -28,5 +28,5 @@ pub use run::{Asked, PalletRun};
 pub use shown::Pallet;
 pub use words::{kind, rows, words};
 pub use yard::{MOST_PARCELS, ParcelsError, Yard};
-// Figures hold them.
+// Needed outside to read `Figures::holding`.
 pub use hallsweep_sim::pair::Spread;

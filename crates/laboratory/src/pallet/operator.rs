@@ -34,7 +34,7 @@ impl Operator {
         self.next.map(|(at, _)| at)
     }
 
-    /// Returns the act that is due by now, once.
+    /// Returns a due act only once.
     pub(super) fn deed(&mut self, now: Duration) -> Option<Deed> {
         self.next.take_if(|(at, _)| *at <= now).map(|(_, deed)| deed)
     }

@@ -108,7 +108,7 @@ pub struct Frame {
     /// Gripping force in newtons, angle of the paddles in radians, and excess distance of the bases in metres, while a parcel is
     /// held.
     pub held: Option<[f64; 3]>,
-    /// Number of parcels in the target area.
+    /// Parcels that are really in the target area, whatever the trees say.
     pub delivered: usize,
 }
 
@@ -173,7 +173,7 @@ pub struct Figures {
     pub losses: u32,
     /// Errors of force, angle and distance while parcels were off the floor.
     pub holding: Holding,
-    /// Why not all parcels arrived.
+    /// Why not all parcels arrived; `None` if all did, or while the run goes on.
     pub fault: Option<PalletFault>,
 }
 

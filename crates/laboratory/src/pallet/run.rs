@@ -22,7 +22,7 @@ use hallsweep_sim::pair::{Holding, Mishaps, Pair, PairSettings};
 /// Longest simulated time for each parcel: a hundred times what one takes.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// Wait for an answer after which nobody is taken to be at the console.
+/// Time without an answer after which the operator counts as absent, and the run ends.
 const NOBODY_COMES: Duration = Duration::from_secs(600);
 
 /// Interval of the frames that are stored, in ticks.
@@ -143,7 +143,6 @@ impl PalletRun {
         self.figures()
     }
 
-    /// Runs until this simulated time, or to the end of the run.
     pub fn advance_to(&mut self, until: Duration) {
         while self.now < until && self.advance(|_| {}) {}
     }

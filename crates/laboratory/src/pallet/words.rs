@@ -3,7 +3,7 @@
 use super::record::{Entry, Figures, News};
 use hallsweep_sim::pair::Spread;
 
-/// Fixed name of the kind of an event.
+/// The value of `kind` in the JSON report, the same in every language.
 pub const fn kind(news: News) -> &'static str {
     match news {
         News::Began(_) => "phase",
@@ -28,7 +28,6 @@ pub fn words(entry: &Entry) -> String {
     }
 }
 
-/// Each figure with its name and unit.
 pub fn rows(figures: &Figures) -> [(&'static str, String); 7] {
     let holding = &figures.holding;
     let error = |spread: &Spread, scale: f64, unit: &str| {

@@ -37,12 +37,11 @@ const OBSTACLES: f64 = 0.16;
 /// Distance of obstacles from parcels, target area and robots, in cells: room for the train of both robots and a parcel to turn.
 const CLEAR: i32 = 2;
 
-/// There is no yard with this number of parcels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} parcels cannot be moved in one run: from 1 to {MOST_PARCELS} fit on the pallet")]
 pub struct ParcelsError(pub u32);
 
-/// A yard, never changed once drawn.
+/// Never changed once drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yard {
     /// Walls, obstacles and parcels.

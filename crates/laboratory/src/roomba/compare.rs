@@ -7,7 +7,7 @@ use super::run::{Controller, Run, Transition};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parting {
-    /// Number of transitions before that point.
+    /// Number of equal transitions before the runs part.
     pub common: usize,
     /// Each controller with its next transition; `None` when its run ended first.
     pub next: [(Controller, Option<Transition>); 2],

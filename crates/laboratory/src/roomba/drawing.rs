@@ -162,7 +162,6 @@ fn floor(out: &mut String, run: &Run) {
     );
 }
 
-/// Draws the parts of the way that were driven in this phase.
 fn way(out: &mut String, run: &Run, phase: Phase) {
     let mut path = String::new();
     let mut last = None;

@@ -3,7 +3,6 @@
 use super::phase::Motion;
 use super::room::Velocity;
 
-/// A driver says in each tick how fast the body is to go.
 pub(super) trait Driver {
     /// Performs one tick: `bumper` says whether a wall cut the last move short.
     fn tick(&mut self, bumper: bool) -> Velocity;

@@ -6,10 +6,10 @@ use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 /// Side of a square, in metres: a third of the radius, so that gaps in corners and narrow strips are seen.
 pub(super) const SQUARE_M: f64 = 0.05;
 
-/// Number of squares along x.
+/// Squares along x: 6.4 m.
 const COLUMNS: usize = 128;
 
-/// Number of squares along y.
+/// Squares along y: 4.8 m.
 const ROWS: usize = 96;
 
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ impl Floor {
         Floor { passed: vec![false; COLUMNS * ROWS], count: 0 }
     }
 
-    /// Counts the squares under a body with its centre at (`x_m`, `y_m`).
+    /// The centre of the body is at (`x_m`, `y_m`); no square counts twice.
     pub(super) fn pass(&mut self, x_m: f64, y_m: f64) {
         for row in near(y_m, ROWS) {
             for column in near(x_m, COLUMNS) {
@@ -64,7 +64,7 @@ fn centre(index: usize) -> f64 {
     (index as f64 + 0.5) * SQUARE_M
 }
 
-/// Of `of` columns or rows, those that a body at this coordinate can be over.
+/// Out of `of` columns or rows, those that a body at this coordinate can be over.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float becomes the nearest number that there is")]
 fn near(at_m: f64, of: usize) -> std::ops::Range<usize> {
     let index = |m: f64| (m / SQUARE_M) as usize;

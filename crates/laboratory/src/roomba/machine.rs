@@ -22,13 +22,12 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    /// The machine at the beginning of its first MoveForward.
     pub(super) fn new(seed: u64) -> Machine {
         let mut turns = RandomStream::new(seed, TURNS);
         Machine { motion: Motion::begin(Phase::MoveForward, &mut turns), turns }
     }
 
-    /// The next state when the present one ends. The bumper is checked before the time.
+    /// The bumper comes before the time: a wall that is met in the last tick still counts.
     fn next(&self, bumper: bool) -> Option<Phase> {
         if self.motion.meets_wall(bumper) {
             return Some(Phase::GoBack);

@@ -31,7 +31,6 @@ const MAX_LINEAR: f64 = 1.0;
 /// Highest turning speed, in radians per second (docs/laboratory.md).
 const MAX_ANGULAR: f64 = 2.0;
 
-/// Duration of a tick, in seconds.
 pub(super) const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -41,7 +41,6 @@ pub struct Transition {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Duration in seconds.
     pub seconds: f64,
     /// Way of the centre of the body, in metres.
     pub path_m: f64,
@@ -55,7 +54,6 @@ pub struct Figures {
     pub in_phase_s: [f64; 4],
 }
 
-/// A run from the middle of the room to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     pub controller: Controller,
@@ -63,7 +61,6 @@ pub struct Run {
     pub seed: u64,
     /// The start and every tick.
     pub frames: Vec<Frame>,
-    /// Every change of phase, in order.
     pub transitions: Vec<Transition>,
     pub figures: Figures,
 }
@@ -81,7 +78,6 @@ impl Controller {
 }
 
 impl Frame {
-    /// Time since the start.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         seconds(self.tick)
@@ -89,7 +85,6 @@ impl Frame {
 }
 
 impl Transition {
-    /// Time since the start.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         seconds(self.tick)

@@ -124,12 +124,10 @@ impl Roomba {
         &self.runs
     }
 
-    /// Number of transitions of the first run.
     pub fn transitions(&self) -> usize {
         self.runs.first().map_or(0, |run| run.transitions.len())
     }
 
-    /// Whether both controllers were run, so that they can be compared.
     pub fn is_comparison(&self) -> bool {
         self.runs.len() > 1
     }

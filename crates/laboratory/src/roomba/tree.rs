@@ -36,7 +36,6 @@ struct Wheels {
 const STILL: Velocity = Velocity { linear: 0.0, angular: 0.0 };
 
 impl Tree {
-    /// The tree at the beginning of its first MoveForward.
     pub(super) fn new(seed: u64) -> Tree {
         let mut blackboard = Blackboard::new();
         let catalogue = Catalogue::new(Phase::ALL.map(|phase| LeafKind::action(phase.name(), Vec::new())).into());
@@ -76,7 +75,7 @@ impl Leaves for Wheels {
         if leaf.is_starting() {
             self.motion = Motion::begin(phase, &mut self.turns);
         }
-        // The bumper is checked before the time.
+        // The bumper comes first, as in the machine: a wall that is met in the last tick still counts.
         if self.motion.meets_wall(self.bumper) {
             return Status::Failure;
         }
