@@ -18,7 +18,7 @@ pub enum Family {
     Islands,
     /// Alcoves along the walls, one cell wide.
     Pockets,
-    /// Corridors between blocks of wall.
+    /// Corridors of 1 to 3 cells between blocks of wall.
     Corridors,
     /// A maze of corridors one cell wide.
     Maze,
@@ -38,7 +38,7 @@ impl Family {
         Family::Maze,
     ];
 
-    /// Hardly any hall with this many cells holds more luggage.
+    /// An estimate for the bound on luggage, 5 % above the expected number; few halls hold more.
     #[must_use]
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hall is small")]
     pub(crate) fn most_pieces(self, cells: usize) -> usize {
@@ -143,7 +143,6 @@ impl Drawing {
         &mut self.squares[y * self.columns + x]
     }
 
-    /// The place at this distance from another, if it is inside.
     fn beside(&self, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> Option<(usize, usize)> {
         let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
         (x < self.columns && y < self.lines).then_some((x, y))

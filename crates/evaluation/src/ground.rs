@@ -13,9 +13,9 @@ pub struct Ground {
     within: Vec<bool>,
     /// Number of cells that can be reached, home included.
     pub reachable: usize,
-    /// Number of free cells.
+    /// Number of free cells, whether or not they can be reached.
     pub free: usize,
-    /// Number of cells of luggage that can be touched.
+    /// Number of cells of luggage beside a cell that can be reached.
     pub touchable: usize,
 }
 
@@ -82,7 +82,7 @@ impl Ground {
         self.squares.len()
     }
 
-    /// The index of a cell inside the rectangle.
+    /// The index of a cell, row by row from the north-west corner of the rim.
     pub(crate) fn place(&self, cell: Cell) -> usize {
         let place = (cell.y - self.bounds.least.y) * self.bounds.width() + cell.x - self.bounds.least.x;
         usize::try_from(place).expect("a cell inside the rectangle has a place")

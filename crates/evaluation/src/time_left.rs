@@ -29,7 +29,7 @@ const SIDES: [(usize, usize); 4] = [(12, 9), (20, 20), (40, 25), (50, 50)];
 /// Shares of the searches' time, each decision weighed by its duration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Held {
-    /// While an upper bound was given.
+    /// Share in which an upper bound was given.
     pub with_most: f64,
     /// Share of the time with an upper bound in which the rest lay within the range; `None` where no range was given.
     pub within: Option<f64>,
@@ -37,7 +37,7 @@ pub struct Held {
     pub at_least: Option<f64>,
 }
 
-/// Time of searches, by the bounds that were given in it.
+/// Sums over searches, each with a duration of 1, by the bounds that the forecast gave.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     all: f64,
@@ -88,7 +88,6 @@ fn now(walk: &Walk, strategy: Strategy) -> Option<Forecast> {
 }
 
 impl Sums {
-    /// A moment with this duration, and the time left then.
     fn of(said: Option<Forecast>, left: f64, lasts: f64) -> Sums {
         let all = Sums { all: lasts, ..Sums::default() };
         let when = |so: bool| if so { lasts } else { 0.0 };

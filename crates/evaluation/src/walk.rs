@@ -29,9 +29,7 @@ pub struct Walk {
     pub pose: Pose,
     gait: Gait,
     pub moves: Moves,
-    /// Number of cells visited.
     pub visited: usize,
-    /// Number of cells of luggage found.
     pub found: usize,
     /// Sum over all luggage found of the moves before it.
     pub found_after: u64,
@@ -151,8 +149,8 @@ impl Walk {
         }
     }
 
-    /// Towards a cell as if everything unknown were free, until its content is known or it cannot be reached. The way
-    /// is planned anew where an obstacle was seen.
+    /// Drives towards a cell as if everything unknown were free, until its content is known or it cannot be reached.
+    /// Plans the way anew where an obstacle was seen.
     fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
         while self.grid.at(cell) != Square::Visited && !self.grid.at(cell).is_settled() {
             let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
@@ -210,8 +208,7 @@ impl Walk {
         self.print ^= mixed(cell, square as u64);
     }
 
-    /// The obstacle behind a cell ahead, or behind that of the robot, is recognised; of a wall the straight line it
-    /// belongs to.
+    /// Recognises the obstacle ahead of `before`; of a wall, the whole straight line it belongs to.
     fn meet(&mut self, ground: &Ground, before: Cell) {
         let cell = before.ahead(self.pose.heading);
         if self.grid.at(cell).is_settled() {
@@ -237,7 +234,7 @@ impl Walk {
         }
     }
 
-    /// The front sonar, where there is one.
+    /// Looks along the front sonar; a robot without one has 0 cells of sight.
     fn look_ahead(&mut self, ground: &Ground) {
         let mut cell = self.pose.cell;
         for _ in 0..self.terms.sonar_cells {

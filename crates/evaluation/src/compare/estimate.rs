@@ -8,7 +8,6 @@ pub struct Estimate {
     pub mean: f64,
     /// Half the width of the interval; 0 for a single number, which has none.
     pub half_width: f64,
-    /// Number of values.
     pub count: usize,
 }
 

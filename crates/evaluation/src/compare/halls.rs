@@ -24,9 +24,7 @@ pub enum Halls {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kind {
     pub family: Family,
-    /// Cells from west to east.
     pub columns: usize,
-    /// Cells from north to south.
     pub lines: usize,
 }
 
@@ -95,19 +93,15 @@ impl FromStr for Kind {
     }
 }
 
-/// Why a text names no kind of random halls.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KindError {
-    /// It does not begin with a family: perhaps it is the name of a file.
+    /// The text may still be the name of a hall or of a file.
     #[error("no family of halls")]
     NoFamily,
-    /// No family has this much luggage.
     #[error("luggage-PERCENT goes from luggage-1 to luggage-30")]
     Share,
-    /// A hall of this family and size may hold more luggage than a hall can.
     #[error("a hall of {0} would hold too much luggage, more than 262,144 pieces: take a smaller one, or less luggage")]
     TooMuch(String),
-    /// A family, but no valid size.
     #[error("{0:?} is no size: write columns and lines, as 50x50, each from 1 to 2048")]
     Size(String),
 }

@@ -21,7 +21,6 @@ use std::time::Duration;
 use crate::parallel;
 use hallsweep_core::search::Terms;
 
-/// A measure of one trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// The cost of all moves per reachable cell.
@@ -30,7 +29,6 @@ pub enum Measure {
     ToAPiece,
     /// The steps in proportion to a lower bound for closed tours over the same cells.
     StepsOverBound,
-    /// How long the moves take the robot.
     Seconds,
 }
 
@@ -38,7 +36,7 @@ impl Measure {
     /// All measures, in the order in which they are shown.
     pub const ALL: [Measure; 4] = [Measure::MovesPerCell, Measure::ToAPiece, Measure::StepsOverBound, Measure::Seconds];
 
-    /// The value in this trial; `None` where the hall has nothing to measure it by.
+    /// `None` for `ToAPiece` in a hall where no luggage was found.
     #[must_use]
     pub fn of(self, trial: &Trial) -> Option<f64> {
         match self {
@@ -50,13 +48,10 @@ impl Measure {
     }
 }
 
-/// The task of all entrants, and the halls.
 #[derive(Clone, Debug)]
 pub struct Contest {
     pub halls: Halls,
-    /// The goal, the sensing and the costs.
     pub terms: Terms,
-    /// How long the robot's moves take.
     pub timings: Timings,
 }
 
@@ -83,7 +78,7 @@ impl Contest {
     }
 }
 
-/// The mean of a measure over trials; `None` where no hall has anything to measure it by.
+/// `None` if the measure applies to none of the trials.
 #[must_use]
 pub fn over(trials: &[Trial], measure: Measure) -> Option<Estimate> {
     Estimate::of(trials.iter().filter_map(|trial| measure.of(trial)))

@@ -7,7 +7,6 @@ use super::{Contest, Halls, Kind, Measure, Timings};
 use crate::family::Family;
 use hallsweep_core::search::Terms;
 
-/// Only steps count.
 const STEPS: Costs = Costs { turn: 0, bump: 0 };
 
 #[derive(Clone, Debug)]
@@ -16,7 +15,6 @@ pub struct Row {
     pub measure: Measure,
 }
 
-/// All rows, with `count` halls each, and a robot whose moves take these times.
 #[must_use]
 pub fn rows(count: usize, seed: u64, timings: Timings) -> Vec<Row> {
     let of = |family, (columns, lines): (usize, usize)| Halls::Random { kind: Kind { family, columns, lines }, count, seed };

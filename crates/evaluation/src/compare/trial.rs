@@ -34,7 +34,6 @@ impl Entrant {
         }
     }
 
-    /// The score does.
     fn heeds_news(&self) -> bool {
         match self {
             Entrant::Strategy(strategy) => strategy.heeds_news(),
@@ -66,10 +65,8 @@ impl Decider<'_> {
     }
 }
 
-/// The robot's time for a move of each kind, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timings {
-    /// One cell forward.
     pub step_s: f64,
     /// A quarter turn.
     pub turn_s: f64,
@@ -77,12 +74,11 @@ pub struct Timings {
     pub bump_s: f64,
 }
 
-/// The result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// Cells that can be reached, home included.
     pub cells: usize,
-    /// All free cells.
+    /// All free cells, whether or not they can be reached.
     pub free_cells: usize,
     pub moves: Moves,
     /// The cost of the moves per cell, in steps.
@@ -97,11 +93,10 @@ pub struct Trial {
     pub seconds: f64,
     /// Whether everything was visited and found, and the robot is home.
     pub complete: bool,
-    /// How long each decision took, in nanoseconds.
     pub decisions_ns: Vec<u32>,
 }
 
-/// One search through a hall; `clock` measures how long its decisions take.
+/// `clock` measures how long decisions take and has no effect on the moves.
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn trial(
     ground: &Ground,
@@ -144,7 +139,6 @@ fn bound(ground: &Ground) -> f64 {
     2.0 * dark.max(ground.reachable - dark) as f64
 }
 
-/// The cells in which the robot stands during a whole search, one after the other.
 #[must_use]
 pub fn tour(ground: &Ground, terms: Terms, entrant: &Entrant, ways: &mut Ways) -> Vec<Cell> {
     let (mut walk, mut decider) = (Walk::new(ground, terms), entrant.begin());

@@ -5,7 +5,7 @@ use super::{COLOURS, escaped, opening, push};
 #[derive(Clone, Debug)]
 pub struct Curve {
     pub name: String,
-    /// Abscissas above 0, with the measured values.
+    /// Abscissas, above 0 because the scale is logarithmic, with the measured values.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -16,10 +16,10 @@ const RIGHT: f64 = 180.0;
 const TOP: f64 = 60.0;
 const BOTTOM: f64 = 60.0;
 
-/// Number of parts of the height, each with its label.
+/// Intervals between labelled grid lines on the ordinate.
 const PARTS: u8 = 4;
 
-/// The mapping from values to places in the picture.
+/// `least` and `most` bound the logarithmic abscissa; `highest` ends the ordinate, which begins at 0.
 struct Scale {
     least: f64,
     most: f64,
@@ -46,7 +46,7 @@ impl Scale {
     }
 }
 
-/// The picture of these curves; `axes` names what is measured to the right and upwards.
+/// `axes` names what is measured to the right, then upwards.
 #[must_use]
 pub fn curves(title: &str, axes: [&str; 2], curves: &[Curve]) -> String {
     let scale = Scale::of(curves);

@@ -14,7 +14,7 @@ use std::fmt::Arguments;
 /// Colours in their order of use, chosen to be distinct for people with defective colour vision.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
 
-/// The first tag of a picture of this size, and its background.
+/// The `<svg>` tag with its title and a white background; the caller writes `</svg>`.
 fn opening(width: f64, height: f64, title: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\" \

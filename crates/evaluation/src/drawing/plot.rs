@@ -10,7 +10,6 @@ pub struct Band {
     pub dots: Vec<Dot>,
 }
 
-/// One line of a band.
 #[derive(Clone, Debug)]
 pub struct Dot {
     pub name: String,

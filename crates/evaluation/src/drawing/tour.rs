@@ -13,10 +13,9 @@ const MARGIN: f64 = 16.0;
 /// Height of the lines above the hall, in the units of the picture.
 const HEAD: f64 = 34.0;
 
-/// Number of colours of the way.
+/// Steps of the colour gradient from start to end of the way.
 const COLOURS: usize = 24;
 
-/// `caption` says who went it.
 #[must_use]
 pub fn tour(hall: &Hall, way: &[Cell], caption: &str) -> String {
     let bounds = hall.bounds();

@@ -36,52 +36,48 @@ const MOST_ROW: f64 = 5000.0;
 /// Moments of a walk whose remaining costs are used to judge others.
 const LOOKS: usize = 12;
 
-/// The settings of a round of counterfactuals.
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
     /// Its number: every round has halls of its own.
     pub number: u64,
-    /// Number of halls.
     pub halls: usize,
     /// Steps for which each counterfactual is followed.
     pub horizon: f64,
     /// Share of the decisions that are tried.
     pub tried: f64,
-    /// The stiffness of the regression.
     pub ridge: f64,
-    /// Share of its result that is adopted.
+    /// Share of the regression's result that is adopted.
     pub taken: f64,
 }
 
 #[derive(Clone, Debug)]
 pub struct Learnt {
     pub weights: Weights,
-    /// Number of counterfactuals.
     pub tried: usize,
     /// The mean square error of the scores, before and after, over all that is known.
     pub missed: (f64, f64),
 }
 
-/// All counterfactuals so far. Each round fits all of them anew.
+/// Each round fits all counterfactuals so far anew.
 #[derive(Debug)]
 pub struct Lessons<'a> {
     task: &'a Task,
-    /// The worth of each number of a rest.
+    /// Coefficients that turn a rest into its remaining cost, by the numbers of the rest.
     worth: Vec<f64>,
-    /// The difference of costs less that of the ways alone, and where the outlooks differ.
+    /// Each target is a difference of costs without that of the ways; its numbers are where the outlooks differ.
     samples: Vec<Sample>,
 }
 
 /// One decision of a walk, or its end.
 struct Moment {
     walk: Walk,
-    /// The least score.
+    /// The least score of all candidates, in thousandths of a step.
     way: i32,
     /// Number of cells and pieces still to be found.
     unknown: f64,
 }
 
-/// A counterfactual, before what was left is judged.
+/// A counterfactual whose remaining cost is not judged yet.
 struct Trial {
     cost: f64,
     rest: Rest,
@@ -99,7 +95,7 @@ struct Course<'a> {
 }
 
 impl<'a> Lessons<'a> {
-    /// Without lessons yet; the rest of a hall is judged by its cost with these weights, over this many halls.
+    /// Learns what the rest of a hall costs, by walks with these weights through `halls` halls.
     #[must_use]
     pub fn new(task: &'a Task, weights: &Weights, halls: usize) -> Lessons<'a> {
         let rests = parallel::each(halls, |n, ways| {
@@ -188,7 +184,8 @@ impl<'a> Course<'a> {
         self.judge.rest(&self.ground, &self.cells, &moment.walk, moment.way)
     }
 
-    /// The costs by then, and the weight of a remaining step: for luggage soon, the number of pieces still to be found.
+    /// The costs so far, and the weight of each further step: to find luggage soon, the number of cells and pieces
+    /// still unknown.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     fn account(&self, moment: &Moment) -> (f64, f64) {
         match self.task.terms.objective {

@@ -8,7 +8,6 @@ use hallsweep_core::search::weights::Weights;
 use super::Task;
 use crate::{Ground, parallel};
 
-/// Candidates per generation.
 const CANDIDATES: usize = 44;
 
 /// Candidates of a generation that shape the next one.

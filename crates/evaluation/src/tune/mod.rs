@@ -29,7 +29,6 @@ use hallsweep_core::search::Terms;
 
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// The goal, the sensing and the costs.
     pub terms: Terms,
     /// The least and the greatest side of a hall, in cells.
     pub sides: (usize, usize),
@@ -39,13 +38,12 @@ pub struct Task {
 }
 
 impl Task {
-    /// Halls of 20 to 30 cells a side with a tenth luggage.
     #[must_use]
     pub fn usual(terms: Terms, seed: u64) -> Task {
         Task { terms, sides: (20, 30), families: vec![Family::Luggage(0.1)], seed }
     }
 
-    /// The initial weights: none for luggage soon, and for few moves the pocket rule.
+    /// To cover a hall, the search begins with the pocket rule; to find luggage, without any weights.
     #[must_use]
     pub fn first_weights(&self) -> Weights {
         let mut weights = Weights { least: -3000, ..Weights::nothing() };

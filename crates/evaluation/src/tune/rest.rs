@@ -125,12 +125,11 @@ fn counted(plain: [f32; PLAIN], mut neighbourhoods: Vec<u32>) -> Rest {
     rest
 }
 
-/// The worth of each number, from the rests at moments of whole walks and their real costs.
+/// Coefficients of the numbers of a rest, learnt from rests within whole walks and their real costs.
 pub(super) fn worth(samples: &[Sample]) -> Vec<f64> {
     ridge::ridge(samples, NUMBERS, 30.0, 100)
 }
 
-/// One weighed rest less another.
 #[expect(clippy::cast_possible_truncation, reason = "sums of small numbers need no more digits")]
 pub(super) fn difference(a: &Rest, weight_a: f64, b: &Rest, weight_b: f64) -> Rest {
     let (mut a, mut b) = (a.iter().peekable(), b.iter().peekable());

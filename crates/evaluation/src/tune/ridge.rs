@@ -1,7 +1,7 @@
 //! Ridge regression over many numbers of which each sample has few: by conjugate gradients, with the diagonal as
 //! preconditioner, because some numbers are counts of hundreds and some are ones.
 
-/// One sample: the value to be explained, and the numbers that explain it.
+/// `numbers` holds pairs of index and value; a number that is absent is 0.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub(super) target: f32,
@@ -9,6 +9,7 @@ pub(super) struct Sample {
 }
 
 /// The coefficients of `size` numbers that explain the samples best, each restrained by `stiffness`.
+/// Stops after `steps`, or earlier when the residual is small.
 pub(super) fn ridge(samples: &[Sample], size: usize, stiffness: f64, steps: usize) -> Vec<f64> {
     let mut residual = vec![0.0; size];
     let mut diagonal = vec![stiffness; size];
@@ -44,7 +45,6 @@ pub(super) fn ridge(samples: &[Sample], size: usize, stiffness: f64, steps: usiz
     solution
 }
 
-/// The coefficients' effect on a sample.
 pub(super) fn explained(coefficients: &[f64], numbers: &[(u32, f32)]) -> f64 {
     numbers.iter().map(|(n, x)| coefficients[*n as usize] * f64::from(*x)).sum()
 }

@@ -215,7 +215,7 @@ impl Evaluate {
         all.map(opened).collect()
     }
 
-    /// Parses a family with its size, or the name or file of a hall.
+    /// A text that begins with the name of a family is never tried as a name or file of a hall.
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
         match written.parse::<Kind>() {
             Ok(kind) => Ok(Halls::Random { kind, count: self.count as usize, seed: self.seed }),

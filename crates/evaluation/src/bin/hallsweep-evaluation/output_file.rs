@@ -20,12 +20,12 @@ enum To {
     StandardOutput,
     /// A pipe or a terminal, where no file is replaced.
     Through(File),
-    /// A temporary file in the folder of the result.
+    /// A temporary file in the folder of the result, so that a rename can put it in place.
     Beside(NamedTempFile),
 }
 
 impl OutputFile {
-    /// Opens the file of this name, which may exist already, or standard output.
+    /// Leaves an older file unchanged until `write`.
     pub(crate) fn open(path: &Path) -> Result<OutputFile, Failure> {
         // A link is not replaced, but leads to the new file.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -33,7 +33,7 @@ impl OutputFile {
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Writes the result, in place of an older file.
+    /// Also flushes file and folder to disk, so that the result survives a crash.
     pub(crate) fn write(self, text: &str) -> Result<(), Failure> {
         let written = match self.to {
             To::StandardOutput => io::stdout().write_all(text.as_bytes()),

@@ -40,7 +40,6 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     format!("{}\n\nMeans of {halls} halls each, with their 95 % intervals.", aligned(&table))
 }
 
-/// A line per family with the share of the time in which the stated time left held.
 pub(super) fn time_left(held: &[(Family, Held)]) -> String {
     let mut table = vec![["halls", "a range is said", "it holds", "\"at least\" holds"].map(str::to_owned).to_vec()];
     let percent = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", share * 100.0));
