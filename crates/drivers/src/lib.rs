@@ -27,8 +27,8 @@ pub trait Driver: fmt::Debug + Send {
     /// The connection is lost, or could not be made, for the reason `words`.
     fn handle_lost(&mut self, words: &str, now: Now);
 
-    /// The connection that `Output::Reconnect` was to end has ended. The flag says whether the robot closed it too,
-    /// within the time for that.
+    /// The connection that `Output::Reconnect` ends is closed. The flag is false when the robot did not close its side
+    /// in time.
     fn handle_closed(&mut self, _by_both: bool, _: Now) {}
 
     /// Bytes from the robot: any piece of a stream, or one whole message.
@@ -47,7 +47,6 @@ pub trait Driver: fmt::Debug + Send {
 
     fn handle_drawing(&mut self, order: OrderId, drawing: Photo, now: Now);
 
-    /// Handles everything that is due by `now`.
     fn handle_timeout(&mut self, now: Now);
 
     fn poll_output(&mut self) -> Option<Output>;

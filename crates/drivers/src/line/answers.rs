@@ -48,7 +48,6 @@ impl LineDriver {
         }
     }
 
-    /// Reports what was measured since the last report, if `READINGS` has passed.
     pub(super) fn tell_readings(&mut self, now: Now) {
         self.readings_at = now.since_start + READINGS;
         self.events.extend(self.sonar.take().map(RobotEvent::Sonar));
@@ -59,7 +58,7 @@ impl LineDriver {
         (self.sonar.is_some() || self.temperature.is_some()).then_some(self.readings_at)
     }
 
-    /// Handles an answer to the open order; one to any other order is out of date.
+    /// An answer to any order but the open one is out of date, and ignored.
     fn answered(&mut self, said: FromRobot) {
         match said {
             FromRobot::Done(seq, ahead) => {
@@ -91,8 +90,8 @@ impl LineDriver {
         }
     }
 
-    /// The robot halted although nobody asked: now and then it has received too little, but if it always does, it will
-    /// never arrive.
+    /// Counts halts that nobody asked for: a robot that received too little for a moment halts by itself, but after
+    /// `UNASKED` such halts in a row the order fails, since it would never arrive.
     fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
         let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
         let Some(id) = self.close_motion(seq, off_centre) else { return };
@@ -111,14 +110,12 @@ impl LineDriver {
         self.open.take_if(|_| seq == self.seq)
     }
 
-    /// Closes the open order, if it has this number and is a motion.
     fn close_motion(&mut self, seq: Seq, off_centre: OffCentre) -> Option<OrderId> {
         let open = self.open.take_if(|open| seq == self.seq && open.task.is_motion())?;
         self.off_centre = off_centre;
         Some(open.order.id)
     }
 
-    /// Closes a completed motion: the robot stands where the motion leads.
     fn close_done(&mut self, seq: Seq) -> Option<OrderId> {
         let task = self.open.as_ref().map(|open| open.task)?;
         let id = self.close_motion(seq, false)?;
@@ -142,7 +139,6 @@ impl LineDriver {
         }
     }
 
-    /// Ends the photo: it is complete, or given up.
     pub(super) fn develop(&mut self, now: Now) {
         let Some(picture) = self.picture.take() else { return };
         self.heard = now.since_start;

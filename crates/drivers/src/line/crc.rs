@@ -8,7 +8,6 @@ pub(super) fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Checks a photo, piece by piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crc32(u32);
 

@@ -19,7 +19,7 @@ use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 /// Time after which a line without an answer is repeated.
 const REPEATED: Duration = Duration::from_millis(100);
 
-/// Time between two questions who the robot is.
+/// Interval of `hello`, which asks the robot who it is: three of them fit into `SILENCE`.
 pub(super) const HELLO: Duration = Duration::from_millis(500);
 
 /// Silence after which a robot that was heard counts as gone.
@@ -55,14 +55,14 @@ pub struct LineDriver {
     /// Time before which a change of the LED waits for the next `hello`.
     led_at: Duration,
     pub(super) off_centre: OffCentre,
-    /// A distance that was not reported yet, with the outer `None` if there is none.
+    /// A distance that was not reported yet; the outer `None` means that there is none.
     pub(super) sonar: Option<Option<u16>>,
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
     pub(super) unasked: u8,
     pub(super) name: Option<RobotName>,
     pub(super) connected: Duration,
-    /// When the last valid line came.
+    /// When the last valid line or piece of a photo came: silence counts from here.
     pub(super) heard: Duration,
     pub(super) hello_at: Duration,
     pub(super) outputs: VecDeque<Output>,
@@ -85,7 +85,6 @@ pub(super) struct Robot {
     pub(super) parts: Parts,
     /// The number above which orders begin: a robot that knows it is the same one, and was not switched off.
     pub(super) from: Seq,
-    /// Where its completed orders have brought it.
     pub(super) pose: Pose,
 }
 
@@ -97,7 +96,6 @@ pub(super) struct Open {
     repeat_at: Duration,
     /// The order is to be void: the halt is repeated in place of it.
     pub(super) is_halted: bool,
-    /// Whether it is halted because its deadline has passed.
     pub(super) is_late: bool,
 }
 
@@ -144,7 +142,6 @@ impl LineDriver {
         matches!(&self.link, LinkStage::Up(robot) if robot.parts.has(part))
     }
 
-    /// Repeats the open order, or the halt that voids it.
     fn repeat(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
         open.repeat_at = now.since_start + REPEATED;
@@ -162,7 +159,6 @@ impl LineDriver {
         self.say(ToRobot::Halt(voids));
     }
 
-    /// The task for an action, or why a robot with these parts does not get it.
     fn task(&self, action: Action) -> Result<RobotTask, &'static str> {
         let task = match action {
             Action::Move(Move::Forward) => RobotTask::Forward,
@@ -230,14 +226,12 @@ impl LineDriver {
         self.break_link(words);
     }
 
-    /// Gives up the connection; another is made after a while.
     pub(super) fn break_link(&mut self, words: String) {
         self.link = LinkStage::Down;
         self.drop_order();
         self.outputs.push_back(Output::GiveUp(words));
     }
 
-    /// How long the robot may be silent; `None` without a connection.
     const fn patience(&self) -> Option<Duration> {
         match self.link {
             LinkStage::Down => None,
@@ -250,8 +244,8 @@ impl LineDriver {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }
 
-    /// No `hello` is due while the bytes of a photo come, so that nothing else is sent between them; missing bytes are
-    /// noticed.
+    /// No `hello` is sent while the bytes of a photo come, so that nothing else is sent between them. Missing bytes are
+    /// noticed by `PAUSE`.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
             (LinkStage::Down, _) | (_, Some(_)) => None,
@@ -322,7 +316,7 @@ impl Driver for LineDriver {
                 self.seq
             }
             _ if matches!(self.link, LinkStage::Down) => return,
-            // A photo goes on, and has the last number.
+            // A photo goes on: its order has the last number, so only the orders before it are void.
             Some(_) => self.seq.before(),
             None => self.voided(),
         };

@@ -44,7 +44,6 @@ impl LineReader {
         self.passed_over
     }
 
-    /// Drops the beginning of a line whose end will not come.
     fn clear(&mut self) {
         self.line.clear();
         self.is_too_long = false;

@@ -19,7 +19,6 @@ pub enum FromRobot {
     /// A motion was cut short by a halt, or not begun.
     Halted(Seq, OffCentre),
     Failed(Seq, Words),
-    /// It has no photo, for this reason.
     NoPhoto(Seq, Words),
     /// A photo with this length in bytes, which follow at once, and this CRC-32.
     Photo(Seq, u32, u32),
@@ -32,7 +31,6 @@ pub enum FromRobot {
 pub struct Hello {
     pub name: RobotName,
     pub parts: Parts,
-    /// How long one cell takes.
     pub step: Duration,
     /// How long a turn of 90° takes.
     pub turn: Duration,
@@ -52,7 +50,6 @@ impl RobotName {
     /// Longest name, in bytes: the line has room for no more.
     pub const MOST: usize = 24;
 
-    /// `None` unless it has 1 to `MOST` visible ASCII characters without a star.
     #[must_use]
     pub fn new(text: &str) -> Option<RobotName> {
         let is_sound = text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*');
@@ -73,7 +70,6 @@ pub struct Words(String);
 impl Words {
     const MOST: usize = 100;
 
-    /// Replaces characters that a line cannot carry by question marks, and cuts the text where the room ends.
     #[must_use]
     pub fn new(text: &str) -> Words {
         let carried = |letter: char| if (' '..='~').contains(&letter) && letter != '*' { letter } else { '?' };
@@ -88,7 +84,6 @@ impl fmt::Display for Words {
 }
 
 impl FromRobot {
-    /// `None` for a line without known meaning.
     #[must_use]
     pub fn parse(text: &str) -> Option<FromRobot> {
         let (word, rest) = text.split_once(' ')?;

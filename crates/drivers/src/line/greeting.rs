@@ -28,7 +28,6 @@ const GREETED: Duration = Duration::from_secs(60);
 const FURTHEST: i32 = 2048;
 
 impl LineDriver {
-    /// Asks the robot who it is, or repeats the number above which orders begin.
     pub(super) fn greet(&mut self, now: Now) {
         self.hello_at = now.since_start + HELLO;
         let words = if let LinkStage::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
@@ -69,8 +68,8 @@ impl LineDriver {
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
-        // What it said before an answer may come behind it: it stands where its orders have brought it, or where the
-        // open one leads.
+        // The answer to the open order may be lost or still to come, so the robot may already stand where that order
+        // leads.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
             Some(format!("{name} has taken the place of {}: look where it stands", robot.name))
@@ -103,7 +102,8 @@ impl LineDriver {
         let is_first = matches!(self.link, LinkStage::Greeting(None));
         self.link = LinkStage::Greeting(from);
         match from {
-            // A robot that always knows of more orders is not told more often than any other.
+            // Only the first time: each answer of the robot leads here, and greeting it again at once would never
+            // pause.
             Some(_) if is_first => self.greet(now),
             Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),

@@ -15,7 +15,6 @@ impl Seq {
     /// At three orders a second it is reached after twenty years.
     pub const LAST: Seq = Seq(i32::MAX as u32);
 
-    /// `None` unless the number is from 1 to `LAST`.
     #[must_use]
     pub fn new(number: u32) -> Option<Seq> {
         (1..=Seq::LAST.0).contains(&number).then_some(Seq(number))
@@ -30,7 +29,6 @@ impl Seq {
         Seq::new(self.0 + 1)
     }
 
-    /// The number before this one; that before the first is the first itself.
     pub(super) fn before(self) -> Seq {
         Seq::new(self.0 - 1).unwrap_or(Seq::FIRST)
     }
@@ -52,7 +50,6 @@ pub(super) fn number<N: FromStr>(text: &str) -> Option<N> {
     is_digits.then(|| text.parse().ok()).flatten()
 }
 
-/// Accepts digits with an optional minus.
 pub(super) fn signed(text: &str) -> Option<i32> {
     let size: i16 = number(text.strip_prefix('-').unwrap_or(text))?;
     Some(if text.starts_with('-') { -i32::from(size) } else { i32::from(size) })

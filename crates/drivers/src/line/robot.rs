@@ -33,7 +33,7 @@ pub enum BodyRequest {
 pub struct LineRobot {
     name: RobotName,
     lines: LineReader,
-    /// What it can do; `None` until its body has reported it.
+    /// `None` until the body has reported it: until then nothing is sent.
     capabilities: Option<Capabilities>,
     stands: Whereabouts,
     /// The greatest number that it has begun or that was voided; without one it obeys no order.
@@ -45,7 +45,7 @@ pub struct LineRobot {
     from: Option<Seq>,
     sonar_cm: Option<u16>,
     ahead: Option<Ahead>,
-    /// When the last valid line came.
+    /// When the last valid line came: the watchdog counts from here.
     heard: Duration,
     asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
@@ -87,7 +87,6 @@ impl LineRobot {
         self.halt();
     }
 
-    /// Bytes from the program, in any pieces.
     pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
         for byte in bytes {
             // A line that is too long is none of this protocol, and does not let a motion go on.
@@ -127,7 +126,6 @@ impl LineRobot {
         }
     }
 
-    /// Halts a moving robot that receives nothing.
     pub fn handle_timeout(&mut self, now: Now) {
         if self.poll_timeout().is_some_and(|at| at <= now.since_start) {
             self.halt();
@@ -138,7 +136,7 @@ impl LineRobot {
         self.asked.pop_front()
     }
 
-    /// The next line or photo to send. Lines from the program are still read meanwhile.
+    /// The next line or photo to send. The program's lines must be read meanwhile, so that no halt waits for it.
     pub fn poll_output(&mut self) -> Option<Arc<[u8]>> {
         self.outputs.pop_front()
     }
@@ -221,7 +219,6 @@ impl LineRobot {
         self.answer(false, |seq| FromRobot::Done(seq, ahead));
     }
 
-    /// Answers what was under way. A photo leaves the robot where it stands.
     fn answer(&mut self, off_centre: OffCentre, words: impl FnOnce(Seq) -> FromRobot) {
         let Some(UnderWay { seq, task, .. }) = self.under_way.take() else { return };
         self.ahead = None;
@@ -257,7 +254,6 @@ impl LineRobot {
         self.begin_above();
     }
 
-    /// Accepts orders above the number that the program has named, once nothing is under way.
     fn begin_above(&mut self) {
         if let Some(from) = self.from.take_if(|_| self.under_way.is_none()) {
             self.last = Some(from);

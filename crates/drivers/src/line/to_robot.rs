@@ -64,7 +64,6 @@ impl RobotTask {
 }
 
 impl ToRobot {
-    /// `None` for a line without known meaning.
     #[must_use]
     pub fn parse(text: &str) -> Option<ToRobot> {
         let words: Vec<&str> = text.split(' ').collect();

@@ -87,7 +87,6 @@ impl VirtualRobot {
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);
     }
 
-    /// The robot is back at its start and knows how long a cell takes: it begins what was ordered.
     pub(super) fn came_back_gauged(&mut self) {
         let Some(ahead) = self.gauge.take() else { return };
         let step = self.gauged.div_f64(ahead);

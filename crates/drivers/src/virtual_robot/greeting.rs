@@ -8,7 +8,7 @@ use super::{Command, Dialect, Leg, LegStage, VirtualRobot};
 use crate::Output;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 
-/// How long to wait for a greeting on a new connection.
+/// Longest wait for the server's greeting on a new connection.
 pub(super) const GREETING: Duration = Duration::from_secs(1);
 
 /// Connections in a row without a greeting that mean that there is no page: one may be due to a busy server.
@@ -47,8 +47,8 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// Assumes that the page was opened anew with the first order after the fault that asks for it, where nobody can
-    /// see whether it was.
+    /// The fault asks somebody to open the page anew, and this server does not report whether that was done: the first
+    /// order after the fault is taken as a sign that it was.
     pub(super) fn is_put_home(&mut self) {
         self.page_opened_anew();
         // The server may still wait for the end of a move in the closed page, and begin no other.
@@ -73,7 +73,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Asks for a new connection, until which nothing is waited for.
     pub(super) fn reconnect(&mut self) {
         // An alarm on another connection does not count.
         (self.is_connected, self.greeting, self.alarmed) = (false, None, None);

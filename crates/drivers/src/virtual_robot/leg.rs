@@ -10,7 +10,6 @@ use hallsweep_core::units::Heading;
 pub(super) struct Leg {
     pub(super) way: Way,
     pub(super) stage: LegStage,
-    /// Whether the server has reported its end.
     pub(super) is_acknowledged: bool,
     /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
     pub(super) is_halted: bool,
@@ -34,9 +33,9 @@ pub(super) enum LegStage {
     Fresh,
     /// It was refused because another one was under way, and is tried again at this time.
     Refused(Duration),
-    /// It is on its way to the robot.
+    /// It was handed over, and is not confirmed as sent.
     Queued,
-    /// It was sent at this time.
+    /// It was confirmed as sent at this time, since the start of the run.
     Sent(Duration),
     /// It was cut short after `lasted`; until `until` the report of an earlier contact may come.
     Halting { lasted: Duration, until: Duration },

@@ -79,7 +79,7 @@ impl VirtualRobot {
             off_centre: self.off_centre,
             unheard: self.unheard,
             lost: self.lost.clone(),
-            // Everything was sent long ago by then.
+            // So late that a command under way counts as sent long ago.
             now: Duration::MAX,
             ..VirtualRobot::new(self.dialect, self.step)
         };

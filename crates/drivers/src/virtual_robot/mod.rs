@@ -60,14 +60,13 @@ pub enum Dialect {
 pub struct VirtualRobot {
     dialect: Dialect,
     reckoning: Reckoning,
-    /// The time for a cell, as measured and as set.
+    /// Time for one cell as measured, and as the settings or the scene file have it.
     step: Duration,
     step_set: Duration,
     /// Time from the sending of a move to the report of a contact, without the time of driving; `None` before it was
     /// measured.
     latency: Option<Duration>,
     stream: Stream,
-    /// Whether a connection stands, and whether the server has greeted it.
     is_connected: bool,
     is_greeted: bool,
     /// Until when the greeting is waited for.
@@ -94,7 +93,6 @@ pub struct VirtualRobot {
     off_centre: OffCentre,
     /// Whether the light of the search would be on.
     led: bool,
-    /// A motion whose end was not reported.
     unheard: Option<Unheard>,
     /// Why nobody knows where it stands, until its page is opened anew, and whether the sender of an order was told.
     lost: Option<String>,
@@ -109,7 +107,8 @@ pub struct VirtualRobot {
     is_gauged: bool,
     /// How long it has driven there so far.
     gauged: Duration,
-    /// How often it was found to stand elsewhere than was counted, in units of 1/`ASTRAY`.
+    /// Counter of corrections: each correction adds `FOUND`, each completed step or turn subtracts 1, and beyond
+    /// `ASTRAY` the room is taken to be another one.
     astray: u8,
     /// Corrections of position since it last entered a new cell.
     wandered: u8,

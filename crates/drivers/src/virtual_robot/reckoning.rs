@@ -43,7 +43,6 @@ pub(super) struct Reckoning {
     faces: BTreeMap<String, f64>,
     /// The name of the face that it has met from each cell and heading.
     contacts: BTreeMap<String, String>,
-    /// The cells in which it has stood.
     stood: BTreeSet<(i32, i32)>,
     /// The names of things that move, or exist more than once.
     #[serde(skip)]
@@ -51,14 +50,14 @@ pub(super) struct Reckoning {
     /// The faces whose places come from the scene file.
     #[serde(skip)]
     placed: BTreeSet<String>,
-    /// On each axis, whether something was reported since the last known face that a wrong reckoning would have
-    /// misplaced.
+    /// For each axis, whether something was reported since the last known face whose cell is wrong if the reckoning is.
     has_news: [bool; 2],
     /// On each axis, the driving since the robot last met something whose place is known.
     since: [Option<Since>; 2],
 }
 
-/// Where that was, and how far the robot has been counted to drive since: there and back, and in all.
+/// Where the robot last met a thing whose place is known, and the way counted since then: `ahead` is net, `driven` the
+/// total, both in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Since {
     at: f64,
@@ -91,7 +90,7 @@ impl Reckoning {
         }
     }
 
-    /// The robot was put down at home again, in the same room.
+    /// Back at home in the same room: only the position and the drift begin anew, what is known of the room stays.
     pub(super) fn put_home(&mut self) {
         let known = std::mem::replace(self, Reckoning::at_home());
         *self = Reckoning {
@@ -186,7 +185,6 @@ impl Reckoning {
         Cell::new(self.at[0].round() as i32, self.at[1].round() as i32)
     }
 
-    /// Whether it has been in the centre of this cell before.
     pub(super) fn has_stood_in(&self, cell: Cell) -> bool {
         self.stood.contains(&(cell.x, cell.y))
     }
@@ -212,7 +210,8 @@ impl Reckoning {
         }
     }
 
-    /// How far it has driven to and fro along this heading since it last met something whose place is known.
+    /// Cells driven to and fro along this axis since the robot last met a thing whose place is known; infinite before
+    /// the first.
     pub(super) fn driven(&self, heading: Heading) -> f64 {
         self.since[axis(heading)].map_or(f64::INFINITY, |since| since.driven)
     }
@@ -221,7 +220,6 @@ impl Reckoning {
         format!("{},{} {}", self.cell.0, self.cell.1, self.heading)
     }
 
-    /// Moves the reckoning, and the face that was met last, ahead by this much.
     pub(super) fn correct(&mut self, name: Option<&str>, towards: Heading, by: f64) {
         let (dx, dy) = towards.vector();
         self.at = [f64::from(dx).mul_add(by, self.at[0]), f64::from(dy).mul_add(by, self.at[1])];
@@ -237,13 +235,13 @@ impl Reckoning {
         }
     }
 
-    /// Sets that the robot, going this way, stands between these two coordinates across it.
+    /// Bounds the coordinate across the direction of travel, in cells.
     pub(super) fn stand_across(&mut self, towards: Heading, from: f64, to: f64) {
         let across = 1 - axis(towards);
         self.at[across] = self.at[across].clamp(from, to);
     }
 
-    /// Sets that the robot, going this way, stands in this cell across it.
+    /// Bounds the coordinate across the direction of travel by the sides of this cell.
     pub(super) fn stand_in_column(&mut self, cell: Cell, towards: Heading) {
         let across = 1 - axis(towards);
         let centre = [f64::from(cell.x), f64::from(cell.y)][across];
@@ -255,12 +253,11 @@ impl Reckoning {
         self.unfixed.insert(name.to_owned());
     }
 
-    /// The robot stands right at home, which it has never left.
+    /// After the measurement of a step the robot is back at home, and its position is exact.
     pub(super) fn set_out_from_home(&mut self) {
         (self.at, self.since) = ([0.0; 2], [None; 2]);
     }
 
-    /// Whether this thing was met before, coming this way.
     pub(super) fn knows(&self, name: Option<&str>, towards: Heading) -> bool {
         name.is_some_and(|name| self.faces.contains_key(&key(name, towards)))
     }

@@ -30,7 +30,6 @@ pub(super) const BORDER: &str = "floor-border";
 pub struct Room {
     /// Where the robot's centre can be.
     pub floor: Extent,
-    /// The things that do not move.
     pub things: Vec<Thing>,
     /// The names of things that move, and thus say nothing about the robot's place.
     pub moving: Vec<String>,
@@ -55,7 +54,6 @@ impl Extent {
         (x - self.x.0).min(self.x.1 - x).min(y - self.y.0).min(self.y.1 - y)
     }
 
-    /// Its extent across the direction of a robot that goes this way.
     const fn across(&self, towards: Heading) -> (f64, f64) {
         match towards {
             Heading::North | Heading::South => self.x,
@@ -63,7 +61,7 @@ impl Extent {
         }
     }
 
-    /// Where a robot that goes this way meets it, along that way.
+    /// Coordinate along the direction of travel at which the robot's centre touches it.
     fn face(&self, towards: Heading) -> f64 {
         match towards {
             Heading::North => -self.y.1,
@@ -80,7 +78,6 @@ impl Room {
         self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
     }
 
-    /// Whether this is the name of a thing that does not move.
     fn stands(&self, name: &str) -> bool {
         (name == BORDER || self.things.iter().any(|thing| thing.name == name)) && !self.moves(name)
     }
@@ -125,7 +122,6 @@ impl Room {
             is_met.then_some(ahead.abs())
         };
         let across = if dx == 0.0 { at.0 } else { at.1 };
-        // Distance of the robot's counted place beside a thing.
         let beside = |extent: &Extent| {
             let (from, to) = extent.across(towards);
             (from - across).max(across - to).max(0.0)
@@ -137,7 +133,7 @@ impl Room {
         near.min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
     }
 
-    /// Distance from the start to the first thing to the south.
+    /// Distance in cells from the start to the first thing to the south, the direction in which the robot starts.
     pub(super) fn ahead(&self) -> f64 {
         let is_ahead = |extent: &Extent| extent.x.0 <= 0.0 && extent.x.1 >= 0.0 && extent.y.0 > 0.0;
         let faces = self.things.iter().map(|thing| &thing.extent).filter(|extent| is_ahead(extent)).map(|extent| extent.y.0);
@@ -173,7 +169,6 @@ impl VirtualRobot {
         self
     }
 
-    /// Whether it has met what stands ahead of its start.
     pub(super) fn is_met_as_it_should_be(&self) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return true };
         let is_there = |thing: &Thing| thing.name == met && thing.extent.y.0 <= room.ahead() + REACHED && thing.extent.y.1 > 0.0;
@@ -184,7 +179,8 @@ impl VirtualRobot {
     pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
         let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
         let at = match towards {
-            // It has come back too far, whatever is counted by a step that is not measured yet.
+            // The counted way means nothing before the step is measured: going north the robot has met what is behind
+            // its start, going south what is ahead of it.
             Heading::North if self.is_gauging() => (0.0, 0.0),
             Heading::South if self.is_gauging() => (0.0, room.ahead()),
             Heading::North | Heading::East | Heading::South | Heading::West => {
@@ -198,7 +194,7 @@ impl VirtualRobot {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }
 
-    /// Whether what it has met cannot be what bars this cell: something that is known to stand elsewhere. A thing that
+    /// Whether what it has met is known to stand elsewhere, so that it cannot be what bars this cell. A thing that
     /// moves, or was not there when the file was written, may stand anywhere.
     pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
@@ -224,7 +220,7 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// Whether it has met something beyond the next cell, although something else bars that by the room.
+    /// Whether it has met a thing beyond the next cell, although by the scene file another thing bars that cell.
     pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
         let next = self.reckoning.pose().cell.ahead(towards);
         let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };

@@ -46,6 +46,5 @@ pub(super) enum Aim {
 pub(super) enum Then {
     /// The step to this pose was stopped.
     Met(Pose),
-    /// The way from its start is measured.
     Gauged,
 }

@@ -30,7 +30,6 @@ impl VirtualRobot {
         self.drive(self.reckoning.pose().heading, way + DRIFT, false);
     }
 
-    /// It came to the end of its way and has touched nothing.
     pub(super) fn not_touched(&mut self, is_certain: bool, further: u8) {
         self.off_centre = true;
         if !is_certain {
@@ -39,7 +38,7 @@ impl VirtualRobot {
             return self.go_back();
         }
         if further == FURTHER && self.room.is_some() {
-            // It is not so far yet, and nothing is reported that contradicts the room.
+            // It is not as far as was counted, and no report contradicts the room.
             return self.stands_before_it();
         }
         if further == FURTHER {
@@ -50,7 +49,6 @@ impl VirtualRobot {
         self.drive(towards, 1.0, backward);
     }
 
-    /// Back in the centre of its cell, it begins what was ordered.
     pub(super) fn came_back_touched(&mut self) {
         self.off_centre = false;
         // An order to go back to the centre is complete here.

@@ -145,8 +145,8 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
         return None;
     }
     let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
-    // `false` means a collision, which was reported in a message of its own; or that of another move is ascribed to
-    // this one.
+    // `false` means a collision, which has a message of its own, or is the result of another move that the server
+    // ascribes to this one.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 

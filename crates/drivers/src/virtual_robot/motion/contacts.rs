@@ -19,8 +19,8 @@ const LATE: Duration = Duration::from_secs(3);
 /// Number of contacts allowed on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// Limit of the counter of corrections, beyond which the room is taken to be another one: four corrections of the position in a
-/// row, of which each completed step or turn makes good a third.
+/// Limit of the counter of corrections: after more than four in a row the room is taken to be another one. A completed
+/// step or turn makes good a third of a correction.
 const ASTRAY: u8 = 4 * FOUND;
 /// What one correction of the position adds to that counter; each completed step or turn subtracts 1.
 const FOUND: u8 = 3;
@@ -90,7 +90,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a contact right before a halt: the robot stands there, and nothing else follows.
     fn contact_while_halting(&mut self, name: Option<&str>, towards: Heading, way: f64) {
         let is_known_where = self.unheard.is_none() && !self.is_gauging();
         self.moved(towards, way);
@@ -100,7 +99,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Answers a step that something has stopped. The step is complete when it was stopped where it was to end.
+    /// A step that was stopped where it was to end is complete.
     fn met(&mut self, to: Pose, towards: Heading) {
         if self.reckoning.way_to(to.cell, towards) <= REACHED {
             self.off_centre = false;
@@ -169,7 +168,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a contact on the way back to the centre. A robot that is stopped right before the centre counts as there.
+    /// A robot that is stopped within `REACHED` of the centre counts as there.
     fn hindered(&mut self, name: Option<&str>) {
         let towards = self.moves_towards();
         if self.reckoning.way_to(self.reckoning.pose().cell, towards).abs() <= REACHED {
@@ -228,7 +227,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Corrects a large drift after a way through free cells only: the map has no error from it, and the position is known again.
+    /// Corrects a large drift: the robot drove through free cells only and reported nothing wrong, so the map is right,
+    /// and the position is known again.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
@@ -278,7 +278,6 @@ impl VirtualRobot {
     }
 }
 
-/// What a thing is, by its name. A piece has the same number in every run.
 fn obstacle(name: Option<&str>) -> Obstacle {
     match name {
         None => Obstacle::Unknown,

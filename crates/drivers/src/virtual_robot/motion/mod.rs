@@ -68,10 +68,10 @@ const BESIDE: f64 = 0.15;
 /// the server is slow.
 const BEGUN: Duration = Duration::from_millis(10);
 
-/// Advice when the position of the robot is unknown.
+/// Advice when only the position is lost, and the map is right.
 const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
 
-/// Advice when the places on record may be wrong as well.
+/// Advice when the map may be wrong as well.
 const BEGIN_ANEW: &str =
     "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
 
@@ -87,7 +87,6 @@ pub(super) struct Unheard {
     pub(super) felt: f64,
 }
 
-/// Number of legs for a way that takes this long.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "no way takes longer than some seconds")]
 pub(super) fn legs(lasts: Duration) -> u32 {
     lasts.div_duration_f64(LONGEST).ceil().max(1.0) as u32
@@ -153,8 +152,6 @@ impl VirtualRobot {
         self.dialect == Dialect::Messages && !leg.is_acknowledged
     }
 
-    /// Does what is due by now: fails the order at its deadline, sends an alarm that is owed, and continues from the end of the
-    /// leg.
     pub(super) fn pass(&mut self) {
         if self.task.as_ref().is_some_and(|task| task.deadline <= self.now) {
             return self.give_up();
@@ -196,7 +193,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Discards everything that has not been sent, except an alarm.
     fn forget_unsent(&mut self) {
         let alarm = self.written(Command::Alarm);
         self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
@@ -302,7 +298,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Sends an alarm, or owes it until there is a connection.
     pub(super) fn alarm(&mut self) {
         self.owes_alarm = !self.is_connected;
         let is_served = self.alarmed.is_some_and(|at| self.now.saturating_sub(at) < ALARM_SERVES);
@@ -364,7 +359,6 @@ impl VirtualRobot {
         }
     }
 
-    /// Direction of the straight leg under way, or else the heading.
     pub(super) fn moves_towards(&self) -> Heading {
         match self.leg().map(|leg| leg.way) {
             Some(Way::Straight { towards, .. }) => towards,
@@ -376,7 +370,6 @@ impl VirtualRobot {
         matches!(self.leg().map(|leg| leg.way), Some(Way::Straight { backward: true, .. }))
     }
 
-    /// Goes back to the centre of the cell. Feels ahead first when the end of the last step was not observed.
     pub(super) fn begin_recentring(&mut self) {
         if self.unheard.is_some() {
             self.aim(Aim::Feel);
@@ -385,7 +378,6 @@ impl VirtualRobot {
         self.go_back();
     }
 
-    /// Begins one more leg towards the centre of the cell, or ends the order when the robot is there.
     pub(super) fn go_back(&mut self) {
         let Pose { cell, heading } = self.reckoning.pose();
         let ahead = self.reckoning.way_to(cell, heading);
