@@ -35,7 +35,7 @@ pub struct Robots {
     team: Arc<[Participant]>,
 }
 
-/// Something named in the settings cannot be read. `Display` is the message for whoever started the program.
+/// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum Unusable {
     #[error(transparent)]
@@ -95,7 +95,7 @@ impl Robots {
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
-    /// The name of the hall, or the address of an external searching robot.
+    /// Of an external searching robot, its address.
     pub fn hall_name(&self) -> String {
         match self.all.first() {
             Some((_, Robot::External(robot))) => robot.place(),
@@ -103,7 +103,7 @@ impl Robots {
         }
     }
 
-    /// The hall; of an external robot only its address is known.
+    /// Of an external robot only the address is known.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
             Some((_, Robot::Sim(_))) => sim::venue(&self.hall, self.seed, &self.team),
@@ -120,7 +120,7 @@ impl Robots {
         self.ids.iter()
     }
 
-    /// Reads what is stored about them in the data folder. Writes nothing.
+    /// Reads what is stored about the robots in the data folder. Writes nothing.
     pub fn recall(&mut self, folder: &Path) {
         self.pair.recall(folder);
         let floor = self.pair.floor();
@@ -135,7 +135,6 @@ impl Robots {
         }
     }
 
-    /// Marks the positions of the simulated robots as not known, for this reason.
     pub fn lose(&mut self, why: &str) {
         self.simulated().for_each(|robot| robot.lose(why));
         self.pair.lose(why);

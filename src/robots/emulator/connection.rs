@@ -30,7 +30,6 @@ pub(super) struct Connection {
     cut_at: Option<Duration>,
 }
 
-/// Delayed pieces, each with its time of arrival.
 type Late = VecDeque<(Duration, Vec<u8>)>;
 
 impl Connection {

@@ -28,7 +28,7 @@ impl Faults {
     }
 }
 
-/// A random place in a piece that is not empty.
+/// The piece must not be empty.
 fn place(piece: &[u8], chance: &mut RandomStream) -> usize {
     usize::try_from(chance.below(piece.len() as u64)).expect("it is less than a length")
 }

@@ -93,7 +93,6 @@ impl Emulator {
         }
     }
 
-    /// Passes orders on to the simulated robot, and its reports to the wire as far as there is room.
     fn pass_on(&mut self) {
         while let Some(asked) = self.robot.poll_asked() {
             match asked {
@@ -133,7 +132,6 @@ impl Emulator {
     }
 }
 
-/// The next piece from the program; waits for ever when none is connected.
 async fn hear(connection: &mut Option<Connection>) -> Option<Vec<u8>> {
     match connection {
         Some(connection) => connection.hear().await,

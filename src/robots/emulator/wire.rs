@@ -22,7 +22,7 @@ pub enum End {
     Device(String, u32),
 }
 
-/// Why the emulator cannot start. `Display` is the message for whoever started it.
+/// `Display` is the message for whoever started the emulator.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
     #[error(
@@ -99,7 +99,6 @@ impl Wire {
         }
     }
 
-    /// Ends the connection; a device is opened again after a pause.
     pub(super) fn close(&mut self, clock: &Clock) {
         if let Wire::Device { again_at, .. } = self {
             *again_at = clock.since_start() + AGAIN;

@@ -71,7 +71,7 @@ pub(super) async fn run(
 struct ExternalLink {
     robot: RobotId,
     driver: Box<dyn Driver>,
-    /// As last logged.
+    /// As last logged: the driver may report a link that is up again.
     is_up: bool,
     address: Address,
     side: RobotSide,
@@ -170,7 +170,6 @@ impl ExternalLink {
         self.clock.instant(at.unwrap_or(Duration::MAX).min(now + LONGEST_WAIT))
     }
 
-    /// Starts to write the driver's new memory, or retries a failed write when its time has come.
     fn keep(&mut self) {
         let Some(mut file) = self.file.take() else {
             // There is no file, or it is being written.
@@ -223,7 +222,7 @@ impl ExternalLink {
         }
     }
 
-    /// Closes the connection to make a new one; in any other state that is under way already.
+    /// Does nothing unless the connection stands: in any other state a new one is under way already.
     fn reconnect(&mut self) {
         if matches!(self.connection, Connection::Stands(_)) {
             let call = Connection::Calling(self.address.call());

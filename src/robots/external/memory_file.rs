@@ -15,7 +15,6 @@ use hallsweep_core::event::RobotId;
 /// Maximum size in bytes, more than a driver ever writes.
 const MOST: usize = 4 << 20;
 
-/// Why the position of a robot is not known, with the file and what to do.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum MemoryFileError {
     #[error(
@@ -39,10 +38,10 @@ pub(super) struct MemoryFile {
     file: SmallFile,
     /// Whether the contents are of this robot, not of one that it replaces.
     is_own: bool,
-    /// Name of the file after a failed write, and whose mark is there.
+    /// Name that the file gets after a failed write, since its contents are out of date then.
     out_of_date: PathBuf,
     mark: Mark,
-    /// What could not be written.
+    /// The memory that could not be written, to be tried again.
     owed: Option<String>,
     /// Kind and address of the robot.
     whose: String,
@@ -83,7 +82,6 @@ impl MemoryFile {
         Ok((MemoryFile { whose: whose.to_owned(), file, is_own: memory.is_some(), out_of_date, mark, owed: None }, memory))
     }
 
-    /// The error for contents that are no memory of a robot.
     pub(super) fn damaged(&self, fault: String) -> MemoryFileError {
         MemoryFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
@@ -112,7 +110,6 @@ impl MemoryFile {
         self.file.swap(format!("{said}\n{}\n", checksum(&said)).as_bytes())
     }
 
-    /// The memory that could not be written, to be tried again.
     pub(super) fn owed(&self) -> Option<String> {
         self.owed.clone()
     }

@@ -61,7 +61,7 @@ impl ExternalRobot {
         Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: ExternalMemory::Nothing }))
     }
 
-    /// Its address, in place of the name of a hall.
+    /// Shown where a simulated robot has the name of its hall.
     pub(in crate::robots) fn place(&self) -> String {
         format!("robot at {}", self.address)
     }
@@ -85,12 +85,11 @@ impl ExternalRobot {
         };
     }
 
-    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let ExternalMemory::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
-    /// The adapter that runs it. The link to a robot that may be anywhere stays down, and its adapter counts as running.
+    /// The link to a robot that may be anywhere stays down, and its adapter counts as running.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {

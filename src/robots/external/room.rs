@@ -7,7 +7,7 @@ use hallsweep_core::event::RobotId;
 use hallsweep_drivers::{Extent, Room, Thing};
 use hallsweep_sim::{HallError, PLAYER, Scene};
 
-/// The scene file of the settings cannot be read. `Display` is the message for whoever started the program.
+/// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 #[error("the scene file {path:?} of {robot} cannot be used: {error}")]
 pub struct UnusableScene {
@@ -17,7 +17,7 @@ pub struct UnusableScene {
     pub error: HallError,
 }
 
-/// The room, and the time a cell takes at the page's nominal speed.
+/// The time is that of a cell at the page's nominal speed.
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
     let file = path.to_string_lossy();
     let read = Scene::open(&file).and_then(|scene| {

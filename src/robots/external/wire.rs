@@ -130,7 +130,6 @@ impl Wire {
         }
     }
 
-    /// Sends the bytes as a whole.
     pub(super) async fn send(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         let sent = async {
             match self {

@@ -76,7 +76,6 @@ pub(super) fn file_of(hall: &Hall) -> String {
     String::from_utf8_lossy(&file).into_owned()
 }
 
-/// The name of a hall on one line, quoted and escaped.
 fn written(name: &str) -> String {
     format!("{name:?}")
 }

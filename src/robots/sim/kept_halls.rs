@@ -13,7 +13,7 @@ use crate::storage::small_file::SmallFile;
 use crate::storage::{files, names};
 use hallsweep_sim::Hall;
 
-/// Maximum number of stored halls.
+/// Maximum number of stored halls; files beyond it are not offered.
 const MOST: usize = 100;
 
 /// Maximum size of a file in bytes: halls stored here are far smaller.
@@ -116,7 +116,7 @@ pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     Some(format!("{} cannot be used ({error}), so that {what}", folder.display()))
 }
 
-/// Writes the file, and makes its name durable.
+/// The file and its name are durable when this returns.
 fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     let folder = names::HALLS.within(data);
     files::make_folder_within(&folder)?;

@@ -111,7 +111,7 @@ struct SimLink {
     floor: Floor,
     remote: Remote,
     has_faults: bool,
-    /// The controls that have been applied.
+    /// The controls applied so far; `remote` has the requested ones.
     controls: Controls,
 }
 
@@ -161,19 +161,18 @@ impl SimLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// When the simulation or a retry is due, by the real clock.
+    /// By the real clock, whatever the speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
         let again = [self.write_again, self.reading.map(|(_, again)| again)];
         self.clock.instant(again.into_iter().flatten().fold(at, Duration::min))
     }
 
-    /// Whether simulated time jumps instead of being waited for.
+    /// At speed `max` and in a single step simulated time jumps, but not while a photo is drawn, which takes real time.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.sim.is_busy() && !self.sim.is_developing()
     }
 
-    /// Starts to write the new memory, or retries a failed write when its time has come.
     fn write(&mut self) {
         let Some(mut state_file) = self.state_file.take() else { return };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);

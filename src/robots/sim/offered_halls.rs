@@ -64,7 +64,6 @@ impl Offered {
         })
     }
 
-    /// Stores a hall under a name that no built-in or configured hall has.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         if !is_hall_name(name) {
             Err(NotSimulated::NotAName(name.chars().take(80).collect()))

@@ -76,7 +76,6 @@ impl SimPair {
         Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default()).moved()
     }
 
-    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let PairRecollection::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
@@ -97,7 +96,7 @@ impl SimPair {
         }
     }
 
-    /// The adapters of SRM1 and SRM2. The links to a pair that may be anywhere stay down.
+    /// The links to a pair that may be anywhere stay down.
     pub(in crate::robots) fn adapters(self, clock: Clock, remote: Remote) -> [Adapter; 2] {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {

@@ -83,7 +83,6 @@ pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, 
 struct PairLink {
     pair: Pair,
     settings: PairSettings,
-    /// SRM1's and SRM2's.
     sides: [RobotSide; 2],
     clock: Clock,
     time: SimTime,
@@ -102,7 +101,7 @@ struct PairLink {
     /// Pieces that the searching robot no longer meets.
     moved: watch::Sender<Moved>,
     remote: Remote,
-    /// The controls that have been applied.
+    /// The controls applied so far; `remote` has the requested ones.
     controls: Controls,
     is_all_blocked: bool,
 }
@@ -158,7 +157,7 @@ impl PairLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// When the simulation or a retry is due, by the real clock.
+    /// By the real clock, whatever the speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.pair.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
@@ -168,7 +167,7 @@ impl PairLink {
         Which::ALL.into_iter().any(|which| self.pair.is_busy(which))
     }
 
-    /// Whether simulated time jumps instead of being waited for.
+    /// At speed `max` and in a single step simulated time jumps, unless one robot awaits the other.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.is_busy() && !self.pair.awaits_the_other()
     }
@@ -224,7 +223,6 @@ impl PairLink {
         });
     }
 
-    /// Starts to write the new memory, or retries a failed write when its time has come.
     fn write(&mut self) {
         let Some(mut state_file) = self.state_file.take() else { return };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);

@@ -38,7 +38,7 @@ enum SimRecollection {
 }
 
 impl SimRobot {
-    /// With a hook if it fetches pieces by itself.
+    /// A robot that fetches pieces by itself has a hook.
     pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
         let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: SimRecollection::Nothing }
@@ -53,7 +53,6 @@ impl SimRobot {
         };
     }
 
-    /// Why its position is not known.
     pub(in crate::robots) fn lost(&self) -> Option<&str> {
         if let SimRecollection::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
@@ -78,8 +77,8 @@ impl SimRobot {
         }
     }
 
-    /// The adapter that runs it. The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved`
-    /// has the pieces that others have lifted.
+    /// The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved` has the pieces
+    /// that others have lifted.
     pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use crate::config::{self, RobotSettings, Settings};
 use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings, Speed};
 
-/// The hall of the settings cannot be used. `Display` is the message for whoever started the program.
+/// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum UnusableHall {
-    /// The hall cannot be read. `origin` is where its name or path was set, such as `flag --hall`.
+    /// `origin` is where its name or path was set, such as `flag --hall`.
     #[error("setting hall.file = {name:?} (from {origin}): {error}")]
     File { name: String, origin: String, error: HallError },
     #[error("setting hall.start: {0}")]

@@ -27,7 +27,7 @@ impl SimTime {
         SimTime { usual_speed: speed, speed, is_paused: false, is_stepping: false, real, simulated: Duration::ZERO }
     }
 
-    /// Starts again from zero, running or paused as before.
+    /// Starts again from zero, running or paused as before: another hall begins its own time.
     pub(super) fn begin_again(&mut self, real: Duration) {
         *self = SimTime { is_stepping: false, real, simulated: Duration::ZERO, ..*self };
     }
@@ -58,7 +58,6 @@ impl SimTime {
         self.is_stepping || self.speed == Speed::Max && !self.is_paused
     }
 
-    /// Ends a single step with what was under way.
     pub(super) const fn end_step(&mut self) {
         self.is_stepping = false;
     }

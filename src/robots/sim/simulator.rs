@@ -179,7 +179,7 @@ impl InHand {
         tokio::task::spawn_blocking(move || act(&offered)).await.map_err(|_| Gone)?
     }
 
-    /// While nothing can be recorded, no hall may be lost without an entry on record.
+    /// A change of hall must not be lost from the record, so none is made while nothing can be recorded.
     fn must_be_recorded(&self) -> Result<(), NotSimulated> {
         let is_down = self.handle.snapshot().mission.holds.contains(&Hold::Store);
         if is_down { Err(Refused::StoreDown.into()) } else { Ok(()) }
@@ -257,7 +257,7 @@ impl InHand {
         }
     }
 
-    /// Stores the hall for a restart; returns the reason when that fails.
+    /// `None` when the hall is stored, otherwise the reason why it is not.
     async fn keep_for_restart(&self, next: &SimulatedHall) -> Option<String> {
         let (chosen, next) = (self.chosen.clone()?, next.clone());
         let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));

@@ -25,7 +25,6 @@ pub(super) struct SimStateFile {
     file: SmallFile,
     whose: Whose,
     turn: u64,
-    /// Whether the file must be created anew.
     anew: bool,
     /// A memory that still has to be written after a failure.
     owed: Option<SimMemory>,
