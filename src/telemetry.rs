@@ -49,7 +49,6 @@ pub fn say(line: impl fmt::Display) {
     put(format!("{line}\n").as_bytes());
 }
 
-/// Waits a bounded time until every line is written.
 pub fn end() {
     if let Some(queue) = QUEUE.get() {
         queue.end(LAST_LINES);

@@ -83,12 +83,10 @@ pub enum At {
     TimeAmong(i64, [Seq; 2]),
 }
 
-/// The state of a mission after one of its entries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PastMoment {
     pub past: Sound<Past>,
     pub wall: WallTime,
-    /// The mission's entries before and after this one.
     pub earlier: Option<Seq>,
     pub later: Option<Seq>,
 }

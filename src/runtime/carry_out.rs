@@ -12,7 +12,6 @@ use hallsweep_core::world::luggage::Luggage;
 /// Maximum wait for the state of an accepted command. The loop publishes it before it answers, so normally there is no wait.
 const SEEN_TIME: Duration = Duration::from_millis(500);
 
-/// A command that was carried out: its answer, and a state that contains its effect.
 #[derive(Clone, Debug)]
 pub struct Done {
     pub accepted: Accepted,

@@ -55,7 +55,6 @@ impl Clock {
         self.start + since_start
     }
 
-    /// Waits until `since_start` is reached; for ever when it is `None`.
     pub async fn reach(&self, since_start: Option<Duration>) {
         match since_start {
             Some(since_start) => tokio::time::sleep_until(self.instant(since_start)).await,

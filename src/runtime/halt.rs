@@ -35,7 +35,7 @@ impl Halter {
         Halter { halts, noted: watch::Sender::new(None), figures: Figures::default() }
     }
 
-    /// Stops: halts every robot now, and returns the epoch of this stop.
+    /// Halts every robot now, and raises the epoch, which is returned: commands from before it are outdated.
     pub fn stop(&self) -> Epoch {
         let mut raised = Epoch(0);
         self.figures.raise_stop();
@@ -46,7 +46,7 @@ impl Halter {
         raised
     }
 
-    /// Halts every robot now, whatever the reason.
+    /// Halts every robot now, without raising the epoch as a STOP does.
     pub fn halt(&self) {
         self.halts.send_modify(|halts| halts.count += 1);
     }
@@ -81,7 +81,6 @@ pub struct HaltWatch {
 }
 
 impl HaltWatch {
-    /// Also receives the halts of one robot, by its own count.
     pub fn of_one(self, own: watch::Receiver<u64>) -> HaltWatch {
         HaltWatch { own: Some(own), ..self }
     }
@@ -105,7 +104,6 @@ impl HaltWatch {
     }
 }
 
-/// Waits for a change; never ends when none can come any more.
 async fn changed<T>(watch: &mut watch::Receiver<T>) {
     if watch.changed().await.is_err() {
         std::future::pending::<()>().await;

@@ -33,7 +33,6 @@ pub enum Envelope {
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
 }
 
-/// The doors' end: commands in, snapshots out.
 #[derive(Clone, Debug)]
 pub struct Handle {
     commands: mpsc::Sender<Envelope>,
@@ -48,10 +47,9 @@ pub struct Handle {
 #[error("hallsweep is shutting down: the robot has been halted; try again when it is back")]
 pub struct Gone;
 
-/// Result of a command: the core's answer, unless the program is shutting down.
 pub type CommandOutcome = Result<Decision, Gone>;
 
-/// A command that found the queue full.
+/// A command that found the queue full, and waits for room.
 struct QueuedCommand {
     commands: mpsc::Sender<Envelope>,
     envelope: Envelope,
@@ -152,7 +150,6 @@ impl Handle {
         Arc::clone(&self.snapshots.borrow())
     }
 
-    /// A watch on the state, which always has the newest one.
     pub fn watch(&self) -> watch::Receiver<Arc<Snapshot>> {
         self.snapshots.clone()
     }

@@ -20,7 +20,6 @@ pub(crate) trait PartialArchive: Send + Sync {
         Ok(None)
     }
 
-    /// All missions, newest first.
     fn missions(&self) -> Vec<MissionRecord> {
         Vec::new()
     }
@@ -37,12 +36,10 @@ pub(crate) trait PartialArchive: Send + Sync {
         Vec::new()
     }
 
-    /// All entries of a mission.
     fn entries(&self, _: MissionId) -> Vec<Happened> {
         Vec::new()
     }
 
-    /// These entries as they are exported.
     fn lines(&self, _: MissionId, _: Vec<Happened>) -> Vec<(Seq, String)> {
         Vec::new()
     }

@@ -24,7 +24,6 @@ pub fn is_hall_name(name: &str) -> bool {
     name.starts_with(is_plain) && name.len() <= 40 && name.chars().all(|letter| is_plain(letter) || letter == '-')
 }
 
-/// Faults that somebody switched on, until they are switched off.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
     /// The searching robot's link is lost.
@@ -107,7 +106,6 @@ pub enum NotSimulated {
 }
 
 impl NotSimulated {
-    /// The error for a hall that is too large; `None` when it is not.
     pub fn too_large(width: u32, height: u32) -> Option<NotSimulated> {
         let words = || {
             format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most")
@@ -119,7 +117,6 @@ impl NotSimulated {
 pub type Changing = Pin<Box<dyn Future<Output = Result<Arc<SimulatorState>, NotSimulated>> + Send>>;
 
 pub trait Simulator: Send + Sync {
-    /// Always the newest state.
     fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
 
     /// Names of the offered halls, the stored ones last.

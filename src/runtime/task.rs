@@ -47,7 +47,6 @@ pub struct Task {
     losses: u64,
     is_ending: bool,
     figures: Figures,
-    /// Counts recorded entries once they are stored.
     handed: HandedPages,
 }
 
@@ -302,7 +301,6 @@ impl Task {
         }
     }
 
-    /// Counts what the store reports as stored; drops what it lost.
     fn count_kept(&mut self, word: &StoreStatus, now: Duration) {
         self.handed.keep(word.kept, now);
         let lost = word.losses.saturating_sub(self.losses);

@@ -55,7 +55,6 @@ impl Queue {
         }
     }
 
-    /// Waits until every line is written, at most for `patience`.
     pub(super) fn end(&self, patience: Duration) {
         let _ended = self.changed.wait_timeout_while(self.state(), patience, |state| !state.is_idle());
     }
@@ -102,7 +101,7 @@ fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     }
 }
 
-/// The part of the text that the stream does not accept.
+/// Waits while a non-blocking stream is full; returns what is left once the stream fails.
 fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     while !text.is_empty() {
         match stream.write(text) {

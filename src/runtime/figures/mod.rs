@@ -108,7 +108,6 @@ impl Default for Families {
 }
 
 impl Figures {
-    /// Counts a connection to this door until the returned value is dropped.
     #[must_use = "it counts as long as this lives"]
     pub fn connected(&self, door: Door) -> Connected {
         let open = self.0.connections.at([door.0]).cloned().unwrap_or_default();
@@ -124,7 +123,7 @@ impl Figures {
         let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// The loop has handled every raised STOP.
+    /// To be called when the loop has handled every raised STOP.
     pub(super) fn hear_stops(&self) {
         let raised = self.0.unheard.swap(0, Ordering::Relaxed);
         if raised != 0 {
@@ -137,7 +136,7 @@ impl Figures {
         self.0.answers.observe(after);
     }
 
-    /// Updates the figures from the store's status; `losses` is the number of new losses.
+    /// `losses` is the number of losses since the last status, not of all.
     pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
         self.0.journal_last_entry.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
         self.0.store_failing.set(i64::from(word.failure.is_some()));

@@ -47,7 +47,6 @@ impl<const N: usize, M: EncodeMetric + TypedMetric> EncodeMetric for Series<N, M
     }
 }
 
-/// A gauge of 1 when `is_so`, else 0.
 pub fn flag(is_so: bool) -> Gauge {
     let gauge = Gauge::default();
     gauge.set(i64::from(is_so));
