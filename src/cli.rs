@@ -146,7 +146,6 @@ pub struct Moved {
 }
 
 impl Moved {
-    /// The new command, for whoever typed the old one.
     pub fn refuse(self, name: &str) -> Result<(), Failure> {
         let flags: String = self.flags.iter().map(|flag| format!(" {flag}")).collect();
         Err(Failure::Usage(format!(
@@ -247,7 +246,6 @@ pub fn print_table() -> Result<(), Failure> {
     print(table_markdown().trim_end())
 }
 
-/// The end of every command: reports a failure.
 pub fn end(ended: Result<(), Failure>) -> ExitCode {
     let code = ended.map_or_else(
         |failure| {

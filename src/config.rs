@@ -59,7 +59,6 @@ pub struct Settings {
     pub core: CoreSettings,
     /// The required temperature sensors, without duplicates; none by default.
     pub sensors: Vec<Arc<str>>,
-    /// Time for which a sensor may be silent.
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,

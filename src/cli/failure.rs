@@ -6,7 +6,7 @@ use crate::access::AccessError;
 use crate::app::AppError;
 use crate::config::SettingsError;
 
-/// Why the program ends. `Display` is the message for whoever started it.
+/// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The settings cannot be used: exit code 2, as for a mistyped flag.

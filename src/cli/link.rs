@@ -13,7 +13,6 @@ pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -
     format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
 }
 
-/// The host in a browser's address: the first that was set, otherwise the door's own address.
 fn host(http: &HttpSettings, address: SocketAddr) -> String {
     match http.hosts.first() {
         Some(name) => format!("{name}:{}", address.port()),

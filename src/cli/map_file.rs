@@ -89,8 +89,7 @@ pub(super) fn begin(fresh: &Path) -> io::Result<File> {
     File::create_new(fresh)
 }
 
-/// Renames a file to its final name. Unless `replace` is set, the name is reserved first, so that nobody else can take it in
-/// between.
+/// Unless `replace` is set, the name is reserved first, so that nobody else can take it in between.
 fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> {
     if !replace {
         File::create_new(path)?;

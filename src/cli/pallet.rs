@@ -76,7 +76,6 @@ impl Pallet {
         })
     }
 
-    /// One JSON object on one line.
     fn report(&self, run: &PalletRun, figures: &Figures) -> String {
         serde_json::to_string(&ReportJson::new(run, figures, &self.faults)).expect("a report is finite numbers and words")
     }

@@ -47,7 +47,6 @@ impl BindAddress {
         }
     }
 
-    /// Whether only this machine can reach it.
     pub fn is_local(self) -> bool {
         self.first().ip().to_canonical().is_loopback()
     }

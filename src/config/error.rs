@@ -14,11 +14,9 @@ pub enum SettingsError {
     },
     #[error("setting {key} = {value} (from {origin}): {problem}; {advice}")]
     Wrong {
-        /// The setting, such as `http.bind`.
         key: String,
         /// Its value, as written in a settings file.
         value: String,
-        /// The file, environment variable or flag it came from.
         origin: String,
         problem: String,
         advice: String,

@@ -40,7 +40,6 @@ pub enum SettingKind {
 
 const RATE: SettingKind = SettingKind::Number { least: 0.0, most: 1.0 };
 
-/// Number of simulated mishaps, for practice.
 const MISHAPS: SettingKind = SettingKind::Number { least: 0.0, most: 10.0 };
 
 /// A factor; the word is `max`.
@@ -49,7 +48,7 @@ const SPEED: SettingKind = SettingKind::NumberOrWord { least: Speed::SLOWEST, mo
 /// Metres: from a letter bomb to a lorry bomb, with a margin.
 const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0 };
 
-/// Degrees that a hall can have.
+/// Degrees Celsius, within the bounds that the core accepts.
 const CELSIUS: SettingKind = SettingKind::Number { least: Celsius::LEAST, most: Celsius::MOST };
 
 /// Degrees: a wider gap would keep a hall hot even at winter temperatures.
@@ -61,7 +60,7 @@ const SONAR_NOISE_CM: SettingKind = SettingKind::Number { least: 0.0, most: 100.
 /// A sonar with a range of four metres sees seven cells of half a metre.
 const SONAR_CELLS: SettingKind = SettingKind::Number { least: 1.0, most: 7.0 };
 
-/// A hundred years.
+/// Days: a hundred years at most.
 const KEEP_DAYS: SettingKind = SettingKind::Number { least: 0.0, most: 36_500.0 };
 
 /// Bits a second of serial ports.

@@ -122,7 +122,6 @@ impl Layers {
         error
     }
 
-    /// Whether the value was set explicitly, and is not the default.
     pub(super) fn is_chosen(&self, key: &str) -> bool {
         self.origin(key) != BY_DEFAULT
     }

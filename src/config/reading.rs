@@ -21,7 +21,6 @@ pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T,
     layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
 }
 
-/// The error for a value of the wrong type: names its type. The advice says what is expected.
 fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
     let is_whole = Key::named(key).is_some_and(|key| key.kind == SettingKind::Whole);
     let problem = match layers.figment().find_value(key) {
@@ -59,12 +58,10 @@ pub(super) fn sensing(layers: &Layers) -> Result<Sensing, SettingsError> {
     one_of(layers, "mission.sensing", &Sensing::ALL, Sensing::name, "there is no such sensing")
 }
 
-/// A number within the bounds of its setting.
 pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
     within(layers, key, read(layers, key)?)
 }
 
-/// A whole number within the bounds of its setting.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole, and its setting bounds it")]
 pub(super) fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
     let value = number(layers, key)?;

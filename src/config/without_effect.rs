@@ -9,7 +9,7 @@ use super::robot_address::RobotKind;
 use super::robots;
 use hallsweep_core::search::Sensing;
 
-/// Settings of a robot that have an effect for these kinds only.
+/// Settings of a robot, each with the kinds of robots for which it has an effect.
 const OF_SOME_KINDS: [(&str, &[RobotKind]); 9] = [
     ("speed", &[RobotKind::Sim]),
     ("seed", &[RobotKind::Sim]),

@@ -41,7 +41,6 @@ struct PieceJson {
     taken: String,
 }
 
-/// One JSON object on one line.
 pub(super) fn json(figures: &Figures) -> String {
     let shape = FiguresJson::from(figures);
     serde_json::to_string(&shape).expect("figures are numbers and strings, which JSON can hold")
