@@ -1,4 +1,4 @@
-//! A phrase with its values, formatted when it is shown.
+//! A phrase with its values, formatted only when it is shown. Which phrase says what the core means is in `said`.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -39,7 +39,6 @@ impl<'a> Phrase<'a> {
         Phrase { language, family, id, values: Vec::new() }
     }
 
-    /// Sets a value, which replaces its name in the phrase.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Display) -> Phrase<'a> {
         self.values.push((name, value.to_string()));

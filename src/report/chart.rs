@@ -65,7 +65,6 @@ impl Chart {
     }
 }
 
-/// The column of a moment, by the time since the beginning.
 fn column(gone_ms: i64, span_ms: i64) -> usize {
     let column = i128::from(gone_ms) * (WIDTH as i128 - 1) / i128::from(span_ms);
     usize::try_from(column).unwrap_or(0).min(WIDTH - 1)

@@ -15,7 +15,6 @@ pub struct Claim {
     pub language: Language,
 }
 
-/// Why a file is not recognised as a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it does not say in its head of which mission it is: it is no report of hallsweep, or its beginning was changed")]
 pub struct Unclear;

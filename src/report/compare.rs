@@ -41,7 +41,6 @@ impl<R: Read> Comparison<R> {
         Ok(self.difference.map_or(Ok(()), Err))
     }
 
-    /// Reads this many bytes of the file, or fewer at its end.
     fn read(&mut self, most: usize) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.file.by_ref().take(most as u64).read_to_end(&mut bytes)?;

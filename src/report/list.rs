@@ -55,7 +55,6 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
     [seq.to_string(), time, kind, what, who, from, door, outcome]
 }
 
-/// The person in a fact that is not a command.
 fn who(fact: &Fact) -> String {
     if let Fact::Verdict { who, .. } | Fact::AlarmAcknowledged(_, who) = fact { who.to_string() } else { String::new() }
 }

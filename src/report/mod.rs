@@ -38,7 +38,7 @@ use hallsweep_core::units::{MissionId, Seq};
 /// part and what was not searched, and draws a reading until the temperature is not known any more.
 pub const EDITION: u32 = 2;
 
-/// Number of entries read at once.
+/// Number of entries read at once, so that a long mission is never in memory as a whole.
 const BATCH: usize = 1000;
 
 pub struct Report<'a> {

@@ -57,7 +57,6 @@ impl Report<'_> {
         self.claim.language.date(&self.zone().date_and_time(wall))
     }
 
-    /// The time of an entry, if there is one.
     fn time_of(&self, entry: Option<(Seq, WallTime)>) -> String {
         entry.map_or_else(String::new, |(_, wall)| self.time(wall))
     }

@@ -65,7 +65,7 @@ impl Tally {
         self.seen
     }
 
-    /// The entry after which the mission's final or present state stood.
+    /// The last entry before the mission was put away, or `until`: its final or present state stood after that entry.
     pub(super) fn stood_last(&self, until: Seq) -> Seq {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }

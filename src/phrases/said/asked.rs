@@ -1,4 +1,4 @@
-//! Requests and their senders in words.
+//! Words for requests and for who sent them; those for refusals are in `refused`.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;

@@ -1,4 +1,4 @@
-//! Facts of the journal in words.
+//! Words for the facts of the journal; those for the requests among them are in `asked`.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
@@ -14,7 +14,6 @@ impl Language {
         self.happened(fact).replace(['\n', '\r'], " ")
     }
 
-    /// Outcome of a command: accepted, or refused with the reason.
     pub fn outcome(self, refused: Option<&Refused>) -> String {
         let Some(refused) = refused else { return self.say("fact-accepted").to_string() };
         self.say("fact-refused").with("why", self.refused(refused)).to_string()
@@ -105,7 +104,6 @@ impl Language {
         said.to_string()
     }
 
-    /// A phase with the one that it interrupts, or with the stage of its inspection.
     fn phase_on_record(self, phase: &Phase) -> String {
         let name = phase.name();
         let Some(inspection) = phase.inspection().filter(|_| phase.interrupted().is_none()) else {

@@ -1,4 +1,4 @@
-//! Faults in words: of missions, of retrievals, and the causes of alarms.
+//! Words for the faults of missions and of retrievals, and for the causes of alarms.
 
 use crate::phrases::Language;
 use hallsweep_core::not_fetched::{AloneFault, NotFetched, StuckFault};
@@ -6,7 +6,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::world::alarm::AlarmCause;
 
 impl Language {
-    /// Cause of a mission's fault, without a full stop.
+    /// Without a full stop, since it stands within sentences.
     pub fn fault(self, fault: &FaultCause) -> String {
         match fault {
             FaultCause::NoWayHome => self.say("fault-noWayHome").to_string(),
@@ -17,7 +17,7 @@ impl Language {
         }
     }
 
-    /// Reason why a piece was not fetched, without a full stop.
+    /// Without a full stop, since it stands within sentences.
     pub fn not_fetched(self, why: &NotFetched) -> String {
         let said = match why {
             NotFetched::Pair(fault, None) => self.say_of("not-fetched", fault.name()),
@@ -37,7 +37,6 @@ impl Language {
         said.to_string()
     }
 
-    /// Cause of an alarm, without a full stop.
     pub fn alarm(self, cause: &AlarmCause) -> String {
         let said = match cause {
             AlarmCause::Dangerous(id, cell) => self.say("alarm-dangerous").with("id", id).with("cell", cell),

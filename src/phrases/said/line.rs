@@ -1,4 +1,4 @@
-//! Lines of the log in words.
+//! Words for the log of the state, which the console shows; the log on standard error stays English.
 
 use crate::phrases::Language;
 use hallsweep_core::event::RobotId;

@@ -22,7 +22,6 @@ impl Language {
         self.say_of("phase", phase.name())
     }
 
-    /// Result of a mission that is in this phase, or was in it when it was put away.
     pub fn came_to(self, phase: PhaseName, is_put_away: bool) -> Phrase<'static> {
         match phase {
             PhaseName::Explored => self.say("missions-searched"),
@@ -55,7 +54,6 @@ impl Language {
         format!("{came_to}{unsearched} · {}", self.engine(searcher))
     }
 
-    /// Kind of the searching robot, or that it is not recorded.
     pub fn engine(self, searcher: Option<&Participant>) -> Phrase<'_> {
         match searcher.map(|robot| &*robot.kind) {
             None => self.say("engine-not-on-record"),
@@ -81,7 +79,6 @@ impl Language {
         }
     }
 
-    /// A phase, with the one that it interrupts.
     pub fn phase_and_before(self, phase: PhaseName, interrupted: Option<PhaseName>) -> String {
         let said = self.phase(phase);
         interrupted.map_or_else(

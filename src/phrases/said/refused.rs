@@ -1,4 +1,4 @@
-//! Refusals in words.
+//! Words for refusals, those of the simulator included, which the core does not tell apart.
 
 use crate::phrases::Language;
 use hallsweep_core::command::Refused;
