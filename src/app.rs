@@ -168,7 +168,7 @@ async fn find_robot(handle: &Handle) {
     }
 }
 
-/// Starts the robots and the loop. `other` replaces the searching robot.
+/// `other` replaces the searching robot of the settings.
 async fn start(
     settings: &Settings,
     mut robots: Robots,

@@ -25,7 +25,6 @@ pub enum Caller {
 }
 
 impl Access {
-    /// The caller from this address without any key.
     pub fn unasked(&self, address: IpAddr) -> Option<Caller> {
         (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
     }
@@ -70,7 +69,7 @@ impl Caller {
         }
     }
 
-    /// The message for a caller who may not do what asks for `need`.
+    /// The error is a message for the caller.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
             return Ok(());

@@ -27,7 +27,6 @@ pub struct Keyring {
 #[derive(Debug)]
 pub struct Opened {
     pub keyring: Keyring,
-    /// Whether there were none before.
     pub is_new: bool,
     /// Why existing keys cannot be read: nobody is admitted then, until the file is mended.
     pub unusable: Option<AccessError>,
@@ -152,7 +151,6 @@ impl Followed {
     }
 }
 
-/// Checks the file repeatedly, until the keyring is gone.
 fn follow(keys: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
     loop {
         std::thread::sleep(GLANCE);

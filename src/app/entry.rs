@@ -19,7 +19,7 @@ pub enum FirstAccess {
 
 pub(super) struct Opened {
     pub(super) http: Access,
-    /// At our own MQTT broker, over TCP.
+    /// Access at our own MQTT broker over TCP; its web clients are admitted by `http`.
     pub(super) mqtt: Access,
     pub(super) entry: FirstAccess,
 }

@@ -43,7 +43,7 @@ impl Port {
     }
 }
 
-/// Why the program cannot start, or not go on. `Display` is the message for whoever started it.
+/// `Display` is one line for whoever started the program, with what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     #[error(transparent)]
