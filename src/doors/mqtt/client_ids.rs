@@ -11,8 +11,8 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Maximum number of remembered clients that are away; beyond it, of the owner with the most the one that was away longest is
-/// forgotten.
+/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent one is forgotten: of
+/// the owner with the most, the one that connected first.
 const REMEMBERED: usize = 128;
 
 /// Maximum wait of a newcomer for the other client of its name to leave.
@@ -28,20 +28,19 @@ pub(super) struct Name {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Memory {
-    /// To resume its session.
+    /// Its CONNECT does not ask for a clean start.
     pub(super) resumes: bool,
-    /// To be remembered after it has left.
+    /// Its CONNECT asks to be remembered after it has left: a session expiry above 0 s.
     pub(super) wants: bool,
 }
 
-/// All client ids. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ClientIds(Arc<Ids>);
 
 #[derive(Debug, Default)]
 struct Ids {
     registry: Mutex<Registry>,
-    /// A client is remembered from now on, perhaps not for long.
+    /// Wakes `keep`: the session just remembered may expire before the others.
     has_gone: Notify,
     clock: Clock,
 }
@@ -53,7 +52,7 @@ pub(super) struct ClientId {
     name: Name,
     moment: u64,
     leave: watch::Receiver<bool>,
-    /// Whether there is room to remember it after it has left.
+    /// Whether it asked to be remembered and found a place among `REMEMBERED`.
     is_remembered: bool,
     _gone: watch::Sender<()>,
 }
@@ -155,7 +154,7 @@ impl ClientIds {
             is_over
         };
         let over: Vec<_> = self.registry().remembered.extract_if(|_, remembered| is_over(remembered)).collect();
-        // After the lock of the registry is released.
+        // Without the registry's lock, which newcomers need.
         wills.into_iter().for_each(|will| will.publish(now));
         self.end(over.into_iter().map(|(_, remembered)| remembered));
     }
@@ -171,8 +170,7 @@ impl ClientIds {
 }
 
 impl Registry {
-    /// Whether one more client can be remembered; if there are too many, of the owner with the most the one that was away longest
-    /// gives way.
+    /// Whether there is a place for one more client. The client that loses its place for it is put into `gives_way`.
     fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;

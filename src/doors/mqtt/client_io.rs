@@ -50,13 +50,11 @@ pub(super) struct ClientEnds {
     pub(super) ahead: Taker,
     pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
-    /// Where closing connections wait.
+    /// Bounds the connections that are closing.
     pub(super) leaving: PendingConnections,
-    /// The client's address.
     pub(super) from: IpAddr,
 }
 
-/// The connection to the gate, and the bytes for it.
 pub(super) struct ClientIo {
     connection: ClientConnection,
     subscriber: Arc<Subscriber>,
@@ -69,10 +67,10 @@ pub(super) struct ClientIo {
     is_cut: bool,
     /// Whether there is more to do, after others had their turn.
     wants_turn: bool,
-    /// When the client last took many bytes, or all that waited, and the number since then.
+    /// When the client last took `MUCH` bytes, or all that waited, and the number of bytes since then.
     read_at: Duration,
     taken: usize,
-    /// The lagging subscribers of a client that publishes in a flood.
+    /// Set while nothing is taken from the client, because subscribers lag behind what it publishes.
     waiting: Option<LagWait>,
     ended: Option<Ended>,
 }
@@ -99,7 +97,7 @@ pub(super) enum TurnLength {
 
 type Did = Result<bool, Ended>;
 
-/// Runs until it has to end, and returns the reason.
+/// Returns when the session is remembered and the last bytes are sent, which may take `FAREWELL`.
 pub(super) async fn run(
     connection: ClientConnection,
     ends: ClientEnds,
@@ -130,8 +128,8 @@ pub(super) async fn run(
     ended
 }
 
-/// The program ends: serves until the client has received everything published for it, such as the end of the program. The caller
-/// bounds the time.
+/// The program ends: serves until the client has received everything published for it, such as the end of the program.
+/// The caller limits the time (`embedded::LAST_WORDS`).
 async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
@@ -144,7 +142,6 @@ async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clo
     }
 }
 
-/// Sends the last bytes to a client, within a time limit.
 async fn send_farewell(
     ended: Ended,
     mut client: Writer,
@@ -189,7 +186,7 @@ impl ClientIo {
         }
     }
 
-    /// Works for one turn; ready with the reason at the end.
+    /// Works for one turn: one step if `Short`, up to `TURN` if `Long`. Ready with the reason at the end.
     pub(super) fn poll(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
@@ -214,7 +211,7 @@ impl ClientIo {
         self.waiting.is_some() || self.ended.is_some() || self.is_cut || self.ahead.bytes() > LITTLE
     }
 
-    /// When it must be polled again at the latest.
+    /// Latest time of the next poll: the client will have been silent for too long, or held up for long enough.
     pub(super) fn due(&self) -> Duration {
         let silent_until = self.connection.poll_timeout();
         self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
@@ -238,7 +235,7 @@ impl ClientIo {
         if self.connection.to_client().is_empty() {
             return Ok(false);
         }
-        // The turns here have a bound of their own.
+        // Outside of tokio's own budget, because the turns here have a bound of their own.
         let written = match pin!(unconstrained(self.client.write_buf(self.connection.to_client()))).poll(cx) {
             Poll::Pending => return Ok(false),
             Poll::Ready(Ok(written @ 1..)) => written,
@@ -302,7 +299,8 @@ impl ClientIo {
         !is_over
     }
 
-    /// Reports how many bytes wait here, from and for the client.
+    /// Reports the bytes that wait here: they reduce the room to read ahead, and a session with many of them may be
+    /// evicted.
     fn note_held(&mut self) {
         let here = self.connection.held() + self.from_client.len();
         self.ahead.hold(here, self.connection.reads());
@@ -318,7 +316,6 @@ impl ClientIo {
     }
 }
 
-/// What the receiving thread does with the input of a client that is not served any more.
 fn left(ended: Ended) -> Left {
     if ended == Ended::NotKnown {
         Left::Deaf

@@ -45,7 +45,8 @@ pub(super) struct ClientService {
     task: AtomicWaker,
 }
 
-/// Time that a thread with other duties may spend on serving.
+/// Time that a thread with other duties may spend on serving: it grows by `SHARE` of the elapsed time, up to
+/// `LONGEST_TURN`.
 #[derive(Debug)]
 struct Allowance {
     saved: Duration,
@@ -60,7 +61,6 @@ impl ClientService {
         Arc::new(ClientService { io: Mutex::new(Some(io)), task: AtomicWaker::new() })
     }
 
-    /// Serves until the end, and returns the reason.
     pub(super) async fn serve(self: &Arc<ClientService>, clock: Clock) -> Ended {
         let waker = Waker::from(Arc::clone(self));
         let mut alarm = Alarm(None);
@@ -155,7 +155,7 @@ impl Drop for ServiceQueue {
 }
 
 impl Allowance {
-    /// Time for a serving turn now; `None` when it is not worth while.
+    /// Time for a serving turn now; `None` below `SHORTEST_TURN`, which would not be worth while.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
         self.saved = (self.saved + now.saturating_sub(self.at) / SHARE).min(LONGEST_TURN);
         self.at = now;
@@ -172,7 +172,7 @@ impl Allowance {
 struct Alarm(Option<(Duration, Pin<Box<Sleep>>)>);
 
 impl Alarm {
-    /// Wakes the task at this time, or earlier.
+    /// May wake the task too early: an earlier timer is kept.
     fn set(&mut self, due: Duration, clock: Clock, cx: &mut Context<'_>) {
         if self.0.as_ref().is_none_or(|(at, _)| *at > due) {
             self.0 = Some((due, Box::pin(sleep_until(clock.instant(due)))));

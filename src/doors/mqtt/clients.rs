@@ -41,22 +41,19 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// Maximum length of a client id in bytes; the standard requires 23.
 const CLIENT_ID: usize = 256;
 
-/// State shared by all connections to our own broker. Cheap to clone.
 #[derive(Clone)]
 pub struct Clients(Arc<Rooms>);
 
 struct Rooms {
     broker: Arc<Broker>,
     commands: Commands,
-    /// Connections that have not introduced themselves yet.
     pending: PendingConnections,
-    /// Connections that are about to close.
     leaving: PendingConnections,
     sessions: SessionLimits,
     pool: Pool,
     ids: ClientIds,
     attempts: Attempts,
-    /// Wrong passwords.
+    /// Limits the log lines about wrong passwords.
     wrong: LogThrottle,
     clock: Clock,
 }
@@ -69,7 +66,6 @@ struct IdentifiedClient {
 }
 
 impl Clients {
-    /// Starts without clients. Commands go to `commands`.
     pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
         Clients::with_budget(broker, commands, ConnectionBudget::default())
     }
@@ -306,7 +302,7 @@ impl Clients {
         SentAway::Ended(client_io::run(connection, ends, running, &identity, &origin.access, self.0.clock).await)
     }
 
-    /// Tells a client why it is refused, whether or not it reads that.
+    /// Tells a client why it is refused; waits for `FAREWELL` at most, because it may not read.
     async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
             SentAway::Refused(Version::Three, welcome) => write::connack(*welcome, false).to_vec(),
@@ -348,7 +344,7 @@ impl IdentifiedClient {
         connack.written(reception.largest)
     }
 
-    /// The keep alive imposed on a client of MQTT 5 that wants none, or a very long one.
+    /// The keep alive in seconds imposed on a client of MQTT 5 that wants none, or one above `KEEP_ALIVE_S`.
     const fn keep_alive_s(&self) -> Option<u16> {
         let keep_alive_s = self.connect.keep_alive_s;
         match self.connect.version() {

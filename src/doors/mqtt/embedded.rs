@@ -25,7 +25,7 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 
 pub struct Ways {
     pub listeners: Listeners,
-    /// Who is admitted over TCP.
+    /// For clients over TCP only: a web client comes with its own.
     pub access: Access,
     pub web_clients: mpsc::Receiver<IncomingConnection>,
     /// The runtime that reads input, and does nothing else (safety S7); the listeners wait there, too.
@@ -55,12 +55,13 @@ struct Reception {
     clients: Clients,
     access: Access,
     running: Running,
-    /// The runtime for everything else.
+    /// The runtime for everything but reading input (safety S7).
     work: Handle,
 }
 
 impl Reception {
-    /// Accepts clients until the program ends, then waits until they have left; slow ones are cut off.
+    /// Accepts clients until the program ends, then waits for `LAST_WORDS` at most until they have left; slow ones are
+    /// cut off.
     async fn receive(self, mut listeners: Listeners, mut web_clients: mpsc::Receiver<IncomingConnection>) {
         let mut clients = JoinSet::new();
         let mut running = self.running.clone();

@@ -53,7 +53,7 @@ impl Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
-    /// The bytes that came together with the CONNECT.
+    /// Takes the bytes that came together with the CONNECT: a STOP may be among them.
     pub(super) async fn begin(&mut self, first: &[u8]) {
         let rest = self.hear(first);
         self.finish(rest).await;
@@ -97,7 +97,7 @@ impl Hearing {
         Some(read)
     }
 
-    /// Searches the received bytes of a client that is about to end.
+    /// Searches what was received already of a client that is about to end (safety S8): about `REST` bytes at most.
     async fn hear_rest(&mut self, reader: &mut ClientReader) {
         let mut heard = 0;
         while heard < REST {

@@ -16,7 +16,6 @@ use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity(pub(super) Caller);
 
-/// Why a client is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// It sends no credentials where they are required.

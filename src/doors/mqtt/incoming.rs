@@ -22,7 +22,7 @@ pub struct IncomingConnection {
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub from: IpAddr,
-    /// Its identity, if that is known from the connection.
+    /// Set when the connection itself tells who the client is, so that its CONNECT need not.
     pub caller: Option<Caller>,
     pub access: Access,
 }

@@ -11,7 +11,6 @@ use mqtt_gate::packet::connect::{self, Connect, NoConnect};
 use mqtt_gate::packet::write::Welcome;
 use mqtt_gate::{Malformed, PacketKind, frame};
 
-/// Why a newcomer was not admitted, or a client ended.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SentAway {
     #[error("it did not say in time who it is")]
@@ -32,7 +31,7 @@ pub(super) enum SentAway {
     Ended(Ended),
 }
 
-/// The first packet of a client, which must be its CONNECT.
+/// The first packet of a client must be its CONNECT (MQTT 5, section 3.1).
 pub(super) async fn introduction(reader: &mut ClientReader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {

@@ -22,7 +22,7 @@ const PIECE: usize = 4 * 1024;
 /// Bytes that a STOP costs here, because its position is remembered.
 const STOP_COST: usize = size_of::<Mark>();
 
-/// Number of bytes waiting in all connections. Cheap to clone.
+/// Number of bytes waiting in all connections together. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool(Arc<AtomicUsize>);
 
@@ -32,11 +32,11 @@ impl Pool {
     }
 }
 
-/// The end of the receiving thread.
+/// The queue's end for the receiving thread.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<ReadAhead>);
 
-/// The end of the task.
+/// The queue's end for the connection's own task.
 #[derive(Debug)]
 pub(super) struct Taker(Arc<ReadAhead>);
 
@@ -58,7 +58,7 @@ struct State {
     /// Number of bytes put in so far, and the epoch of the last of them.
     total: u64,
     epoch: Option<Epoch>,
-    /// Bytes of the client that wait elsewhere.
+    /// Bytes of the client that wait elsewhere, and reduce the room here.
     held: usize,
     /// Whether the feeder waits for room. It is woken only then: waking its thread for each packet would delay every message.
     wants_room: bool,
@@ -72,9 +72,9 @@ struct State {
 pub(super) enum Left {
     /// It searches the bytes received already, and ends.
     HearsRest,
-    /// It reads on until the client closes the connection.
+    /// It reads on until the client closes the connection, for `hearing::FAREWELL` at most.
     HearsOn,
-    /// It stops reading.
+    /// It stops reading: the client's key is not valid any more, so that not even its STOP counts.
     Deaf,
 }
 
@@ -193,7 +193,6 @@ impl Taker {
         self.poll(cx, |state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true)))
     }
 
-    /// Ready when there is no room for more.
     pub(super) fn poll_full(&self, cx: &Context<'_>) -> Poll<()> {
         self.poll(cx, |state| (self.0.room_in(state) == 0).then_some(()))
     }

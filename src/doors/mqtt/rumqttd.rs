@@ -173,7 +173,7 @@ impl State {
         }
     }
 
-    /// Delivers everything under way directly, and replaces the engine.
+    /// Delivers everything under way directly, because the engine given up may never do so, and replaces it.
     fn renew(&mut self, itself: &Arc<Mutex<State>>) {
         self.pass_all();
         self.shown.clear();
@@ -193,7 +193,7 @@ impl State {
         }
     }
 
-    /// Delivers the oldest message to every subscriber that has not got it.
+    /// Drops the oldest delivery, which thereby goes to every subscriber that has not got it.
     fn pass_first(&mut self) {
         if self.transit.pop_front().is_some() {
             self.first += 1;

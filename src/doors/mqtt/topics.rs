@@ -30,7 +30,6 @@ pub enum TopicKind<'a> {
     Old,
     /// Everything else under our prefix, and the messages for Home Assistant: only the program itself publishes there.
     Ours,
-    /// None of ours.
     Elsewhere,
 }
 

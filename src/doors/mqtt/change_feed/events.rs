@@ -14,7 +14,6 @@ pub(super) struct Events {
 }
 
 impl Events {
-    /// Immediately, when there is an unpublished line.
     pub(super) fn due(&self, snapshot: &Snapshot) -> Option<Duration> {
         self.next(snapshot).map(|_| Duration::ZERO)
     }

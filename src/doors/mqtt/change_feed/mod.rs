@@ -34,7 +34,7 @@ pub const ONLINE: &str = "online";
 /// Payload there when it does not run: the session's last will, and its last message.
 pub const OFFLINE: &str = "offline";
 
-/// The messages still to be published. Times are those since the start of the program.
+/// All times that it takes and returns are since the start of the program.
 pub struct ChangeFeed {
     topics: Topics,
     snapshot: Option<Arc<Snapshot>>,
@@ -55,7 +55,7 @@ enum Source {
 }
 
 impl ChangeFeed {
-    /// A feed that publishes nothing before the first state. With `home_assistant` it also publishes for Home Assistant.
+    /// Publishes nothing before the first state.
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
             home_assistant_feed: home_assistant.then(|| HomeAssistantFeed::new(&topics)),

@@ -26,18 +26,18 @@ const PIECES: usize = 4_096;
 #[derive(Default)]
 pub(super) struct Old {
     number: u64,
-    /// Contents of the last message about the robot.
+    /// Contents of the last message about the robot; equal ones are not published again.
     robot: Option<(RobotState, Pose)>,
-    /// Contents of the last message about the map.
+    /// Contents of the last message about the map; equal ones are not published again.
     map: Option<(Revision, Cell)>,
     /// The pieces still to be published, oldest change first.
     luggage: VecDeque<Arc<Luggage>>,
     round: VecDeque<Item>,
-    /// Earliest time of the next round.
+    /// Earliest time of the next round, by `PACE`.
     next: Duration,
     /// Earliest time of the next map, which is published as a whole.
     next_map: Duration,
-    /// The published pieces, each with the number of its message.
+    /// The published pieces, each with the number of its message: `renew` queues the unacknowledged ones again.
     said: VecDeque<(u64, Arc<Luggage>)>,
 }
 
@@ -143,7 +143,7 @@ fn robot_of(snapshot: &Snapshot) -> (RobotState, Pose) {
     (snapshot.robot.state, snapshot.robot.pose)
 }
 
-/// Contents of a message about the map: the hall, and the robot in it.
+/// Contents of a message about the map, which shows the robot's cell as well.
 fn map_of(snapshot: &Snapshot) -> (Revision, Cell) {
     (snapshot.revision_of(Resource::Map), snapshot.robot.pose.cell)
 }
@@ -153,7 +153,6 @@ fn shown(snapshot: &Snapshot) -> Option<&Arc<Luggage>> {
     snapshot.pending().or(snapshot.luggage.last())
 }
 
-/// Drops the oldest when there are too many.
 fn bound<T>(waiting: &mut VecDeque<T>) {
     if waiting.len() > PIECES {
         waiting.pop_front();

@@ -39,7 +39,6 @@ impl Photos {
         self.newest = pieces::changed(older, newer, differs).filter_map(|piece| picture(piece)).last().or(self.newest);
     }
 
-    /// A photo to read that was not requested before.
     pub(super) fn poll(&mut self) -> Option<Picture> {
         if self.newest == self.asked {
             return None;
@@ -48,7 +47,6 @@ impl Photos {
         self.asked
     }
 
-    /// Takes a photo that was read; returns whether it will be published.
     pub(super) fn handle(&mut self, picture: Picture, photo: Photo) -> bool {
         let is_wanted = self.newest == Some(picture) && photo.bytes.len() <= PHOTO_MOST;
         if is_wanted {
@@ -63,7 +61,7 @@ impl Photos {
         self.shown.as_ref().map(|(_, bytes)| bytes.clone())
     }
 
-    /// Publishes it again; requests an unread one again.
+    /// Publishes the photo again; one that was never read is requested again.
     pub(super) fn renew(&mut self) {
         self.is_due = self.shown.is_some();
         self.asked = self.shown.as_ref().map(|(picture, _)| *picture);

@@ -37,9 +37,9 @@ pub struct IncomingMessage<'a> {
     pub topic: &'a str,
     pub payload: &'a [u8],
     pub arrived: Option<Epoch>,
-    /// Whether its sender marks it as sent before.
+    /// The DUP flag (MQTT 5, section 3.3.1.1): its sender may have sent it before.
     pub is_again: bool,
-    /// Where its sender wants the answer, in MQTT 5.
+    /// Where its sender wants the answer: Response Topic and Correlation Data of MQTT 5.
     pub answer_to: Option<AnswerTo<'a>>,
 }
 
@@ -57,7 +57,6 @@ pub enum Taken {
     Forbidden,
 }
 
-/// Extracts commands from messages. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Commands {
     handle: Handle,
@@ -69,7 +68,7 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
+    /// Old clients may drive the robot only with `manual_driving`.
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());

@@ -33,23 +33,22 @@ pub(super) struct ParsedCommand {
     pub(super) need: Need,
     /// For the record, when no command can be made of it.
     pub(super) unread: recorded::Asked,
-    /// Whether it means going on, whatever that is at the moment.
+    /// It means going on: taking a failed photo again, and otherwise START.
     pub(super) goes_on: bool,
     pub(super) reply: Reply,
 }
 
 impl CommandParser {
-    /// Parses the topics of a robot; `manual_driving` says whether old clients may drive it.
     pub(super) fn new(topics: Topics, manual_driving: bool) -> CommandParser {
         CommandParser { topics, manual_driving, unknown: Unknown::default() }
     }
 
-    /// Whether the program has nothing to do with a topic.
     pub(super) fn is_elsewhere(&self, topic: &str) -> bool {
         self.topics.kind_of(topic) == TopicKind::Elsewhere
     }
 
-    /// The STOP that topic and payload name, with any other fault: invalid text, wildcards, additional levels or characters.
+    /// The STOP that topic and payload name, whatever other faults they have (safety S8): invalid text, wildcards,
+    /// additional levels or characters.
     pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
         let topic = String::from_utf8_lossy(topic);
         self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
@@ -96,7 +95,7 @@ impl CommandParser {
         self.topics.kind_of(topic) == TopicKind::Old
     }
 
-    /// The MSGID of a message that is not for us.
+    /// The MSGID of a message on the old topics that the program does not know.
     pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
         match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
             Ok(incoming::QakRequest::Unknown(id)) => Some(id),
@@ -160,7 +159,7 @@ impl ParsedCommand {
         }
     }
 
-    /// Without an explanation on the old topics, for a sender who may not give the command.
+    /// A sender who may not give the command gets no explanation on the old topics.
     pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }

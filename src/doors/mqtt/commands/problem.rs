@@ -23,7 +23,6 @@ impl Problem {
         Problem::new(TOO_MANY, detail)
     }
 
-    /// The result of a command is not known in time.
     pub(super) fn no_answer(waited: Duration) -> Problem {
         let detail = format!("it was not answered within {} s: look at the state before you repeat it", waited.as_secs());
         Problem::new(("noAnswer", ProblemKind::Unavailable), detail)

@@ -20,7 +20,7 @@ pub(super) struct Read {
     pub(super) asked: AskedCommand,
 }
 
-/// Reads the payload of a command. A STOP is one whatever its payload is.
+/// A STOP is one whatever its payload is (safety S8).
 pub(super) fn read(row: &CommandRow, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
         return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
@@ -44,7 +44,7 @@ pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
     Err(Problem::too_large(format!("the payload has {bytes} bytes: at most {LARGEST} are read, and a command is a few dozen")))
 }
 
-/// A word without surrounding blanks and the quotes of JSON.
+/// A sender may write a word as JSON, in quotes: they are taken away, with the blanks round them.
 pub(super) fn bare(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
@@ -59,7 +59,7 @@ fn command(row: &CommandRow, fields: &mut BodyFields) -> AskedCommand {
     commands::asked(row.kind, number, &CarriedFields(fields))
 }
 
-/// The fields of a payload without those that were removed.
+/// The fields of a payload without its id and number, which were taken out before.
 struct CarriedFields<'a>(&'a BodyFields);
 
 impl Payload for CarriedFields<'_> {
@@ -74,7 +74,7 @@ impl Payload for CarriedFields<'_> {
     }
 }
 
-/// The fields of a payload; none for an empty payload, if the command needs none.
+/// A command without arguments may come with an empty payload.
 fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word()) {
         (true, true) => Ok(BodyFields::default()),
@@ -83,7 +83,7 @@ fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     }
 }
 
-/// The id of a command of which nothing else is read, if the id can be read.
+/// The id for the answer to a command of which nothing else is read, such as a STOP.
 pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()

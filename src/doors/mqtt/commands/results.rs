@@ -37,7 +37,6 @@ const PATIENCE: Duration = Duration::from_secs(93);
 /// Code of a refusal for lack of a photo to judge by.
 const NO_PHOTO: &str = "noPhoto";
 
-/// The channel of results, and the places of those awaited. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     answers: mpsc::Sender<ResultMessage>,
@@ -86,7 +85,7 @@ impl Results {
         self.under_way.take(publisher.is_viewer(), publisher.key())
     }
 
-    /// Waits for the result of a command, and publishes it. Must be called inside a runtime.
+    /// Waits for the result of a command, at most for `PATIENCE`, and publishes it. Must be called inside a runtime.
     pub(super) fn follow<F>(&self, done: F, reply: Reply, publisher: Publisher, permit: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
@@ -151,7 +150,6 @@ impl Results {
 }
 
 impl ResultMessage {
-    /// The message to publish; its place is free then.
     pub fn taken(self) -> Publication {
         self.publication
     }

@@ -10,7 +10,7 @@ const NAMES: usize = 64;
 /// Maximum length of a name in bytes: no command is nearly as long.
 const LONGEST: usize = 32;
 
-/// Name for the answers to all others.
+/// Name under which all other unknown commands are answered.
 pub(super) const UNKNOWN: &str = "unknown";
 
 #[derive(Debug, Default)]

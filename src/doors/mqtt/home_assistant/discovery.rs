@@ -8,7 +8,7 @@ use super::super::topics::Topics;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::world::resource::Resource;
 
-/// The message for `homeassistant/device/ID/config`, from this version of the program.
+/// The payload on `homeassistant/device/ID/config`.
 pub fn config(topics: &Topics, version: &str) -> Value {
     let name = format!("hallsweep {}", topics.id());
     json!({

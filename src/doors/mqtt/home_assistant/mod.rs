@@ -12,7 +12,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// Payload of Home Assistant after its start.
+/// Payload on `homeassistant/status` after Home Assistant's start: its birth message.
 pub const BIRTH: &[u8] = b"online";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,6 @@ fn activity(snapshot: &Snapshot) -> Activity {
     if is_held { Activity::Paused } else { under_way }
 }
 
-/// Whether a hold ends only after a repair.
 const fn must_be_mended(hold: Hold) -> bool {
     match hold {
         Hold::TemperatureStale | Hold::RobotLink | Hold::Store => true,

@@ -25,7 +25,7 @@ pub enum QakRequest {
     Unknown(String),
 }
 
-/// Why a message is not carried out. `Display` is the sentence for log and record.
+/// `Display` is the sentence for log and record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
     #[error(transparent)]
@@ -33,7 +33,7 @@ pub enum Wrong {
     /// Its MSGID is known, but its CONTENT makes no sense.
     #[error("the CONTENT of {id} is wrong: {words}")]
     Content { id: &'static str, words: String },
-    /// An old client may not ask for that here.
+    /// Driving, which old clients may not do here without `manual_driving`.
     #[error("{refused}")]
     Refused { command: Command, refused: Refused },
 }
@@ -211,7 +211,7 @@ fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
     text.iter().copied().filter(move |letter| !is_between(*letter))
 }
 
-/// Whether a move that means STOP follows this beginning of a content.
+/// Whether a move that means STOP follows `beginning` anywhere among the letters.
 fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
     let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
     starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {

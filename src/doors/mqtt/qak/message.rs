@@ -10,15 +10,15 @@ const MSG: &str = "msg";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Its MSGID, such as `startCmd`.
+    /// Such as `startCmd`.
     pub id: String,
     pub kind: MessageKind,
-    /// Its sender, such as `js`.
+    /// Such as `js`.
     pub sender: String,
-    /// Its receiver; `none` for an event.
+    /// `none` for an event.
     pub receiver: String,
     pub content: Term,
-    /// Its number; old clients write 1 in all messages.
+    /// Old clients write 1 in all messages.
     pub number: u64,
 }
 
@@ -35,17 +35,16 @@ pub enum MessageKind {
     Reply,
 }
 
-/// Why a payload is no message. `Display` is a sentence for the log.
+/// `Display` is a sentence for the log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMessage {
-    /// It is not even a term.
     #[error("it is no message: {0}")]
     Unreadable(#[from] Unreadable),
     #[error("it is no message: {0} stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs")]
     OtherTerm(String),
     #[error("its {part} is {found}: {expected} belongs there")]
     Part {
-        /// The part, such as `SENDER`.
+        /// Such as `SENDER`.
         part: &'static str,
         found: String,
         expected: &'static str,

@@ -43,7 +43,7 @@ pub fn why_not(words: &str) -> Term {
 /// The number of a message that answers somebody, which is not counted.
 pub const ANSWER: u64 = 0;
 
-/// Whether a message made by `message` is a counted one.
+/// Whether a message made by `message` has a number that counts, and not `ANSWER`.
 pub fn is_counted(message: &[u8]) -> bool {
     !message.ends_with(format!(",{ANSWER})").as_bytes())
 }

@@ -116,7 +116,7 @@ impl<'a> TermReader<'a> {
         number.map(Term::Number).ok_or_else(|| self.unexpected("a number, as 3, -3 or 21.5,"))
     }
 
-    /// The next character that is not blank; skips the blanks before it.
+    /// The next character that is not blank, which is not consumed; the blanks before it are.
     fn next(&mut self) -> Option<char> {
         self.taken_while(|letter| letter.is_ascii_whitespace());
         self.rest().chars().next()

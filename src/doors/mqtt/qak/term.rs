@@ -32,7 +32,6 @@ impl Term {
         Term::Compound(name.into(), parts.into())
     }
 
-    /// The text of an atom, or the name of a compound term; `None` for a number.
     pub fn name(&self) -> Option<&str> {
         match self {
             Term::Atom(name) | Term::Compound(name, _) => Some(name),

@@ -10,7 +10,7 @@ use hallsweep_core::rng::RandomStream;
 pub(super) struct Backoff {
     shortest: Duration,
     longest: Duration,
-    /// Upper bound of the next pause.
+    /// Upper bound of the next pause: doubled by each failure, up to `longest`.
     bound: Duration,
     chance: RandomStream,
 }

@@ -90,7 +90,7 @@ impl ConnectionTask<'_> {
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
-    /// Publishes a message; returns whether it is sent.
+    /// False when the message is too large for the broker, or the client has no room for it.
     fn give(&mut self, publication: Publication) -> bool {
         let is_given = self.transport.publish(&publication);
         if is_given {
@@ -195,7 +195,7 @@ impl ConnectionTask<'_> {
         Ok(())
     }
 
-    /// Ignores messages; only acknowledgements count.
+    /// No command is taken at the end of the program: only acknowledgements count.
     fn handle_last(&mut self, event: Event) {
         if let Event::Acknowledged { id, .. } = event {
             let _ = self.conversation.inflight.handle_acknowledged(id, self.now());

@@ -10,11 +10,10 @@ pub(super) enum Event {
         /// Maximum number of messages that it leaves unacknowledged.
         receive_maximum: Option<u16>,
     },
-    /// Whether each of our filters was granted.
+    /// Whether each of our filters was granted, in their order.
     Subscribed(Vec<bool>),
     Acknowledged {
         id: u16,
-        /// Whether it refuses the publication.
         is_refused: bool,
     },
     Heard(Heard),

@@ -18,7 +18,6 @@ use mqtt_gate::packet::properties::Property;
 
 pub(super) struct Five(AsyncClient);
 
-/// rumqttc's options, with the last will that the broker publishes when we are lost.
 fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_start(true).set_keep_alive(times.keep_alive);
@@ -41,7 +40,7 @@ impl Five {
         times: &Times,
     ) -> (Five, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
         let (client, events) = AsyncClient::new(options(link, will, times), IN_FLIGHT + BESIDE);
-        // As in `three`.
+        // rumqttc's own loop must not be cancelled, as in `three`.
         let events = unfold(events, async |mut events| {
             let happened = events.poll().await.map(event).map_err(Lost::from);
             Some((happened, events))

@@ -15,7 +15,7 @@ const AGAIN: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub(super) struct Kept {
     topics: HashMap<String, Option<Topic>>,
-    /// Whether the broker sends us our own messages.
+    /// Whether the broker sends us our own messages, as it does in MQTT 3.1.1.
     has_echo: bool,
     marks: RandomState,
 }
@@ -27,7 +27,7 @@ struct Topic {
     echoes: VecDeque<u64>,
     /// When ours is to be published again, because another one was received since.
     due: Option<Duration>,
-    /// Earliest time of the next repetition.
+    /// Earliest time of the next repetition, by `AGAIN`.
     next: Duration,
     is_told: bool,
 }

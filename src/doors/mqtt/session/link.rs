@@ -30,7 +30,6 @@ pub struct SessionLink {
 }
 
 impl SessionLink {
-    /// rumqttc's transport; `None` without TLS.
     pub(super) fn transport(&self) -> Option<Transport> {
         let tls = self.tls.as_ref()?;
         Some(Transport::tls_with_config(TlsConfiguration::Rustls(Arc::clone(tls))))

@@ -81,7 +81,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session that has not begun.
+    /// Does not connect before `run`.
     pub fn new(parts: Parts) -> Session {
         Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
@@ -125,7 +125,7 @@ impl Session {
         }
     }
 
-    /// The message at the end of the program, and the broker's when we are gone without a word.
+    /// Our message at the end of the program, and the last will that the broker publishes when we are lost.
     fn offline(&self) -> Publication {
         Publication::kept(self.topics.availability(), OFFLINE)
     }

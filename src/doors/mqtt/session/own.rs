@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
 use mqtt_gate::{Announcement, Broker, OwnSubscription};
 
-/// Publishes what is new at our own broker. Commands are received at its gate.
+/// Commands are received at the broker's gate, not here.
 pub struct OwnSession {
     broker: Arc<Broker>,
     topics: Topics,

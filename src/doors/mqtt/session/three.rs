@@ -13,7 +13,6 @@ use super::times::Times;
 
 pub(super) struct Three(AsyncClient);
 
-/// rumqttc's options, with the last will that the broker publishes when we are lost.
 fn options(link: &SessionLink, will: Publication, times: &Times) -> MqttOptions {
     let mut options = MqttOptions::new(&link.client_id, &link.host, link.port);
     options.set_clean_session(true).set_keep_alive(times.keep_alive);

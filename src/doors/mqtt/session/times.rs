@@ -10,9 +10,8 @@ pub struct Times {
     pub acknowledgement: Duration,
     /// Silence after which the broker is pinged, and time for its answer; whole seconds.
     pub keep_alive: Duration,
-    /// First pause before connecting again.
     pub shortest_pause: Duration,
-    /// Longest pause. A shorter connection counts as failed.
+    /// A connection that lasts for less counts as failed.
     pub longest_pause: Duration,
     pub farewell: Duration,
 }

@@ -20,7 +20,6 @@ pub(super) struct Transport {
     events: Pin<Box<dyn Stream<Item = Result<Event, Lost>> + Send>>,
     /// Maximum packet size of the broker in bytes, as far as it has told.
     largest: Option<u32>,
-    /// Counts messages that were not published.
     left_out: LogThrottle,
 }
 
@@ -65,7 +64,7 @@ impl Transport {
         }
     }
 
-    /// Returns whether the message is sent.
+    /// False when the message is too large for the broker, or the client has no room for it; that is logged.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
         let fits = publication.fits(self.largest);
         let is_given = fits
