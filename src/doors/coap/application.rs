@@ -61,12 +61,11 @@ pub(super) fn changed(application: &impl Application) {
     let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));
 }
 
-/// The representations for observers; `None` when the application panics.
+/// A panic of the application costs only this notification (safety A7).
 pub(super) fn things(application: &impl Application, request: &Request) -> Option<Vec<Arc<Response>>> {
     catch_unwind(AssertUnwindSafe(|| application.things(request))).ok()
 }
 
-/// 5.00: a panic ended this request.
 pub(super) fn broken() -> Answer {
     let words = "a mistake in hallsweep ended this request; its log says more";
     Answer::once(Response::refusal(Code::INTERNAL, words.to_owned()))

@@ -18,7 +18,7 @@ const SEARCHED: u32 = 160;
 /// A kind is filtered when at least one in this many received datagrams is of it: a kind with fewer did not cause the flood.
 const PART: usize = 8;
 
-/// Length of the header, after which the words begin at the earliest.
+/// Length of the header in bytes (RFC 7252, section 3), after which the words begin at the earliest.
 const HEADER: usize = 4;
 
 /// Number of received datagrams of each kind: reads, commands, signs, and commands that pass every filter.
@@ -29,7 +29,7 @@ pub(super) struct FloodFilter {
     words: &'static [[u8; 4]],
     /// For reads, commands and signs: one in two to the power of this passes.
     fine: [u32; 3],
-    /// When it was last changed.
+    /// Time of the last change: more is let through after `CALM`.
     since: Duration,
 }
 

@@ -73,7 +73,6 @@ impl PendingAnswers {
     }
 }
 
-/// 5.03: too many such requests are under way.
 pub(super) fn busy() -> Answer {
     unavailable(format!("too many requests are under way: ask again in {BUSY_S} seconds"))
 }

@@ -54,7 +54,7 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    // The wall clock at the start of this loop, since 1970.
+    // The wall clock at the zero of `clock`, since 1970: the numbers of notifications continue from it after a restart.
     let now = clock.now();
     let began = Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start);
     let endpoint = Endpoint::new(secret).started_at(began).with_urgent(A::IS_STOP, HALTED);
@@ -120,7 +120,7 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Receives; returns whether the queue was empty.
+    /// Receives, and answers nothing, for `HEARING` at most; returns whether the queue was empty.
     async fn hear(&mut self) -> bool {
         let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {

@@ -28,7 +28,7 @@ const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 const ID: &str = "id";
 
 impl Action {
-    /// The right that it needs. An old word may be a STOP.
+    /// An old word may be a STOP, so it needs no right beyond that.
     pub(super) fn need(self) -> Need {
         match self {
             Action::Command(kind) => kind.row().need,

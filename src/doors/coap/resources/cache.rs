@@ -41,7 +41,7 @@ impl Copies {
 }
 
 impl RepresentationCache {
-    /// The representation in this format; `number` selects one of several.
+    /// `number` is the one in the path, or that of an old item.
     pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
         let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
         let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);

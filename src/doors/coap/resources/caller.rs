@@ -18,7 +18,6 @@ impl Caller {
         if is_this_machine(peer.ip()) { Caller::Here } else { Caller::Beyond }
     }
 
-    /// Checks a right; the error says what is missing.
     pub(super) fn check(self, need: Need) -> Result<(), Refused> {
         match (self, need) {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),

@@ -1,5 +1,5 @@
-//! `/.well-known/core`: the table as links, with one link for each thing of a path with a number (RFC 6690). Filtering and
-//! formatting of links are in `super::super::links`.
+//! `/.well-known/core` (RFC 6690): the table as links. A path with a number becomes one link for each existing thing.
+//! Filtering and formatting of links are in `coap_endpoint::link_format`.
 
 use super::etag::tag;
 use super::table::{PathRow, Show, Table};

@@ -1,4 +1,4 @@
-//! Tags of representations.
+//! Tags of representations (RFC 7252, section 5.10.6).
 
 use std::hash::Hasher;
 

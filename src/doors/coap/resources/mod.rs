@@ -48,7 +48,6 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
     pub fn new(handle: Handle, archive: ArchiveReader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(handle.snapshot());

@@ -31,8 +31,8 @@ impl OldModel {
         OldModel(Mutex::new(Seen { snapshot, latest: ROBOT }))
     }
 
-    /// Updates and returns the item that changed last. Of several that changed since the last look it is the one whose own part
-    /// of the state changed last; of those that changed at once, the last in the order in which observers are told.
+    /// Updates and returns the item that changed last. If several changed since the last look, it is the one whose own
+    /// part has the highest revision; with equal revisions, the last in the order in which observers are told.
     pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
@@ -58,7 +58,7 @@ impl OldModel {
     }
 }
 
-/// The existing items; never empty.
+/// Numbers of the existing items; robot and map always exist.
 fn there(snapshot: &Snapshot) -> &'static [u64] {
     if snapshot.luggage.is_empty() { &[ROBOT, MAP] } else { &[ROBOT, MAP, LUGGAGE] }
 }

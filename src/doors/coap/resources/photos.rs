@@ -35,7 +35,7 @@ impl Photos {
         photos.iter().find(is_it).map(|one| Arc::clone(&one.response))
     }
 
-    /// Caches a photo in place of an earlier one of the same piece; drops the oldest ones.
+    /// Caches a photo in place of an earlier one of the same piece; drops the oldest ones beyond `MOST_BYTES`.
     pub(super) fn keep(&self, id: LuggageId, is_settled: bool, response: Response) -> Arc<Response> {
         let response = Arc::new(response);
         let mut photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -53,7 +53,6 @@ pub(super) fn tag(piece: &Luggage) -> ETag {
     etag::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
 }
 
-/// Like `tag`; an error when the piece has no photo.
 pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
     piece.take()?;
     Ok(tag(piece))

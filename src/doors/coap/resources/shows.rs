@@ -31,7 +31,7 @@ pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision
     }
 }
 
-/// The representation in this format; `number` selects one of several. Empty when there is nothing to show.
+/// Empty when there is nothing to show. `number` is the one in the path, or that of an old item.
 pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Vec<u8> {
     match show {
         Show::Resource(shown) => shown.written(number, form_of(format), snapshot, at_this_door),
@@ -44,7 +44,7 @@ pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
     resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
 }
 
-/// Replaces the address of a record's photo by the one at this door.
+/// `LuggageJson` names the photo's path at the HTTP door, which does not exist here.
 pub(super) fn at_this_door(mut piece: LuggageJson) -> LuggageJson {
     piece.photo.url = piece.photo.url.map(|_| format!("/luggage/{}/photo", piece.id));
     piece
