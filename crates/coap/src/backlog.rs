@@ -8,7 +8,7 @@ use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
 
-/// Datagrams that were received and wait to be handled.
+/// Datagrams that were received and wait to be handled, with a bounded room for each kind.
 pub struct Backlog {
     is_urgent: fn(&Request) -> bool,
     urgent: Queue,
@@ -50,7 +50,7 @@ impl Backlog {
         }
     }
 
-    /// Whether nothing waits.
+    /// Whether nothing waits, urgent or not.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)

@@ -69,7 +69,7 @@ pub(super) struct BodyKey {
     pub(super) tags: Vec<Vec<u8>>,
 }
 
-/// Bodies whose last block has not come yet.
+/// Bodies whose last block has not come yet; those from beyond this machine have places of their own.
 #[derive(Debug, Default)]
 pub(super) struct Assemblies {
     here: Bodies,

@@ -9,7 +9,7 @@ pub(super) struct Chance(ChaCha8Rng);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
-    /// The random part of the times between retransmissions.
+    /// The random part of the times between retransmissions (RFC 7252, section 4.2).
     Spread,
     MessageIds,
 }

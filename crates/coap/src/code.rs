@@ -16,7 +16,7 @@ macro_rules! codes {
 }
 
 codes! {
-    /// Neither a request nor a response.
+    /// Neither a request nor a response (RFC 7252, section 4.1).
     EMPTY = "0.00";
     CREATED = "2.01";
     DELETED = "2.02";
@@ -24,7 +24,7 @@ codes! {
     VALID = "2.03";
     CHANGED = "2.04";
     CONTENT = "2.05";
-    /// Asks for the next block.
+    /// Asks for the next block (RFC 7959, section 2.9.1).
     CONTINUE = "2.31";
     BAD_REQUEST = "4.00";
     UNAUTHORIZED = "4.01";
@@ -34,7 +34,7 @@ codes! {
     NOT_FOUND = "4.04";
     METHOD_NOT_ALLOWED = "4.05";
     NOT_ACCEPTABLE = "4.06";
-    /// Blocks are missing.
+    /// Blocks are missing (RFC 7959, section 2.9.2).
     INCOMPLETE = "4.08";
     /// RFC 8132
     CONFLICT = "4.09";
@@ -62,13 +62,13 @@ impl Code {
         self.0 >> 5
     }
 
-    /// The detail within its class.
+    /// The detail within its class, 0 to 31.
     #[must_use]
     pub const fn detail(self) -> u8 {
         self.0 & 0x1F
     }
 
-    /// Whether it is of the success class, 2.
+    /// Whether it is of class 2, success (RFC 7252, section 5.9.1).
     #[must_use]
     pub const fn is_success(self) -> bool {
         self.class() == 2
@@ -108,7 +108,7 @@ impl Method {
         matches!(self, Method::Get | Method::Fetch)
     }
 
-    /// Its code on the wire.
+    /// Its code on the wire (RFC 7252, section 12.1.1).
     #[must_use]
     pub const fn code(self) -> Code {
         Code(self as u8)

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The number of a content format.
+/// The number of a content format (RFC 7252, section 12.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Format(pub u16);
 

@@ -34,7 +34,7 @@ impl ReplyTo {
 }
 
 impl Endpoint {
-    /// Handles a datagram from the network.
+    /// Handles a datagram from the network. Fetch what follows with the `poll_…` functions.
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
         match parse(bytes) {
@@ -198,7 +198,7 @@ impl Endpoint {
         self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
-    /// Notes a refused change of a peer of this machine for the record.
+    /// Notes a refused change of a peer of this machine for the record, unless `REFUSED` of them wait.
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();

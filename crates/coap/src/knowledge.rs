@@ -13,7 +13,7 @@ use super::response::Response;
 #[derive(Debug)]
 pub(super) struct Thing {
     pub(super) response: Arc<Response>,
-    /// The change that brought it to its present state.
+    /// Number of the change that brought it to its present state.
     pub(super) version: u64,
 }
 

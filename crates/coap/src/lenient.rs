@@ -12,7 +12,7 @@ use super::request::{Conditions, Request};
 /// Length of the header in bytes, after which the token begins.
 const HEADER: usize = 4;
 
-/// The byte between options and payload.
+/// The byte between options and payload (RFC 7252, section 3).
 const MARKER: u8 = 0xFF;
 
 /// The longest token, in bytes (RFC 7252, section 3).

@@ -66,46 +66,47 @@ use self::reliable::Reliable;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ExchangeId(u64);
 
-/// A datagram to be sent.
+/// A datagram to be sent, as it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmit {
-    /// Its receiver.
+    /// Address and port of its receiver.
     pub peer: SocketAddr,
-    /// Its bytes.
+    /// The whole UDP payload.
     pub bytes: Vec<u8>,
 }
 
 /// A request for a change that was refused before the application saw it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedRequest {
-    /// Who sent it.
+    /// Its sender, which is on this machine.
     pub peer: SocketAddr,
     /// What it asked for, such as `POST /commands/start`.
     pub asked: String,
-    /// The reason that it was given.
+    /// The reason, without the `refused: ` before it in the answer.
     pub words: String,
 }
 
 /// Sizes of the endpoint's tables, each of which has its bound in `limits`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Messages stored with their answers.
+    /// Messages stored with their answers: at most twice `EXCHANGES`.
     pub exchanges: usize,
-    /// Requests that wait for the application.
+    /// Requests that wait for the application: at most `OPEN`.
     pub open: usize,
-    /// Observations.
+    /// Observations: at most `OBSERVERS`.
     pub observers: usize,
-    /// Bodies of requests of which some blocks are missing.
+    /// Bodies of requests of which some blocks are missing: at most twice `ASSEMBLIES`.
     pub assemblies: usize,
-    /// Answers stored for reading in blocks.
+    /// Answers stored for reading in blocks: at most `ASSEMBLIES`.
     pub long_answers: usize,
     /// Messages that wait for an acknowledgement, or for their turn.
     pub reliable: usize,
-    /// Addresses and networks beyond this machine, and peers with message ids of their own.
+    /// Addresses and networks beyond this machine, and peers with message ids of their own: at most `PEERS` of each.
     pub peers: usize,
 }
 
-/// A CoAP server endpoint without sockets and clocks.
+/// A CoAP server endpoint without sockets and clocks: it takes datagrams, answers and the time, and returns requests
+/// and datagrams.
 pub struct Endpoint {
     guard: Guard,
     exchanges: Exchanges,
@@ -135,7 +136,7 @@ struct Open {
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
-    /// The request itself, if it asks to observe.
+    /// Set if the request asks to observe: the registration needs it.
     request: Option<Box<Request>>,
     /// The key under which its answer is stored if it does not fit into one message; `None` for a request that only
     /// reads.
@@ -226,7 +227,7 @@ impl Endpoint {
         self.notify_due(now);
     }
 
-    /// The next request for the application.
+    /// The next request for the application; `handle_answer` takes the answer.
     pub fn poll_request(&mut self) -> Option<(ExchangeId, Request)> {
         self.asked.pop_front()
     }
@@ -236,7 +237,7 @@ impl Endpoint {
         self.refused.pop_front()
     }
 
-    /// The next datagram for the network.
+    /// The next datagram for the network. Send all of them after each call of a `handle_…` function.
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
         self.out.pop_front()
     }
@@ -260,7 +261,7 @@ impl Endpoint {
         self.observers.count()
     }
 
-    /// Sizes of the tables.
+    /// Sizes of the tables. It looks through some of them, so it is not for every datagram.
     #[must_use]
     pub fn counts(&self) -> Counts {
         Counts {

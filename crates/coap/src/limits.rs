@@ -109,7 +109,7 @@ pub const AMPLIFICATION: usize = 3;
 /// Addresses beyond this machine of which received bytes and proofs are stored; the oldest gives way.
 pub const PEERS: usize = 4096;
 
-/// How long an address counts as proved.
+/// How long an address counts as proved; each acknowledgement from there renews it.
 pub(super) const PROVED: Duration = Duration::from_secs(3600);
 
 /// Greatest age of an Echo that proves an address (RFC 9175, section 2.4).

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-/// One link with its attributes.
+/// One link with its attributes (RFC 6690, section 2).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Link {
     href: String,
@@ -32,7 +32,7 @@ impl Link {
         self
     }
 
-    /// Whether this link matches a query, such as `rt=map`, `href=/rob*`, `sz=*` or `obs`.
+    /// Whether this link matches a query (RFC 6690, section 4.1), such as `rt=map`, `href=/rob*`, `sz=*` or `obs`.
     fn matches(&self, query: &str) -> bool {
         let Some((name, wanted)) = query.split_once('=') else {
             return query == "href" || self.attributes.iter().any(|(known, _)| *known == query);
@@ -75,7 +75,7 @@ pub fn link_format(links: &[Link], queries: &[String]) -> String {
 /// Attributes whose value is a list of values (RFC 6690, section 4.1; for `ct` RFC 7252, section 7.2.1).
 const MANY: [&str; 4] = ["rt", "if", "rel", "ct"];
 
-/// Whether a value is equal to `wanted`, or begins with it when `wanted` ends with `*`.
+/// Whether a value is equal to `wanted`, or begins with it when `wanted` ends with `*` (RFC 6690, section 4.1).
 fn is_wanted(value: &str, wanted: &str) -> bool {
     wanted.strip_suffix('*').map_or(value == wanted, |beginning| value.starts_with(beginning))
 }

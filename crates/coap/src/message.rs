@@ -79,7 +79,7 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
     }
 }
 
-/// Whether it is long enough for a message, and of version 1.
+/// Whether it is long enough for a message, and of version 1 (RFC 7252, section 3).
 pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
     matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
 }
@@ -92,7 +92,7 @@ pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
         .then_some(Code(code))
 }
 
-/// An empty message, as an acknowledgement or a reset.
+/// An empty message of four bytes (RFC 7252, section 4.1), as an acknowledgement or a reset.
 pub(super) fn empty(kind: MessageKind, id: u16) -> Vec<u8> {
     let [high, low] = id.to_be_bytes();
     vec![0x40 | kind as u8, 0, high, low]
@@ -131,13 +131,13 @@ impl Outgoing {
         self.option = option;
     }
 
-    /// Adds an option with a number as its value, in the shortest form.
+    /// Adds an option with a number as its value, in the shortest form (RFC 7252, section 3.2).
     pub(super) fn add_number(&mut self, option: u16, value: u32) {
         let skipped = value.leading_zeros() / 8;
         self.add(option, &value.to_be_bytes()[skipped as usize..]);
     }
 
-    /// Adds the payload, after all options.
+    /// Adds the payload; no option may follow it.
     pub(super) fn carry(&mut self, payload: &[u8]) {
         if !payload.is_empty() {
             self.bytes.push(0xFF);
@@ -156,7 +156,7 @@ impl Outgoing {
     }
 }
 
-/// The four bits for an option's delta or length in its first byte.
+/// The four bits for an option's delta or length in its first byte (RFC 7252, section 3.1).
 const fn half(value: usize) -> u8 {
     match value {
         0..13 => value as u8,
@@ -187,7 +187,7 @@ fn written_length(packet: &Packet) -> usize {
     length + if packet.payload.is_empty() { 0 } else { 1 + packet.payload.len() }
 }
 
-/// Bytes that an option's delta or length takes beyond its four bits.
+/// Bytes that an option's delta or length takes beyond its four bits (RFC 7252, section 3.1).
 const fn extended(value: usize) -> usize {
     match value {
         0..13 => 0,

@@ -44,7 +44,7 @@ pub(super) enum Crowd {
     /// The new one itself, whose peer has too many or whose path is too long: nobody gives way.
     Itself,
     Network(Network),
-    /// All observations from beyond this machine.
+    /// All observations from beyond this machine, since those of this machine never give way to them.
     Beyond,
     All,
 }
@@ -65,10 +65,10 @@ pub(super) struct Notification {
     pub(super) peer: SocketAddr,
     pub(super) token: Token,
     pub(super) response: Arc<Response>,
-    /// Index of the thing among those that are observed.
+    /// Index of the thing among those of its subject.
     pub(super) thing: usize,
     pub(super) version: u64,
-    /// The size exponent of the blocks that the observer wants.
+    /// Size exponent of the blocks that the observer wants: 2 to the power of `exponent` + 4 bytes each.
     pub(super) exponent: u8,
     pub(super) confirm: bool,
     /// The Observe number of 24 bits; `None` for the last message, after which no notification follows.
@@ -94,7 +94,7 @@ struct Observer {
     subject: SubjectId,
     exponent: u8,
     knowledge: Knowledge,
-    /// The last thing of which it was sent only the first block, in the state that is to be read on.
+    /// The body of which it was sent only the first block: it reads the further blocks of this one, whatever changes.
     begun: Option<Arc<Response>>,
     /// Whether it may still be reading `begun`.
     is_reading: bool,
@@ -108,15 +108,14 @@ struct Observer {
     due: Option<Duration>,
 }
 
-/// A request to observe, and its answer.
 pub(super) struct Registration<'a> {
     pub(super) request: &'a Request,
     pub(super) token: Token,
-    /// The size exponent of the blocks that the observer wants.
+    /// Size exponent of the blocks that the observer wants: 2 to the power of `exponent` + 4 bytes each.
     pub(super) exponent: u8,
     /// The answer, which shows the present state.
     pub(super) shown: &'a Arc<Response>,
-    /// Whether the answer is sure to arrive.
+    /// Whether the answer is sure to arrive: it acknowledges a CON, which its sender repeats until then.
     pub(super) is_sure: bool,
 }
 
@@ -268,7 +267,7 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
-    /// A notification of the newest version, if it is newer than the one in this notification on its way.
+    /// A notification of the newest version; `None` unless that is newer than `version`, which is on its way.
     pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;

@@ -51,12 +51,12 @@ pub(super) struct ParsedRequest {
     /// 0 to register an observer, 1 to deregister it.
     pub(super) observe: Option<u32>,
     pub(super) block1: Option<Block>,
-    /// Which block of the answer is wanted.
+    /// The block of the answer that is wanted (RFC 7959, section 2.2).
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
     /// The announced length of the request's body, in bytes.
     pub(super) size1: Option<u32>,
-    /// Distinguish bodies to the same path.
+    /// Request-Tag (RFC 9175, section 3): distinguishes bodies to the same path.
     pub(super) request_tags: Vec<Vec<u8>>,
     pub(super) echo: Option<Vec<u8>>,
 }
@@ -130,7 +130,7 @@ pub(super) fn asked(incoming: &Incoming) -> String {
 /// Most segments of a path that go on record.
 const ASKED_SEGMENTS: usize = 8;
 
-/// Most letters of a segment that go on record: enough to recognise it.
+/// Most letters of a path that go on record: enough to recognise it.
 const ASKED_LETTERS: usize = 60;
 
 fn check_critical(packet: &Packet) -> Result<(), Response> {

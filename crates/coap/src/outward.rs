@@ -103,7 +103,7 @@ impl Endpoint {
         }
     }
 
-    /// Acknowledges requests whose answer takes longer.
+    /// Acknowledges requests whose answer takes longer than `PATIENCE`, before their senders repeat them.
     pub(super) fn acknowledge_slow(&mut self, now: Duration) {
         while let Some((exchange, _)) = self.patience.first_key_value().filter(|(_, due)| **due <= now) {
             let exchange = *exchange;
@@ -231,7 +231,7 @@ impl Endpoint {
         self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
-    /// Suppresses an answer that is not wanted; a CON gets an empty acknowledgement.
+    /// Suppresses an answer that is not wanted (RFC 7967); a CON gets an empty acknowledgement.
     fn say_nothing(&mut self, reply_to: ReplyTo, now: Duration) {
         if reply_to.kind == MessageKind::Con {
             self.acknowledge(reply_to.key, now);
@@ -247,7 +247,8 @@ impl Endpoint {
         self.transmit(key.peer, acknowledgement, now);
     }
 
-    /// Sends an answer in a message of its own, when its turn comes.
+    /// Sends an answer in a message of its own: when its turn comes, or at once and without acknowledgement when too
+    /// many wait.
     fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Duration) {
         let is_busy = self.reliable.is_busy(peer);
         if !is_busy && !self.reliable.is_full() {
@@ -284,7 +285,7 @@ impl Endpoint {
         self.out.push_back(Transmit { peer, bytes });
     }
 
-    /// Sends a datagram, if the guard's limit allows it. Returns whether it did.
+    /// False when the guard's limit does not allow the datagram, which is dropped then.
     pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Duration) -> bool {
         let may = self.guard.lets_out(peer, bytes.len(), now);
         if may {

@@ -10,7 +10,7 @@ use hashlink::LinkedHashMap;
 use super::limits::WAITING_HEAD;
 use super::network::Network;
 
-/// A datagram with its sender.
+/// The sender's address and the bytes of a received datagram.
 pub type Datagram = (SocketAddr, Box<[u8]>);
 
 type Peers = LinkedHashMap<SocketAddr, Share<VecDeque<Box<[u8]>>>>;
@@ -70,7 +70,7 @@ impl Queue {
         !self.first.is_empty()
     }
 
-    /// Moves everything that waits now ahead of what comes later.
+    /// Moves everything that waits now ahead of what comes later: it is taken before an urgent request.
     pub(super) fn put_first(&mut self) {
         while let Some(datagram) = self.next_in_turn() {
             self.first.push_back(datagram);

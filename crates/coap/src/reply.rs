@@ -11,12 +11,12 @@ use super::response::Response;
 /// The options of a response that do not come from the application.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReplyOptions {
-    /// The block of the request's body that is answered.
+    /// The block of the request's body that is answered (RFC 7959, section 2.2).
     pub(super) block1: Option<Block>,
-    /// The block of the answer's body that is wanted.
+    /// The block of the answer's body that is wanted; `None` for the first, of the largest size.
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
-    /// The Observe number of a notification.
+    /// The Observe number of a notification (RFC 7641, section 4.4).
     pub(super) observe: Option<u32>,
     pub(super) echo: Option<Vec<u8>>,
 }

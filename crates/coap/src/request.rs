@@ -7,12 +7,12 @@ use super::code::{Code, Method};
 use super::format::Format;
 use super::response::{ETag, Response};
 
-/// One request.
+/// One request, with its body put together from its blocks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Who sent it.
+    /// Address and port of its sender.
     pub peer: SocketAddr,
-    /// Its method.
+    /// Its method (RFC 7252, section 5.8, and RFC 8132).
     pub method: Method,
     /// The segments of its path; empty for `/`.
     pub path: Vec<String>,
@@ -22,9 +22,9 @@ pub struct Request {
     pub format: Option<Format>,
     /// The only format that it accepts, if it names one.
     pub accept: Option<Format>,
-    /// The conditions under which it is to be carried out.
+    /// The conditions under which it is to be carried out (RFC 7252, section 5.10.8).
     pub conditions: Conditions,
-    /// Its whole body.
+    /// Its body; empty without one.
     pub payload: Vec<u8>,
 }
 
@@ -45,7 +45,7 @@ impl Request {
         if self.path.is_empty() { "/".to_owned() } else { self.path.iter().map(|segment| format!("/{segment}")).collect() }
     }
 
-    /// The path's segments, for matching.
+    /// The path's segments as `&str`, for a `match` on them.
     #[must_use]
     pub fn segments(&self) -> Vec<&str> {
         self.path.iter().map(String::as_str).collect()

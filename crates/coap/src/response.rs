@@ -22,34 +22,34 @@ impl ETag {
         Some(ETag { bytes, length: u8::try_from(given.len()).ok()? })
     }
 
-    /// Its bytes.
+    /// Its 1 to 8 bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
     }
 }
 
-/// The application's answer to one request.
+/// The application's answer to one request; blocks, tokens and message ids are the endpoint's business.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Response {
-    /// The response code.
+    /// The response code (RFC 7252, section 12.1.2).
     pub code: Code,
     /// The format of the body; `None` for a diagnostic text (RFC 7252, section 5.5.2).
     pub format: Option<Format>,
-    /// The tag of the resource's state.
+    /// The tag of the resource's state, by which clients ask whether it is still current (RFC 7252, section 5.10.6).
     pub tag: Option<ETag>,
     /// How long it counts as current, in seconds; `None`: 60.
     pub max_age: Option<u32>,
-    /// The path of a created resource.
+    /// Location-Path: the path of a created resource (RFC 7252, section 5.10.7).
     pub location: Vec<String>,
-    /// The query of a created resource.
+    /// Location-Query: the query of a created resource (RFC 7252, section 5.10.7).
     pub location_query: Vec<String>,
-    /// The whole body.
+    /// The whole body, which the endpoint cuts into blocks.
     pub body: Arc<[u8]>,
 }
 
 impl Response {
-    /// A response with this code and nothing else.
+    /// A response with this code, without a body.
     #[must_use]
     pub fn new(code: Code) -> Response {
         Response {
@@ -69,7 +69,7 @@ impl Response {
         Response { format: Some(format), body: body.into(), ..Response::new(Code::CONTENT) }
     }
 
-    /// A refusal or an error, with a sentence for people.
+    /// A refusal or an error, with a sentence for people (RFC 7252, section 5.5.2).
     #[must_use]
     pub fn refusal(code: Code, words: impl Into<String>) -> Response {
         Response { body: words.into().into_bytes().into(), ..Response::new(code) }
@@ -79,7 +79,7 @@ impl Response {
 /// The application's answer to a request, with what can be observed.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The answer itself.
+    /// What the sender of the request gets.
     pub response: Arc<Response>,
     /// The things of which an observer is told whenever one changes: usually the response itself. Empty when the
     /// resource cannot be observed.
@@ -87,13 +87,13 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// An answer that cannot be observed.
+    /// An answer that cannot be observed: it goes out without an Observe option, even if its request has one.
     #[must_use]
     pub fn once(response: Response) -> Answer {
         Answer { response: Arc::new(response), observed: Vec::new() }
     }
 
-    /// An answer that can be observed.
+    /// An answer of whose changes observers are told.
     #[must_use]
     pub fn observable(response: Response) -> Answer {
         let response = Arc::new(response);

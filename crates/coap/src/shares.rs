@@ -34,7 +34,7 @@ impl<T> Shares<T> {
         self.change(peer, |things| drop(things.pop_front()));
     }
 
-    /// Removes and returns the oldest entry of whoever has most.
+    /// Removes and returns the oldest entry of the port with most entries at the address with most.
     pub(super) fn take_from_the_largest(&mut self) -> Option<T> {
         let (_, ip) = *self.sizes.last()?;
         let (_, port) = *self.addresses.get(&ip)?.sizes.last()?;

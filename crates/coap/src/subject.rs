@@ -25,7 +25,7 @@ pub(super) struct Subject {
     /// As its first observer asked for it.
     pub(super) request: Arc<Request>,
     pub(super) things: Vec<Thing>,
-    /// Changes of all its things together.
+    /// Counts the changes of all its things together, for their versions.
     changes: u64,
     pub(super) observers: BTreeSet<ObserverId>,
 }
@@ -37,12 +37,12 @@ impl Target {
 }
 
 impl Subject {
-    /// A subject whose state is not known yet.
+    /// It shows nothing before `take`.
     pub(super) fn new(request: &Request) -> Subject {
         Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
     }
 
-    /// Takes the present state, and returns whether any of it is new.
+    /// Takes the present state; returns whether any of it is new, so that observers have to be told.
     pub(super) fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
         let before = self.changes;
         self.things.truncate(things.len());
