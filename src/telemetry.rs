@@ -121,7 +121,7 @@ fn without_router(filter: &str) -> String {
     if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }
 
-/// Warns about environment variables that look like settings but are none.
+/// Only a warning, since others give variables such names too: see `Sources::ignored`.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");

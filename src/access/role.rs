@@ -22,7 +22,6 @@ pub enum Need {
 }
 
 impl Role {
-    /// Every role, the lesser first.
     pub const ALL: [Role; 2] = [Role::Viewer, Role::Operator];
 
     /// The word for files, pages and the command line.

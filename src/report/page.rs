@@ -48,7 +48,6 @@ fn part(out: &mut dyn Write, part: &impl Template) -> Result<(), Failure> {
 }
 
 impl Report<'_> {
-    /// The single zone of the page: that of its first entry.
     fn zone(&self) -> Zone {
         Zone::of(self.tally.first.map_or_else(WallTime::default, |(_, wall)| wall))
     }

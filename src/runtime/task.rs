@@ -50,7 +50,6 @@ pub struct Task {
     handed: HandedPages,
 }
 
-/// Who waits for an answer, and since when.
 struct WaitingSender {
     answer: oneshot::Sender<Decision>,
     since: Duration,

@@ -9,7 +9,6 @@ use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage}
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 impl Language {
-    /// A fact in a few words, without a line break.
     pub fn fact(self, fact: &Fact) -> String {
         self.happened(fact).replace(['\n', '\r'], " ")
     }

@@ -43,7 +43,7 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) team: Arc<[Participant]>,
 }
 
-/// The parts of the simulator until the loop runs, because it needs the core's consent.
+/// The simulator before it has a handle to the core, whose consent a change of hall needs.
 pub struct SimulatorParts(pub(in crate::robots) Parts);
 
 impl SimulatorParts {

@@ -105,7 +105,7 @@ pub struct VirtualRobot {
     /// Distance from its start to what stands ahead, in cells, until its step is measured by that.
     gauge: Option<f64>,
     is_gauged: bool,
-    /// How long it has driven there so far.
+    /// Time driven ahead so far while the step is measured.
     gauged: Duration,
     /// Counter of corrections: each correction adds `FOUND`, each completed step or turn subtracts 1, and beyond
     /// `ASTRAY` the room is taken to be another one.

@@ -241,7 +241,6 @@ impl Reckoning {
         self.at[across] = self.at[across].clamp(from, to);
     }
 
-    /// Bounds the coordinate across the direction of travel by the sides of this cell.
     pub(super) fn stand_in_column(&mut self, cell: Cell, towards: Heading) {
         let across = 1 - axis(towards);
         let centre = [f64::from(cell.x), f64::from(cell.y)][across];

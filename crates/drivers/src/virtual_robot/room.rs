@@ -17,10 +17,10 @@ const BEFORE: f64 = 0.2;
 /// Greatest distance beside a thing, in cells, at which the robot can meet it, given the error of its place.
 const BESIDE: f64 = 0.2;
 
-/// Cells to each side in which a place is looked for where the robot can stand.
+/// How many cells to each side are searched for one in which the robot can stand.
 const ASIDE: i32 = 3;
 
-/// Cells back in which a place is looked for where the robot can stand.
+/// How many cells back are searched for one in which the robot can stand.
 const FURTHEST_BACK: u8 = 8;
 
 /// The page's name for the border of the floor.

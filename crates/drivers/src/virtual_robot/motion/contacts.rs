@@ -99,7 +99,6 @@ impl VirtualRobot {
         }
     }
 
-    /// A step that was stopped where it was to end is complete.
     fn met(&mut self, to: Pose, towards: Heading) {
         if self.reckoning.way_to(to.cell, towards) <= REACHED {
             self.off_centre = false;
@@ -168,7 +167,6 @@ impl VirtualRobot {
         }
     }
 
-    /// A robot that is stopped within `REACHED` of the centre counts as there.
     fn hindered(&mut self, name: Option<&str>) {
         let towards = self.moves_towards();
         if self.reckoning.way_to(self.reckoning.pose().cell, towards).abs() <= REACHED {
