@@ -70,7 +70,7 @@ impl Knowledge {
         self.latest
     }
 
-    /// When it is next to be told something. It was last told anything at `sent`, and `pace` is the pause after that.
+    /// When it is next to be told something: at the earliest `pace` after `sent`, when it was last told anything.
     pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
         let due = |(place, thing): (usize, &Thing)| match self.known(place) {
             known if known.told < thing.version => Some(sent + pace),

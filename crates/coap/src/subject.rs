@@ -25,7 +25,7 @@ pub(super) struct Subject {
     /// As its first observer asked for it.
     pub(super) request: Arc<Request>,
     pub(super) things: Vec<Thing>,
-    /// Counts the changes of all its things together, for their versions.
+    /// Counts the changes of all its things together; the versions of `Thing` come from it.
     changes: u64,
     pub(super) observers: BTreeSet<ObserverId>,
 }

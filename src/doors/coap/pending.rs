@@ -50,8 +50,8 @@ impl PendingAnswers {
         }
     }
 
-    /// Waits for an answer in the background. Of urgent commands beyond what the endpoint remembers only the answer is dropped,
-    /// the commands are carried out.
+    /// Waits for an answer in the background. An urgent command beyond `OPEN` is carried out as well, but its answer is
+    /// dropped.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
             let slow = "it takes longer than anybody waits: look at the state before you repeat it";

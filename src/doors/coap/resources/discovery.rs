@@ -23,7 +23,7 @@ pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
     link_format(&links, queries).into_bytes()
 }
 
-/// The links of a row: one, or one for each piece of this mission or each alarm.
+/// A row with a number has one link for each piece of this mission, or for each alarm.
 fn links(row: &PathRow, snapshot: &Snapshot) -> Vec<Link> {
     let each = |id: u64| link(row, &row.path.replace("{id}", &id.to_string()), size(row, LuggageId(id), snapshot));
     if row.path.starts_with("/luggage/{id}") {

@@ -81,7 +81,7 @@ impl CommandParser {
         }
     }
 
-    /// The command of a message; `None` when it asks for nothing.
+    /// `None` when the message asks for nothing.
     pub(super) fn parse(&self, heard: &IncomingMessage<'_>) -> Option<ParsedCommand> {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(name) => Some(self.named(name, heard.payload)),

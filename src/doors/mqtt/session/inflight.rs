@@ -51,7 +51,7 @@ impl Inflight {
         self.open.remove(place).map(|(_, publication)| publication)
     }
 
-    /// Since when the broker has owed us an acknowledgement; `None` when it owes none.
+    /// Since when the broker has owed us an acknowledgement, for which it has `Times::acknowledgement`.
     pub(super) fn owed_since(&self) -> Option<Duration> {
         (!self.open.is_empty()).then_some(self.since)
     }
