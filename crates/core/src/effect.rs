@@ -19,9 +19,8 @@ use crate::world::luggage::Luggage;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Give a robot an order. A halt raised after `order.epoch` makes it void.
+    /// A halt raised after `order.epoch` makes the order void.
     Order(RobotId, Order),
-    /// Halt a robot where it is, whatever it does.
     Halt(RobotId),
     Led(RobotId, bool),
     /// Store this for good, and report `Event::Recorded` of its last entry when it is stored.
@@ -45,17 +44,15 @@ pub enum Action {
     Move(Move),
     /// Sense, then return to the centre of the cell and the heading in which the last completed order left the robot.
     Recentre,
-    /// Take a photo of what is ahead, with this printed on it.
     Photograph(Stamp),
-    /// One place further in, on the way from before the entrance to home. The heading stays.
+    /// One step further in, from before the entrance towards home. The heading stays.
     Enter,
-    /// One place further out, from home or on the way from there. The heading stays.
+    /// One step further out, away from home. The heading stays.
     Leave,
     Arm(ArmAction),
 }
 
 impl Action {
-    /// Whether the robot, or its arm, moves while it does this.
     #[must_use]
     pub const fn is_motion(self) -> bool {
         match self {
@@ -65,7 +62,6 @@ impl Action {
         }
     }
 
-    /// Whether the robot may leave its place while it does this.
     #[must_use]
     pub const fn moves_base(self) -> bool {
         matches!(self, Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave)
@@ -84,7 +80,7 @@ impl Action {
     }
 }
 
-/// Printed on a photo.
+/// Printed on a photo, so that the picture alone says where and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     /// Where the robot stands, in the map's own cells.
@@ -114,34 +110,32 @@ pub struct Entry {
     pub fact: Fact,
 }
 
-/// What is stored for good. `crate::state` folds facts into the state.
+/// `crate::state` folds facts into the state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// The program was started, in this version, over what had been stored before.
+    /// With the version of the program.
     ProgramStarted(String),
-    /// The program was asked to end, by this.
+    /// With the signal that asked for it, such as `SIGTERM`.
     ProgramEnded(String),
     /// The machine's wall clock was set by this many milliseconds, back if negative, or the machine slept: earlier
     /// entries have the time of the earlier clock.
     ClockSet(i64),
-    /// Where, and under which threshold, the following entries happen.
+    /// Valid for all entries that follow.
     Conditions(Conditions),
     /// The whole state, so that nothing before needs to be read to go on.
     State(Box<PersistentState>),
-    /// A command came, and was accepted or refused.
+    /// Refused commands go on record too (safety A6).
     Command {
-        /// Who sent it, where from and by which door.
         issuer: Issuer,
         id: Option<CommandId>,
         asked: Asked,
-        /// The epoch that its sender named.
+        /// As named by the sender; that of the arrival is not on record.
         epoch: Option<Epoch>,
         luggage: Option<LuggageId>,
-        /// `None` if it was accepted.
         refused: Option<Refused>,
     },
     MissionBegan(MissionId, Strategy),
-    /// A mission was put away, with the bombs that were left in place.
+    /// With the bombs that were left in the hall.
     MissionArchived(MissionId, Vec<LuggageId>),
     Phase(Phase),
     Holds(Vec<Hold>),
@@ -151,16 +145,16 @@ pub enum Fact {
     RobotPose(RobotId, Pose),
     /// Steps from home at which a robot now stands before the entrance; 0: it is in the hall.
     Outside(RobotId, u8),
-    /// The present state of the retrieval; `None`: none is under way any more.
+    /// `None` once no retrieval is under way any more.
     Retrieval(Option<Box<Retrieval>>),
     MetAgain(Cell, Piece),
     Secured(LuggageId),
     Led(bool),
-    /// An obstacle was met, with the word for what it was taken for.
+    /// With what it was taken for: `wall`, `luggage` or `unknown`.
     Obstacle(Cell, &'static str),
     Mark(Cell, Mark),
     Luggage {
-        /// Its record, without a verdict.
+        /// Without a verdict, which is a fact of its own.
         record: Arc<Luggage>,
         /// The new photo; `None` without one, and when the entry was read back: pictures are stored separately.
         photo: Option<Photo>,
@@ -172,13 +166,12 @@ pub enum Fact {
         note: Option<Note>,
     },
     Temperature(Arc<str>, Celsius),
-    /// A source of readings fell silent: its last reading no longer counts as known.
+    /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),
-    /// An alarm was raised, about this piece if it is about one.
     AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
     AlarmAcknowledged(AlarmId, Arc<str>),
     Strategy(Strategy),
-    /// The map was emptied, with the robot facing this way at home.
+    /// With the heading of the robot, which stands at home.
     MapEmptied(Heading),
     WrittenOut(WrittenOut),
     /// All entries before this one were unpacked from an archive.

@@ -9,7 +9,6 @@ macro_rules! named {
         named! { by $by; $(#[$meta])* $vis enum $name { $($(#[$doc])* $variant = $word,)* } }
 
         impl $name {
-            /// All variants, in their order.
             $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
         }
     };
@@ -20,7 +19,6 @@ macro_rules! named {
         }
 
         impl $name {
-            /// Its fixed word.
             #[must_use]
             $vis const fn $by(self) -> &'static str {
                 match self {

@@ -216,7 +216,7 @@ impl Engine {
         }
     }
 
-    /// Takes a reading of the configured sensor, which is thus not silent.
+    /// A reading of a configured sensor also ends its silence.
     fn hear_sensor(&mut self, context: &InputContext) {
         let sensor = context.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
         if sensor.is_some_and(|sensor| self.watchdog.hear(&sensor, self.now.since_start)) {
@@ -261,7 +261,7 @@ impl Engine {
         self.record(Fact::Strategy(strategy));
     }
 
-    /// Puts the mission away; its records stay in the journal.
+    /// The records of the mission stay in the journal.
     pub(super) fn archive(&mut self) {
         if self.state.under_way {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();

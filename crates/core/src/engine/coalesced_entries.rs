@@ -10,17 +10,17 @@ use crate::command::Door;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoalescingLimits {
-    /// Number of a sender's items that are written one by one.
+    /// Items of a sender that are written one by one before the rest share entries.
     pub(super) burst: u32,
     /// Time after which a sender may have one more item written by itself.
     pub(super) earned: Duration,
     /// Least time between two shared entries of a sender.
     pub(super) every: Duration,
-    /// Number of senders that are told apart.
+    /// Most senders that are told apart; the rest share one tally.
     pub(super) senders: usize,
 }
 
-/// Identifies a sender: a name or an address, and the door.
+/// A name or an address, and the door.
 pub(super) type Sender = (Arc<str>, Door);
 
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ struct Tally<T> {
     room: u32,
     /// When `room` last grew, or the last shared entry was written.
     since: Duration,
-    /// The items not written yet, and when the first and the last of them came.
+    /// The items not written yet, and when the first of them came.
     unwritten: Option<(CoalescedEntry<T>, Duration)>,
 }
 
@@ -54,7 +54,7 @@ impl<T> CoalescedEntries<T> {
         CoalescedEntries { limits, senders: BTreeMap::new(), others: Tally::new(limits, Duration::ZERO) }
     }
 
-    /// Takes an item and its count. Returns it when it is to be written at once, and not later with more.
+    /// Returns the item when it is to be written at once, and not later together with others.
     pub(super) fn come(&mut self, sender: Sender, note: T, count: u64, now: Duration) -> Option<CoalescedEntry<T>> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);

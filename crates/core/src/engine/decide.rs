@@ -158,17 +158,17 @@ impl Engine {
         self.verdict_kept(luggage).or_else(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
     }
 
-    /// The first piece with a pending verdict, or with a pending verdict and a usable photo.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
         self.state.luggage.pending().find(|luggage| !with_photo || luggage.has_photo()).map(|luggage| luggage.id)
     }
 
-    /// The piece in front of the robot, if it waits for its verdict.
+    /// The piece in front of the robot if it waits for its verdict, even while the inspection is interrupted.
     pub(super) fn asked(&self) -> Option<LuggageId> {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
-    /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
+    /// The cause of the fault if it still stands, so that START must be refused. A cell that was free once and is
+    /// blocked now may be tried again.
     pub(super) fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
         let cause = phase.fault()?;
         let stands = match cause {

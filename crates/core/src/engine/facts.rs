@@ -11,7 +11,7 @@ use crate::snapshot::said::Said;
 use crate::units::Seq;
 
 impl Engine {
-    /// Applies a fact at once and puts it on record. Returns its place in the journal.
+    /// Applies the fact before it is on record; returns its place in the journal.
     pub(super) fn record(&mut self, fact: Fact) -> Seq {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         if let Fact::Mark(cell, _) = fact {

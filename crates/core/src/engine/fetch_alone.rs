@@ -102,8 +102,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// The way to stand before a cell of it, facing it in this direction. Where the piece was photographed from afar
-    /// the robot has not been in the cells before it, but has seen that they are free.
+    /// The way to where the robot faces this cell of the piece in this direction. Where the piece was photographed from
+    /// afar, the robot has not been in the cells between, but has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

@@ -96,7 +96,7 @@ pub struct Engine {
     seen: Option<Option<Parcel>>,
     /// The pair's trees, while they fetch.
     team: Option<Ticked>,
-    /// The trees after their last tick.
+    /// The trees as they were after their last tick, for snapshots.
     trees: Arc<TreesView>,
     is_ending: bool,
     /// By how many milliseconds the clock was set since the start of the program, as far as that is on record.
@@ -260,7 +260,7 @@ impl Engine {
         self.go_on();
     }
 
-    /// The next thing to be done outside, oldest first.
+    /// Halts come first, then pages for the store, then the rest, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
         // Records on their way to the store are not in the state yet, and must not be forgotten by a start from it.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();

@@ -41,7 +41,7 @@ impl World {
         self.raised = false;
     }
 
-    /// Notes that a resource has changed; returns the revision of the change.
+    /// All changes of one input share one revision, which is returned.
     pub(crate) fn touch(&mut self, resource: Resource) -> Revision {
         if !self.raised {
             self.revision = self.revision.next();

@@ -19,11 +19,10 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
-/// Number of looks without an order that mean an error in the search: goals that are given up one after the other are
-/// bounded by the unknown cells of a large hall.
+/// Looks without an order after which the search must be in error: the unknown cells of a large hall bound how many
+/// goals can be given up one after the other.
 const TURNS: usize = 100_000;
 
-/// Why a robot must not do something just now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Barred {
     Unknown,
@@ -297,7 +296,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// The way home; there is none while something stands in the home cell itself.
+    /// `None` also while something stands in the home cell itself.
     pub(super) fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
         free.then(|| self.planner.way_to_cell(self.state.pose, Cell::HOME, through))?

@@ -9,8 +9,8 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 
 impl Engine {
-    /// Handles what the sonar of the robot that searches sees from where it stands: free cells, and the obstacle behind
-    /// them, into which it need not bump.
+    /// Marks what the sonar sees from where the robot that searches stands: free cells, and the obstacle behind them,
+    /// into which it need not bump.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };

@@ -219,7 +219,6 @@ impl Engine {
         }
     }
 
-    /// The cell the robot is after: home on the ways home, the cell of a goto, else the goal of the search.
     fn goal(&self) -> Option<Cell> {
         match &self.state.phase {
             Phase::ReturningHome | Phase::ReturningWithAlarm => Some(Cell::HOME),

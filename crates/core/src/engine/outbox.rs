@@ -13,9 +13,9 @@ use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 /// a second.
 const SUM_UP_AFTER: u64 = 10_000;
 
-/// The state is not put on record before this many times the entries that would take as much
-/// (`PersistentState::size_in_entries`), so that a move in a large hall costs a quarter more at most. A start reads a
-/// quarter of a million entries in a second.
+/// Least number of entries between two records of the whole state, as a multiple of its size
+/// (`PersistentState::size_in_entries`): recording it adds at most a quarter to the cost of a move in a large hall. A
+/// start reads a quarter of a million entries per second.
 const TIMES_ITS_SIZE: u64 = 4;
 
 /// Longest wait of a stop's epoch for an entry with which it goes on record.

@@ -31,8 +31,8 @@ pub struct Past {
     pub latest: Vec<RememberedLine>,
 }
 
-/// The cells that the robot left, the latest last, as many as a snapshot shows. They come from the latest entries,
-/// oldest first, with its poses and with what begins a new way.
+/// The cells that the robot left, the latest last, as many as a snapshot shows. `entries` are the latest of the
+/// journal, oldest first; only poses count, and what begins a new way.
 #[must_use]
 pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell> {
     let mut cells = vec![Cell::HOME];
@@ -45,7 +45,7 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             &entry.fact,
             Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MapEmptied(_) | Fact::Strategy(_)
         ) {
-            // A new way begins.
+            // A new way begins where the robot stands.
             cells.drain(..cells.len().saturating_sub(1));
         }
     }

@@ -25,7 +25,7 @@ impl Engine {
         self.perform_all(step.acts, context);
     }
 
-    /// Goes to the phase of a step, in place of the present one, or of the one below that many interruptions.
+    /// Replaces the present phase, or the one `step.depth` interruptions below it, by that of the step.
     fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;

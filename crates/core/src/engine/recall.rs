@@ -40,7 +40,7 @@ pub struct RememberedLine {
 }
 
 impl Engine {
-    /// An engine that goes on from what was recalled. Nothing moves until a START.
+    /// Nothing moves until a START (safety R1).
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
         let Recalled { state, written, commands, latest } = recalled;
@@ -141,7 +141,6 @@ impl Engine {
         self.world.write(self.now.wall, Tone::Info, Said::PutDown);
     }
 
-    /// Everything that outlives the program, as it would be read back.
     #[must_use]
     pub fn persistent_state(&self) -> PersistentState {
         self.state.clone()

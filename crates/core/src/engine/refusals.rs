@@ -14,8 +14,8 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Now, Seq};
 
-/// More than a person presses in a minute; beyond it one entry per period. There are fewer keys, at all doors together,
-/// than senders.
+/// The burst is more than a person presses in a minute; beyond it there is one entry per period. The doors together
+/// have fewer keys than there is room for senders.
 pub(super) const LIMITS: CoalescingLimits =
     CoalescingLimits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 

@@ -11,8 +11,8 @@ use crate::effect::{Entry, Fact};
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
-/// Most ids that are remembered: more than any client has under way. Beyond it, the oldest id of whoever has most is
-/// forgotten, by name and address: a flood from one address makes the ids of no other forgotten.
+/// Most ids that are remembered: more than any client has under way. Beyond it, the sender with most ids, by name and
+/// address, loses its oldest: a flood from one address costs no other sender an id.
 pub const IDS: usize = 1024;
 
 /// The sender, and its id for the command: two people may use the same.
@@ -126,7 +126,6 @@ impl Repeats {
         }
     }
 
-    /// Restores the commands of the journal after a restart.
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
             if let Fact::Command { issuer, id: Some(id), asked, luggage, refused, epoch } = fact {

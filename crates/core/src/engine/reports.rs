@@ -22,7 +22,6 @@ use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// Handles a report of a robot. Reports of unknown robots are ignored.
     pub(super) fn report(&mut self, robot: &RobotId, report: RobotEvent) {
         if self.robots.get(robot).is_none() {
             return;
@@ -72,7 +71,6 @@ impl Engine {
         }
     }
 
-    /// Whether this is the robot of the search, whose reports the mission follows.
     pub(super) fn searches(&self, robot: &RobotId) -> bool {
         self.robots.searching_id() == robot
     }
@@ -125,7 +123,7 @@ impl Engine {
         }
     }
 
-    /// Handles the report of a robot before the entrance, whose own reckoning counts as well.
+    /// The robot's own reckoning counts here as well.
     fn stands_outside(&mut self, robot: &RobotId, steps: u8, heading: Heading, off_centre: OffCentre) {
         self.set_off_centre(robot, off_centre);
         self.world.touch(Resource::Robot);
@@ -271,7 +269,6 @@ impl Engine {
         self.record_pose(robot, pose);
     }
 
-    /// Updates the map, and the way ahead, after a move of the robot that searches.
     fn follow_move(&mut self, step: Move, before: Pose, pose: Pose) {
         self.mission.gait = self.mission.gait.after(step);
         if self.mission.route.front() == Some(&step) {

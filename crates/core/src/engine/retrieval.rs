@@ -37,7 +37,7 @@ impl Engine {
         fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
     }
 
-    /// The first robot needed for a retrieval whose link is not up.
+    /// Includes the robot that searches, which has to make room even when others fetch.
     pub(super) fn unreached(&self) -> Option<RobotId> {
         let needed = self.fetchers().into_iter().flatten().chain([self.robots.searching_id().clone()]);
         let is_linked = |robot: &RobotId| self.robots.get(robot).is_some_and(|robot| robot.controller.capabilities.is_some());
@@ -48,8 +48,8 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on; also the
-    /// one that searches while it carries something.
+    /// The first robot that is not where a mission begins, if a retrieval that can go on would bring it there. The
+    /// robot that searches counts in any case while it carries something.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
         let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
@@ -245,7 +245,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// The robot that searches goes to where a mission begins: home.
+    /// Moves only the robot that searches: the next mission begins with it at home.
     fn come_home(&mut self, reason: Option<NotFetched>) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);

@@ -18,7 +18,6 @@ use crate::state::Venue;
 use crate::units::{Now, Ticket};
 
 impl Engine {
-    /// Writes an action on the simulator into log and journal.
     pub fn note_simulated(&mut self, issuer: Issuer, simulated: Simulated, now: Now) {
         self.begin(now);
         self.write_simulated(issuer, simulated);

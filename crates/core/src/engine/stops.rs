@@ -35,7 +35,7 @@ pub(super) struct Stops {
     /// Oldest first, each with the latest time of its answer. Bounded by the doors, as each belongs to a sender that
     /// waits.
     waiting: Vec<(Ticket, Duration)>,
-    /// When the next order may be given that was delayed for the sake of an answer.
+    /// When an order may be given that was put off for the sake of an answer.
     put_off: Option<Duration>,
     pub(super) records: CoalescedEntries<StopRequest>,
     /// Oldest first.
@@ -70,7 +70,7 @@ impl Stops {
 }
 
 impl Engine {
-    /// Answers a stop as soon as every robot stands.
+    /// Answers a stop when every robot stands, or `PATIENCE` later.
     pub(super) fn answer_when_standing(&mut self, ticket: Ticket) {
         if self.robots.are_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
@@ -79,8 +79,8 @@ impl Engine {
         }
     }
 
-    /// Gives the next order, if there is one. After answers to stops because the robot stands it is delayed, so that
-    /// the robot stands in the revision of these answers.
+    /// Gives the next order, if there is one. After answers to stops it is put off, so that the robot still stands in
+    /// the revision that these answers name.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
         if self.stops.waiting.is_empty() || self.robots.are_halting() {
@@ -92,7 +92,6 @@ impl Engine {
         }
     }
 
-    /// Answers the stops that have waited long enough for a robot that does not stand.
     pub(super) fn answer_overdue_stops(&mut self) {
         let now = self.now.since_start;
         let overdue = self.stops.waiting.iter().take_while(|(_, due)| *due <= now).count();
@@ -111,7 +110,7 @@ impl Engine {
         self.write_stops(due);
     }
 
-    /// Whether a stop is a press that is on record already.
+    /// Whether the press of this stop is on record already; remembers it if not.
     fn is_same_press(&mut self, request: &Request) -> bool {
         let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
         let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
@@ -130,7 +129,7 @@ impl Engine {
 
     pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<StopRequest>>) {
         for CoalescedEntry { last: StopRequest { issuer, id, wall }, count, lasted } in stops {
-            // As exactly as it is stored.
+            // In whole milliseconds, as it is stored.
             let within = (!lasted.is_zero()).then(|| Duration::new(lasted.as_secs(), lasted.subsec_millis() * 1_000_000));
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))

@@ -57,7 +57,7 @@ impl Engine {
         }
     }
 
-    /// Ticks the trees when their time has come, and carries out the result.
+    /// Ticks the trees every `TICK`, or at once when something has woken them.
     pub(super) fn fetch(&mut self) -> Turn {
         let mut ticked = self.team.take().unwrap_or_else(|| self.resumed_team());
         let now = self.now.since_start;

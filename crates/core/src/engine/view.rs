@@ -19,7 +19,7 @@ use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
-/// Views of the mission and the robot, which combine several parts of the state.
+/// The views that combine several parts of the state, so that `touch_derived` has to compare them.
 pub(super) struct Shown {
     pub(super) mission: MissionView,
     pub(super) robot: RobotView,
@@ -176,8 +176,8 @@ impl Engine {
         self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }
 
-    /// The refusals as they are shown: holds at once, and also that something else has changed of which there is no
-    /// record yet.
+    /// The refusals as they are shown: those by holds at once, any other new one as `NotOnRecord` until its cause is on
+    /// record.
     fn refusals_shown(&self) -> Refusals {
         if self.on_record.is_current() {
             return self.on_record.shown.refusals.clone();

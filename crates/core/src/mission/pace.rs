@@ -13,7 +13,6 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// Counts a move of this duration, after which this many cells have been looked at.
     pub(crate) fn count(&mut self, took: Duration, looked_at: u32) {
         self.before.get_or_insert(looked_at.saturating_sub(1));
         self.driven = self.driven.saturating_add(took);

@@ -10,13 +10,12 @@ pub(crate) enum Rule {
     RefuseIf(Guard),
     /// Refused if this guard forbids it, but these acts are carried out all the same.
     RefuseIfThen(Guard, &'static [Act]),
-    /// In this case: on to a phase, with these acts.
     When(Case, To, &'static [Act]),
-    /// Otherwise: on to a phase, with these acts. Always the last line.
+    /// Always the last line of its cell.
     Go(To, &'static [Act]),
-    /// Always refused. The last line.
+    /// Always the last line of its cell.
     Never(Guard),
-    /// As in the phase that was interrupted, which stays interrupted. The only line.
+    /// The rule of the phase that was interrupted, which stays interrupted. Always the only line of its cell.
     AsInterrupted,
 }
 

@@ -49,7 +49,6 @@ pub(crate) struct Deciding {
 }
 
 impl Mission {
-    /// Forgets the way of a search that ends.
     pub(crate) fn forget_way(&mut self) {
         self.route.clear();
         self.trail.clear();

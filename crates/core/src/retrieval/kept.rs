@@ -1,4 +1,4 @@
-//! How a team goes on after a restart.
+//! How a team goes on after a restart: with everything but its routes, which are planned anew.
 
 use super::leaves::routes::Routes;
 use super::team::Team;

@@ -26,7 +26,6 @@ pub const TICK: Duration = Duration::from_millis(100);
 /// Losses of one parcel after which something is wrong with the grippers, or with the parcel.
 pub const MOST_LOSSES: u32 = 10;
 
-/// The trees that come with the program: their names, and the files.
 pub const FILES: [(&str, &str); 3] = [
     ("scenario1-SRM1", include_str!("../../../../config/behaviours/scenario1-SRM1.xml")),
     ("scenario1-SRM2", include_str!("../../../../config/behaviours/scenario1-SRM2.xml")),
@@ -204,7 +203,7 @@ impl Team {
         &self.stage
     }
 
-    /// The trees of SRM1, SRM2 and the Supervisor.
+    /// In the order SRM1, SRM2, Supervisor.
     #[must_use]
     pub const fn trees(&self) -> &[Tree; 3] {
         &self.trees

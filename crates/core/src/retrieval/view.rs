@@ -50,7 +50,6 @@ impl Which {
     }
 }
 
-/// Where a base stands and which way it faces, in the hall or before its entrance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BasePose {
     pub place: Place,
@@ -74,9 +73,9 @@ pub struct BaseView {
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     pub map: &'a HallMap,
-    /// Whether there is a way out at home.
+    /// Whether home leads on to the places outside.
     pub way_out: bool,
-    /// Places in which other robots stand.
+    /// Places of robots beside the pair, which both avoid.
     pub others: &'a [Place],
     /// The known cells of the piece that is to be fetched next; none when nothing is left to fetch. While the piece is
     /// held, the cells that it has left free.
@@ -102,7 +101,6 @@ impl View<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Proposal {
     pub which: Which,
-    /// A basic move, a step of the way out, or an action of the arm.
     pub action: Action,
 }
 

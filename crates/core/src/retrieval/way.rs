@@ -29,11 +29,11 @@ const MARGIN: i32 = 4;
 #[derive(Clone, Copy, Debug)]
 pub struct Floor<'a> {
     pub map: &'a HallMap,
-    /// Whether there is a way out at home.
+    /// Whether home leads on to the places outside.
     pub way_out: bool,
     /// Cells that are free once the piece is lifted: its own.
     pub freed: &'a BTreeSet<Cell>,
-    /// Places in which others stand.
+    /// Places that nobody may enter, because others stand there.
     pub taken: &'a [Place],
 }
 
@@ -41,7 +41,6 @@ pub struct Floor<'a> {
 pub struct Train {
     /// Of SRM1 and of SRM2: each beside the parcel, and not in the same place.
     pub bases: [Place; 2],
-    /// Between them.
     pub parcel: Place,
 }
 
@@ -138,7 +137,7 @@ impl Floor<'_> {
         cells.fold(self.map.known_bounds().including(Cell::HOME), Bounds::including).grown(MARGIN)
     }
 
-    /// The cost of entering a place; `None` where nobody can.
+    /// `None` where nobody can enter.
     fn cost(&self, place: Place) -> Option<u32> {
         let Place::Cell(cell) = place else { return self.way_out.then_some(1) };
         if self.taken.contains(&place) {
@@ -157,8 +156,8 @@ impl Floor<'_> {
         place.neighbours(self.way_out).filter(inside).filter(|next| self.cost(*next).is_some())
     }
 
-    /// The trains one step on, whichever base leads. None enters one of its own places, not even where its last one
-    /// becomes free just then.
+    /// The trains one step on, whichever base leads. No train enters a place of its own, not even the one that its last
+    /// base is just leaving.
     fn next_trains(&self, area: Bounds, train: Train) -> impl Iterator<Item = Train> {
         let clear = move |to: &Place| *to != train.parcel && !train.bases.contains(to);
         [0, 1].into_iter().flat_map(move |leader| {
@@ -201,7 +200,7 @@ trait Node: Copy {
 
 const OUTSIDE: usize = Place::FURTHEST as usize;
 
-/// The places outside come first, then the cells row by row.
+/// Numbers the places outside first, then the cells row by row.
 impl Node for Place {
     const SHARE: usize = 1;
 
@@ -248,7 +247,7 @@ impl Node for Train {
     }
 }
 
-/// On which side of a place its neighbour is.
+/// The side of `of` on which `other` lies, numbered as at `SIDES`.
 fn side(of: Place, other: Place) -> usize {
     match (of, other) {
         (Place::Cell(of), Place::Cell(other)) => of.neighbours().iter().position(|cell| *cell == other).unwrap_or(0),
@@ -273,8 +272,8 @@ struct Costs(Vec<u32>);
 impl Costs {
     const NONE: u32 = u32::MAX;
 
-    /// Searches until a node is enough, from which everything on the way back is known; `next` adds the steps from a
-    /// node.
+    /// Stops at the first node that is enough: the costs from there back to the begin are known by then. `next` adds
+    /// the steps from a node.
     fn search<N: Node>(
         area: Bounds,
         begin: impl IntoIterator<Item = N>,

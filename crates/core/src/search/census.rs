@@ -1,8 +1,8 @@
 //! Counts where luggage stands, as far as it is known: along walls, or inside the hall. The expectations of a search
 //! about the rest of the hall follow from it.
 
-/// Cells that were visited and cells of luggage, along walls (one of the eight cells round it is known to be wall) and
-/// inside.
+/// Counts of visited cells and of cells with luggage. A cell is along a wall when one of the eight cells round it is
+/// known to be wall; all others are inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Census {
     pub(super) visited_along: u32,
@@ -31,7 +31,7 @@ const DENSE: u64 = 15;
 /// Fewer pieces along the walls than this say nothing.
 const FEW: u32 = 4;
 
-/// Number of cells, and how many of them hold luggage.
+/// `cells` includes those with luggage.
 #[derive(Clone, Copy)]
 struct Share {
     luggage: u32,
@@ -39,7 +39,6 @@ struct Share {
 }
 
 impl Share {
-    /// With the imagined cells added.
     const fn guessed(self) -> Share {
         Share { luggage: self.luggage + IMAGINED.luggage, cells: self.cells + IMAGINED.cells }
     }
@@ -75,7 +74,6 @@ impl Census {
         self.along() + self.inside().cells
     }
 
-    /// Number of known cells along walls.
     pub(super) const fn along(self) -> u32 {
         self.visited_along + self.luggage_along
     }

@@ -1,4 +1,4 @@
-//! The costs of moves: steps, turns and bumps weighed against each other.
+//! The costs of moves, so that a search can weigh steps, turns and bumps against each other.
 
 use std::fmt;
 use std::time::Duration;
@@ -45,11 +45,10 @@ impl Costs {
         Costs::weighed(step, turn, bump)
     }
 
-    /// The same cost for each kind of move.
     pub const EVEN: Costs = Costs { turn: STEP, bump: STEP };
 }
 
-/// A cost in thousandths of a step.
+/// From quarters of a step, the unit of `Costs`, to thousandths, the unit of the score.
 pub(crate) fn in_thousandths(cost: u32) -> i32 {
     i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
 }

@@ -1,5 +1,5 @@
-//! The entries of a grid: places where an unknown cell can be entered from a visited one, or a piece still to be
-//! inspected be met. Every strategy but the snail is a way to weigh them.
+//! The entries of a grid: places from which an unknown cell can be entered, or a piece still to be inspected can be
+//! met. Every strategy but the snail weighs them in its own way.
 
 use super::costs::{affordable, in_thousandths};
 use super::far::turn;
@@ -11,7 +11,7 @@ use crate::units::{Cell, Heading};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellEntry {
-    /// The state before it, and the way there.
+    /// The state from which the target is entered, and the way to that state.
     pub(crate) at: Reached,
     pub(crate) target: Spot,
 }

@@ -5,7 +5,7 @@ use super::grid::{Grid, Spot, onward};
 use crate::command::Move;
 use crate::units::{Heading, Pose};
 
-/// Finds ways by steps; reuses its working memory for the next search.
+/// Reuses its working memory for the next search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
     /// The state of each cell in this search, in one byte, so that a large hall fits into the processor's cache.
@@ -24,7 +24,6 @@ const FIRST: u8 = 2;
 const LAST: u8 = 4;
 
 impl Steps {
-    /// The nearest cell that is `wanted`, and the moves there, over cells that are `passable`.
     pub(super) fn way(
         &mut self,
         grid: &Grid,
@@ -36,7 +35,7 @@ impl Steps {
         Some(self.trace(grid, start, end))
     }
 
-    /// Wave after wave until a wanted cell is in one.
+    /// Spreads in waves, so that the first wanted cell is a nearest one.
     fn flood(
         &mut self,
         grid: &Grid,

@@ -24,7 +24,7 @@ const ENDS: f64 = 0.25;
 /// Least remaining effort while the hall may go on, as a factor on the unknown cells at the pace so far.
 const OPEN: f64 = 0.65;
 
-/// The factors for a hall whose ends are known: up to this known share of it, the least and the greatest.
+/// Factors for a hall whose ends are known: the known share up to which they hold, the least, the greatest.
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
@@ -69,7 +69,7 @@ impl Span {
         Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
     }
 
-    /// Whether it is known to end on both sides, when it has this length the other way.
+    /// Whether both outermost lines, each of `length` cells, are known to be wall to the share `ENDS`.
     fn ends(&self, length: u32) -> bool {
         self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))
     }

@@ -58,7 +58,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// An empty grid with memory for these cells.
     #[must_use]
     pub fn with_room_for(bounds: Bounds) -> Grid {
         let room = bounds.grown(RIM + 1);

@@ -44,7 +44,7 @@ pub(crate) struct Looking<'a> {
     heading: Heading,
     cell: Cell,
     gait: Gait,
-    /// The count of a cell that was only seen.
+    /// What a cell that was only seen counts as.
     seen: u8,
 }
 
@@ -60,9 +60,9 @@ struct Sight<'a> {
     /// The cells round the target, `[ahead + 2][aside + 2]`.
     window: [[u8; 5]; 7],
     turn: Turn,
-    /// Number of unknown cells in a row behind the target.
+    /// Number of unknown cells in a row behind the target, up to `RUN`.
     run: usize,
-    /// Number of unknown cells connected with the target.
+    /// Number of unknown cells connected with the target, counted up to one more than `SMALL`.
     component: usize,
 }
 

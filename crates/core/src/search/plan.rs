@@ -94,7 +94,6 @@ fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, thro
     if !grid.has_room_for(start.cell) {
         return None;
     }
-    // The known cells, and those next to them.
     let area = grid.known().including(start.cell).grown(1);
     if !area.contains(goal) {
         return if through == Through::Unknown { towards(grid, ways, costs, start, goal, area) } else { None };

@@ -4,7 +4,7 @@
 /// Number of values in the linear part of a score.
 pub const LINEAR: usize = 28;
 
-/// Their names in files of weights.
+/// The names of the linear values in files of weights.
 pub const LINEAR_NAMES: [&str; LINEAR] = [
     "behindUnknown",
     "oneSideUnknown",

@@ -83,7 +83,7 @@ impl Goal {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NextGoal {
-    /// Go to this cell, or find out what stands there: by these moves, or without any by the cheapest way there is,
+    /// Go to this cell, or find out what stands there, by these moves. Without moves: by the cheapest way there is,
     /// with unknown cells taken to be free.
     Visit(Cell, Vec<Move>),
     /// Go home, and ask again there.

@@ -1,10 +1,10 @@
 //! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. The
 //! strategy decides where to go, and the mission whether the robot may move.
 //!
-//! States wait by their cost in a ring of buckets as long as the most expensive move, which for whole numbers is a
-//! queue in constant time; with an estimate of the remaining cost the same loop is A*. A state is settled when it is
-//! taken out for the first time. Goals beyond `MOST` states are searched for by steps alone, which is not exact and
-//! several times faster (`far`).
+//! States wait by their cost in a ring of buckets as long as the most expensive move: as costs are whole numbers, adding
+//! and taking a state need constant time. With an estimate of the remaining cost the same loop is A*. A state is settled
+//! when it is taken out for the first time. Goals beyond `MOST` states are searched for by steps alone, which is not exact
+//! and several times faster (`far`).
 
 use super::costs::{Costs, STEP};
 use super::far::Steps;
@@ -12,10 +12,10 @@ use super::grid::{Grid, Spot, Square, onward};
 use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 
-/// Finds ways; reuses its working memory for the next search.
+/// Reuses its working memory for the next search.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    /// For each state the search that settled it, so that nothing needs to be cleared.
+    /// For each state the number of the search that settled it, so that nothing is cleared between searches.
     settled: Vec<u32>,
     came_by: Vec<u8>,
     search: u32,
@@ -73,7 +73,6 @@ impl Ways {
         }
     }
 
-    /// The cheapest way to a cell over visited cells.
     #[must_use]
     pub fn way_over_visited(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
         self.way_to_cell(grid, costs, start, goal, |spot| grid.here(spot) == Square::Visited)
@@ -160,7 +159,7 @@ impl Ways {
     }
 }
 
-/// A state and the move that leads there, in one number.
+/// From the high end: the spot, two bits of heading, two bits of the move that leads there.
 const fn pack(spot: Spot, heading: Heading, by: u8) -> u64 {
     ((spot as u64) << 4) | ((heading as u64) << 2) | by as u64
 }

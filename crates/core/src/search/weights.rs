@@ -101,7 +101,7 @@ impl Weights {
         &nearest.expect("at least one set is shipped").weights
     }
 
-    /// The weights in a file.
+    /// Reads the form that the head of this module shows.
     ///
     /// # Errors
     /// The first invalid line.
@@ -159,7 +159,7 @@ impl Weights {
         text
     }
 
-    /// The worth of an outlook, without the way.
+    /// In thousandths of a step, without the way; never below `least`.
     #[must_use]
     pub fn worth(&self, outlook: &Outlook) -> i32 {
         let linear: i64 = self.linear.iter().zip(outlook.linear).map(|(weight, n)| i64::from(*weight) * i64::from(n)).sum();

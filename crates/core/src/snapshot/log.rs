@@ -22,7 +22,7 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Tone {
-        /// For the record.
+        /// Shown once it is on record, the others at once (safety R4).
         Info = "info",
         /// Something was refused or is held.
         Warning = "warning",
@@ -78,7 +78,7 @@ impl Log {
         self.waiting.iter_mut().for_each(|line| line.seq = None);
     }
 
-    /// Shows a line; the oldest gives way when there are too many.
+    /// Shows a line at once, without a wait for a record.
     pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, said: Said) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {

@@ -120,7 +120,7 @@ pub struct Progress {
     /// The remaining driving time of the search, without photos and answers; `None` while it cannot be estimated, or
     /// nothing is open.
     pub left: Option<TimeLeft>,
-    /// How much of the hall can be searched, where the hall is known beforehand.
+    /// `None` where the hall is not known beforehand.
     pub reach: Option<Reach>,
 }
 

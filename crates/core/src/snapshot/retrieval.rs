@@ -16,7 +16,7 @@ pub struct RetrievalView {
     pub reason: Option<NotFetched>,
     /// The known cells in which it lies now; none while it is off the floor.
     pub piece: Vec<Cell>,
-    /// None when it is fetched without trees.
+    /// Empty when the piece is fetched without trees.
     pub trees: Arc<TreesView>,
 }
 
@@ -25,7 +25,7 @@ pub struct TreesView {
     pub ticks: u64,
     /// In the order in which they are ticked.
     pub trees: Vec<TreeView>,
-    /// The name and the value of each entry that has one.
+    /// Names and values; entries without a value are left out.
     pub blackboard: Vec<(Arc<str>, String)>,
 }
 
@@ -54,7 +54,7 @@ pub struct NodeShown {
     pub path: Arc<str>,
     pub name: Arc<str>,
     pub kind: Arc<str>,
-    /// How far below the root it is.
+    /// 0 for the root.
     pub depth: usize,
     /// What it returned in the last tick if it was ticked, else its status.
     pub status: Status,

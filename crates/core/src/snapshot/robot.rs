@@ -1,4 +1,5 @@
-//! The view of a robot: where it stands, what it does, what it last sensed.
+//! The view of a robot: where it stands, what it does, what it last sensed. While the robot cannot be reached, all of
+//! this is what it last reported.
 
 use std::sync::Arc;
 

@@ -24,12 +24,10 @@ pub enum Said {
         /// The piece that was meant, where the words do not name it.
         meant: Option<LuggageId>,
         issuer: Issuer,
-        /// `None` when it was accepted.
         refused: Option<Refused>,
     },
     /// An accepted verdict of safe was overtaken by danger before it was on record, and so refused for this reason.
     Overtaken(Refused),
-    /// A hold has begun, for this reason if there is more to say.
     Held(Hold, Option<HoldReason>),
     Over(Hold),
     /// From the first phase to the second.
@@ -52,7 +50,7 @@ pub enum Said {
     Robot(RobotId, Trouble),
     TreesBeginAnew(StateError),
     StartedAgain,
-    /// The program was asked to end, by this.
+    /// With the signal that asked for the end.
     Ended(String),
     PutDown,
     /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes it.
@@ -61,23 +59,20 @@ pub enum Said {
     Words(String),
 }
 
-/// Trouble with a robot. Words come from the robot, or from the link to it.
+/// Words come from the robot, or from the link to it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trouble {
     /// It reports that it stands in this cell, where no hall reaches.
     TooFar(Cell),
     /// Its last reading was too hot, and it no longer has a thermometer.
     NoThermometer,
-    /// It still cannot be reached, which holds the robots already, for this reason.
+    /// Its link is still lost, now for this reason; the hold stands already.
     StillUnreached(String),
     Unreached(String),
     /// It met something as it left this cell.
     MetObstacle(Cell),
-    /// It could not carry out its order, for this reason.
     Failed(String),
-    /// It took no photo, for this reason.
     NoPhoto(String),
-    /// It did not finish its order in time.
     Unanswered,
 }
 

@@ -22,7 +22,7 @@ pub struct Venue {
     /// Whether the robot that searches counts its way by time, without known places of things: a thing that is met for
     /// the first time may then be shown a cell beside where it is.
     pub is_reckoned: bool,
-    /// How much of it can be searched, where it is known beforehand.
+    /// `None` where the hall is not known beforehand.
     pub reach: Option<Reach>,
     /// Robots that take part, the one that searches first; none where that is not on record.
     pub robots: Arc<[Participant]>,
@@ -43,7 +43,7 @@ pub struct Participant {
 pub struct Reach {
     /// Free cells that can be reached, the start included.
     pub reachable: u32,
-    /// All free cells.
+    /// All free cells, those that cannot be reached included.
     pub free: u32,
 }
 

@@ -114,7 +114,7 @@ impl PersistentState {
         self.follow(&entry.fact, entry.wall, Revision(1));
     }
 
-    /// Applies a fact; changes of the map get this revision.
+    /// Changes of the map get this revision.
     pub(crate) fn follow(&mut self, fact: &Fact, wall: WallTime, revision: Revision) {
         match fact {
             Fact::ProgramStarted(_)
@@ -177,7 +177,7 @@ impl PersistentState {
         self
     }
 
-    /// Puts a mission away, begun or not.
+    /// Unacknowledged alarms outlive the mission.
     pub(crate) fn put_away(&mut self) {
         self.under_way = false;
         self.search_anew();

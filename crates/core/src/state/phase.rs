@@ -11,7 +11,6 @@ pub enum Phase {
     Exploring,
     /// At a piece of luggage, from the bump on.
     Inspecting(Inspection),
-    /// Driven by hand; stores the phase it interrupted.
     Driving {
         /// The cell of a goto; `None` for a single move.
         goal: Option<Cell>,
@@ -30,7 +29,6 @@ pub enum Phase {
     BagSecured,
     /// The whole hall is searched and the robot is home.
     Explored,
-    /// Something went wrong; stores the phase it interrupted.
     Fault {
         cause: FaultCause,
         /// Where START goes back to once the cause is gone.
@@ -39,7 +37,6 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Its name, without the data.
     #[must_use]
     pub const fn name(&self) -> PhaseName {
         match self {
@@ -58,18 +55,17 @@ impl Phase {
         }
     }
 
-    /// The phase this one interrupts, if it is an interruption.
     #[must_use]
     pub fn interrupted(&self) -> Option<&Phase> {
         if let Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } = self { Some(interrupted) } else { None }
     }
 
-    /// The phase that goes on when every interruption ends: itself, unless it is one.
+    /// The phase that goes on when every interruption ends: this one, unless it is itself an interruption.
     pub(crate) fn underlying(&self) -> &Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// The phase below this many interruptions.
+    /// The phase below this many interruptions, or the innermost one where there are fewer.
     pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
         if depth == 0 || self.interrupted().is_none() {
             return self;

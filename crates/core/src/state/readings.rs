@@ -1,4 +1,4 @@
-//! Readings of thermometers, as the journal has them.
+//! Readings of thermometers, as the journal has them. What follows from a reading stands in `world::temperature`.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ impl Speaking {
     }
 }
 
-/// Repeats the readings of the journal, oldest first, in a thermometer, as it took them when they came.
+/// Feeds the readings of the journal, oldest first, to a thermometer, with the effect that they had when they came.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
         // Far enough from one another that each is shown.

@@ -43,7 +43,6 @@ impl ArmAction {
         }
     }
 
-    /// Whether the arm moves while it does this.
     #[must_use]
     pub const fn is_motion(self) -> bool {
         match self {

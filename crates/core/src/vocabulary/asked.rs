@@ -25,7 +25,7 @@ pub enum Asked {
         /// Number of requests before the last one.
         more: u64,
     },
-    /// Words of a door without a command for them, or of another version.
+    /// A request in words: a door has no command for it, or another version recorded it.
     Words(String),
 }
 

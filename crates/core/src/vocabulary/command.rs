@@ -14,7 +14,7 @@ pub const OPERATOR: &str = "operator";
 /// The source of the robot's own thermometer.
 pub const ROBOT: &str = "robot";
 
-/// The common source of all for whom there is no room.
+/// The common source of all readings beyond the sources that are told apart.
 pub const OTHERS: &str = "others";
 
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +33,12 @@ pub struct Request {
 }
 
 impl Request {
-    /// A command without an epoch or an id.
     #[must_use]
     pub const fn new(command: Command, issuer: Issuer) -> Request {
         Request { command, epoch: None, arrived: None, is_again: false, issuer, id: None }
     }
 }
 
-/// A sender's own id for one command.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CommandId(Arc<str>);
 
@@ -65,7 +63,7 @@ impl CommandId {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     Start,
-    /// Halt the robot where it is. The handle raises the halt before this command is even queued.
+    /// The handle raises the halt before this command is even queued.
     Stop,
     BackHome,
     Retrieve,
@@ -114,7 +112,6 @@ impl Command {
         "temperature",
     ];
 
-    /// The commands that carry nothing.
     pub const BARE: [Command; 5] = [Command::Start, Command::Stop, Command::BackHome, Command::Retrieve, Command::Reset];
 
     #[must_use]
@@ -231,7 +228,6 @@ named! {
 }
 
 impl Move {
-    /// The move that undoes this one.
     pub(crate) const fn reversed(self) -> Move {
         match self {
             Move::Forward => Move::Backward,
@@ -362,7 +358,6 @@ pub struct Accepted {
     pub revision: super::units::Revision,
     /// The epoch of that state, which the next movement command may carry.
     pub epoch: Epoch,
-    /// The piece it concerned, where it concerned one.
     pub luggage: Option<LuggageId>,
 }
 

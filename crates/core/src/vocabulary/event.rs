@@ -14,7 +14,6 @@ pub enum Event {
     Robot(RobotId, RobotEvent),
     /// Everything up to this entry is stored for good.
     Recorded(Seq),
-    /// The store cannot write, for this reason.
     StoreFailed(String),
     /// The store still cannot write, now for this reason.
     StoreReason(String),
@@ -45,7 +44,6 @@ pub enum RobotEvent {
     /// stands away from a cell centre or between two headings, to be recentred before anything else.
     Halted(OrderId, OffCentre),
     Photo(OrderId, Photo),
-    /// The photo could not be taken, for this reason.
     PhotoFailed(OrderId, String),
     Failed(OrderId, String),
     /// The answer to a look for a parcel; `None` when none was recognised.
@@ -57,7 +55,8 @@ pub enum RobotEvent {
     ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
-    /// What its front sonar sees ahead of where the current order leaves it, just before that is `Done`.
+    /// What the front sonar sees from where the current order leaves the robot; reported just before that order is
+    /// `Done`.
     Ahead(Ahead),
     Temperature(Celsius),
 }
@@ -92,7 +91,7 @@ pub struct Capabilities {
     pub photo: Duration,
     /// Duration of the longest movement of its arm; zero when it has none.
     pub arm: Duration,
-    /// Whether it has the small corrective turns.
+    /// Without them the moves `NudgeLeft` and `NudgeRight` are refused.
     pub nudges: bool,
     pub parts: Parts,
 }
@@ -113,21 +112,18 @@ pub enum Obstacle {
     /// A wall of the hall. The camera sees how many more cells the same straight wall continues to the robot's left and
     /// right of the cell that was met; zero when it cannot tell.
     Wall {
-        /// Further cells of this wall to the left of the cell met.
         left: u16,
-        /// Further cells to its right.
         right: u16,
     },
     /// The same piece has the same number from whichever side it is met.
     Luggage(Piece),
-    /// It cannot tell.
     Unknown,
 }
 
 #[derive(Clone, PartialEq, Eq)]
 pub struct Photo {
     pub bytes: Arc<[u8]>,
-    /// Its media type, such as `image/png`.
+    /// Such as `image/png`.
     pub media_type: &'static str,
 }
 

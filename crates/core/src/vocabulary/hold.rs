@@ -95,7 +95,6 @@ impl Holds {
         self.0.len() != before
     }
 
-    /// Those that a movement command does not clear.
     pub(crate) fn standing_against_start(&self) -> Vec<Hold> {
         self.0.iter().copied().filter(|hold| !hold.cleared_by_start()).collect()
     }
@@ -116,7 +115,6 @@ impl FromIterator<Hold> for Holds {
 pub enum HoldReason {
     /// The reading that is too hot.
     Reading(Celsius),
-    /// The sensor of this name is silent.
     Silent(Arc<str>),
     /// The sensor of this name has not reported since the program was started.
     Unheard(Arc<str>),

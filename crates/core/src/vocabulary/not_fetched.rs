@@ -23,7 +23,6 @@ named! {
 pub enum NotFetched {
     /// The pair could not go on; with the error of a tree, in the words of whoever read it.
     Pair(RetrievalFault, Option<String>),
-    /// The robot that fetches by itself could not go on.
     Alone(AloneFault),
     /// The settings name another fetcher than the one that began, which may stand anywhere with the piece in the grip.
     OtherFetcher {
@@ -52,7 +51,6 @@ named! {
 }
 
 impl AloneFault {
-    /// What an operator reads.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -77,7 +75,6 @@ named! {
 }
 
 impl StuckFault {
-    /// What an operator reads.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {

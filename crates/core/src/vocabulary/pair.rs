@@ -13,11 +13,8 @@ named! {
         WrongParcel = "wrongParcel",
         RobotFails = "robotFails",
         LostTooOften = "lostTooOften",
-        /// The parcel could not be brought exactly over its destination.
         NotAligned = "notAligned",
-        /// One step of the work took longer than it ever should.
         TakesTooLong = "takesTooLong",
-        /// A tree could not be performed as it is written.
         Tree = "tree",
     }
 }

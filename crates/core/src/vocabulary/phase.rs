@@ -1,4 +1,4 @@
-//! The names of the phases, and why a mission is in fault.
+//! The names of the phases, and why a mission is in fault. The data of each phase stand in `state::phase`.
 
 use super::not_fetched::NotFetched;
 
@@ -24,7 +24,6 @@ named! {
 }
 
 impl PhaseName {
-    /// For an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -47,11 +46,10 @@ impl PhaseName {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FaultCause {
     NoWayHome,
-    /// The robot did not finish an order in time.
     Unanswered,
     /// The search went round in circles without giving an order.
     Undecided,
-    /// The robot could not carry out an order; with its own words.
+    /// With the robot's own words.
     Robot(String),
     NotFetched(NotFetched),
 }

@@ -87,7 +87,6 @@ pub enum Refused {
     /// Shown at a button, and never sent as an answer: the last change may forbid the command, and is not recorded yet.
     #[error("what was done last is not on record yet: wait a moment")]
     NotOnRecord,
-    /// One command id was used for two different commands.
     #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]
     OtherContent(CommandId),
     #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]

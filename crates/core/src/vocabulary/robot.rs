@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-/// The name of a robot in settings, orders, reports and records.
+/// The same name in settings, orders, reports and records.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RobotId(Arc<str>);
 
@@ -75,14 +75,14 @@ named! {
 pub struct Parts(u16);
 
 impl Parts {
-    /// A round robot that searches: it drives, sees, measures and blinks.
+    /// The parts of a robot that searches.
     pub const ROUND_ROBOT: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::AcknowledgedMoves]);
 
     /// With a hook, by which it takes a piece onto its back.
     pub const ROUND_ROBOT_WITH_HOOK: Parts = Parts::ROUND_ROBOT.with(Part::Gripper);
 
-    /// A robot that fetches: it drives, sees, reaches out and grips.
+    /// The parts of each robot of the pair that fetches.
     pub const MANIPULATOR: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper, Part::AcknowledgedMoves]);
 

@@ -6,39 +6,31 @@ use std::sync::Arc;
 
 use crate::units::Cell;
 
-/// What somebody did to what is simulated. `Display` is what the log says.
+/// An action of somebody on the simulator. `Display` is what the log says.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Simulated {
-    /// Something is other than it was.
     Changed(Change),
     /// Every robot was taken to the end of what it had under way.
     Step,
-    /// The robots were put down in the hall of this name.
+    /// In the hall of this name.
     PutDown(Arc<str>),
-    /// A hall was kept under this name.
     Kept(String),
-    /// The hall that was kept under this name was discarded.
     Discarded(String),
 }
 
 /// What is to be other than it is; what is not named stays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
-    /// How fast time runs.
     pub speed: Option<Pace>,
-    /// Whether time stands still.
     pub is_paused: Option<bool>,
     /// Whether the link to the robot that searches is lost.
     pub link_lost: Option<bool>,
-    /// Whether it has no thermometer.
     pub no_thermometer: Option<bool>,
-    /// Whether no photo of it succeeds.
     pub camera_fails: Option<bool>,
     /// The cells in which something stands that the hall does not have.
     pub blocked: Option<BTreeSet<Cell>>,
 }
 
-/// How fast simulated time runs beside the real one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// A factor of real time.
@@ -48,10 +40,10 @@ pub enum Pace {
 }
 
 impl Pace {
-    /// The slowest pace that can be asked for.
+    /// As a factor of real time.
     pub const SLOWEST: f64 = 0.1;
 
-    /// The fastest, `Max` aside.
+    /// As a factor of real time; only `Max` is faster.
     pub const FASTEST: f64 = 1000.0;
 }
 

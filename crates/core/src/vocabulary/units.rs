@@ -7,9 +7,7 @@ use std::time::Duration;
 /// A square of the floor; its side is the robot's size. `x` grows to the east, `y` to the south (mission §3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell {
-    /// Column, growing to the east.
     pub x: i32,
-    /// Row, growing to the south.
     pub y: i32,
 }
 
@@ -34,7 +32,6 @@ impl Cell {
         Cell { x: self.x + dx, y: self.y + dy }
     }
 
-    /// The cell `cells` further in the direction `heading`.
     #[must_use]
     pub fn onward(self, heading: Heading, cells: u16) -> Cell {
         let (dx, dy) = heading.vector();
@@ -70,7 +67,6 @@ named! {
 }
 
 impl Heading {
-    /// The step `(dx, dy)` this heading makes.
     #[must_use]
     pub const fn vector(self) -> (i32, i32) {
         match self {
@@ -81,7 +77,6 @@ impl Heading {
         }
     }
 
-    /// After a turn of 90° to the left.
     #[must_use]
     pub const fn left(self) -> Heading {
         match self {
@@ -92,7 +87,6 @@ impl Heading {
         }
     }
 
-    /// After a turn of 90° to the right.
     #[must_use]
     pub const fn right(self) -> Heading {
         self.left().opposite()

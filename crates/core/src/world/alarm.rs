@@ -31,7 +31,6 @@ pub struct AlarmView {
 /// Why there is an alarm. `Display` is what an operator reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AlarmCause {
-    /// The piece in this cell was found dangerous.
     Dangerous(LuggageId, Cell),
     /// The piece was found dangerous, but that is not on record.
     Unrecorded(LuggageId, Cell),

@@ -1,4 +1,4 @@
-//! What is known of a cell, and rectangles of cells.
+//! What is known of a cell, and rectangles of cells. A whole map stands in `hall_map`.
 
 use crate::units::Cell;
 
@@ -47,7 +47,6 @@ impl Bounds {
         Bounds { least: cell, most: cell }
     }
 
-    /// The least rectangle that also holds `cell`.
     pub(crate) fn including(self, cell: Cell) -> Bounds {
         Bounds {
             least: Cell::new(self.least.x.min(cell.x), self.least.y.min(cell.y)),
@@ -55,7 +54,6 @@ impl Bounds {
         }
     }
 
-    /// Larger by this many cells on every side.
     #[must_use]
     pub const fn grown(self, by: i32) -> Bounds {
         Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }

@@ -92,7 +92,6 @@ impl HallMap {
         self.open
     }
 
-    /// Number of cells that the robot has visited.
     #[must_use]
     pub const fn visited(&self) -> usize {
         self.visited
@@ -110,13 +109,13 @@ impl HallMap {
         self.open + self.uninspected
     }
 
-    /// The least rectangle that holds every visited cell.
+    /// The least rectangle with every cell that was ever visited.
     #[must_use]
     pub const fn visited_bounds(&self) -> Bounds {
         self.visited_bounds
     }
 
-    /// The least rectangle that holds every cell of which anything is known.
+    /// The least rectangle with every cell of which anything was ever known.
     #[must_use]
     pub const fn known_bounds(&self) -> Bounds {
         self.known_bounds
@@ -156,7 +155,6 @@ impl HallMap {
         changes
     }
 
-    /// Updates whether the frontier runs through `cell`.
     fn move_frontier(&mut self, cell: Cell, revision: Revision) {
         let is_open = self.at(cell).is_unvisited() && cell.neighbours().into_iter().any(|next| self.at(next) == Mark::Visited);
         let was_open = self.tiles.tile(tile_of(cell)).is_some_and(|tile| tile.is_open(place_in_tile(cell)));

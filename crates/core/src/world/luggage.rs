@@ -10,7 +10,6 @@ use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 pub struct Luggage {
     /// Its number, never used for another piece.
     pub id: LuggageId,
-    /// Where it was met.
     pub cell: Cell,
     pub pose: Pose,
     /// When the photo was taken (or failed).
@@ -57,7 +56,7 @@ impl PhotoState {
 pub enum NoPhoto {
     #[error("there is no photo of luggage #{0}: {1}; take it again")]
     Failed(LuggageId, String),
-    /// This take does not exist; the last number is that of the takes.
+    /// The take that was asked for, and the number of takes.
     #[error("there is no photo {1} of luggage #{0}: there are 1 to {2}")]
     NotTaken(LuggageId, u64, u32),
     #[error("the photo of luggage #{0} is not kept")]

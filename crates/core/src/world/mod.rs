@@ -1,4 +1,5 @@
-//! The resource model: hall map, luggage, temperature and alarms.
+//! The resource model: hall map, luggage, temperature and alarms. What changes them, and when, is decided in the
+//! engine.
 
 pub mod alarm;
 mod area;

@@ -140,7 +140,8 @@ impl LuggageRecords {
     }
 }
 
-/// Shared parts are not compared, as long as both are divided alike, which they are unless numbers came out of order.
+/// Shared parts are not compared as long as both sides are divided alike; only numbers that came out of order divide
+/// them differently.
 impl PartialEq for LuggageRecords {
     fn eq(&self, other: &LuggageRecords) -> bool {
         if self.size != other.size || Arc::ptr_eq(&self.parts, &other.parts) {

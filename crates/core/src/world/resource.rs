@@ -3,7 +3,6 @@
 
 named! {
     ALL by name;
-    /// A part of the state with a revision of its own.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Resource {
         /// Phase, holds, goal, strategy, epoch, progress.

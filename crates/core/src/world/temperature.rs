@@ -45,8 +45,7 @@ pub(crate) struct Source {
 
 impl Source {
     fn view(&self) -> SourceReading {
-        // The reading of a source without a reading in this run comes from an earlier run, and its silence began with
-        // this one.
+        // A source without a reading in this run has one from an earlier run, and its silence began with this one.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
         SourceReading { celsius: self.reading, read, silent_since: self.silent_since }
     }
@@ -132,7 +131,6 @@ impl Thermometer {
         })
     }
 
-    /// Whether any source's last reading is too hot.
     pub(crate) fn is_hot(&self) -> bool {
         self.sources.values().any(|source| source.hot)
     }
@@ -189,7 +187,6 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum TemperatureStatus {
-        /// The robot may move.
         Ok = "ok",
         /// Too hot, by a reading or by the operator's word.
         TooHigh = "tooHigh",

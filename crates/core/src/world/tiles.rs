@@ -15,10 +15,10 @@ use std::sync::Arc;
 use super::area::{Bounds, Mark};
 use crate::units::{Cell, Revision};
 
-/// In cells.
+/// Side of a tile, in cells.
 pub const TILE: i32 = 32;
 
-/// In tiles.
+/// Side of a block, in tiles.
 const BLOCK: i32 = 8;
 
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use crate::event::Capabilities;
 use crate::robot::RobotState;
 use crate::units::{Epoch, OrderId};
 
-/// How long after the robot's own deadline an answer is waited for: the way there and back.
+/// Time to wait for an answer after the robot's own deadline: the way there and back.
 const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Debug, Default)]
@@ -38,7 +38,6 @@ impl RobotController {
         self.open.map(|open| open.order)
     }
 
-    /// Whether the robot is linked and has no order.
     pub(crate) const fn is_free(&self) -> bool {
         self.capabilities.is_some() && self.open.is_none()
     }

@@ -19,13 +19,13 @@ pub(crate) struct Robot {
     pub(crate) controller: RobotController,
     /// Whether it stands away from where its last completed order left it.
     pub(crate) off_centre: bool,
-    /// The last reading of its front sonar, in centimetres.
+    /// `None` beyond its range, or before its first reading.
     pub(crate) sonar_cm: Option<u16>,
     /// What is ahead of it once the order under way is done.
     pub(crate) ahead: Option<Ahead>,
     /// The holds of this robot alone. Those of the one that searches are among the holds of the mission.
     pub(crate) holds: Holds,
-    /// Its arm, if it has one, as last reported.
+    /// As last reported; the default for a robot without an arm.
     pub(crate) arm: ArmState,
     /// Whether it has reported its arm since the program began or its link was lost.
     pub(crate) arm_is_heard: bool,
@@ -47,7 +47,7 @@ impl Robots {
         Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
-    /// Adds a robot that is not reached yet, and waits for a START where the one that searches does.
+    /// The robot counts as unreached at first, and waits for a START if the one that searches does.
     pub(crate) fn add(&mut self, id: RobotId, is_awaited: bool) {
         if id != self.searching.0 {
             let holds = std::iter::once(Hold::RobotLink).chain(is_awaited.then_some(Hold::AwaitingStart)).collect();
@@ -80,8 +80,8 @@ impl Robots {
         std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }
 
-    /// A hold of all robots during a mission: its end sets none of them moving before a START. Returns whether that is
-    /// new to any.
+    /// Called for a hold of all robots during a mission, so that its end sets none of them moving before a START.
+    /// Returns whether that is new to any.
     pub(crate) fn others_wait(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }

@@ -87,7 +87,8 @@ const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
-/// A hold is raised; one that ends the drive of a mission leaves it stopped by the operator as well.
+/// The cells of an input that raises a hold. One that ends a drive during a mission leaves it stopped by the operator
+/// as well.
 macro_rules! raised {
     ($hold:expr) => {
         raised!($hold, &[Go(Stay, &[Raise($hold)])])

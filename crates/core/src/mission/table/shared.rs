@@ -38,7 +38,6 @@ pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[Choo
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[LedOff, AlarmDanger])];
 pub(super) const DANGER_ON_THE_WAY: &[Rule] = &[Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];
-/// Home already: the bomb is located. Not quite home, or not at rest there: on the way home with an alarm.
 pub(super) const DANGER_AT_HOME: &[Rule] = &[
     When(Case::RobotAtHome, Phase(PhaseName::BombLocated), &[LedOff, AlarmDanger]),
     Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger]),

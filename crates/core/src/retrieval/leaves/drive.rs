@@ -20,7 +20,6 @@ use behaviour_trees::{Leaf, Status};
 /// Longest time for the last few centimetres: dozens of tries.
 const ADJUSTING: Duration = Duration::from_secs(600);
 
-/// How a base reaches a place by itself.
 enum Going {
     There,
     OnTheWay,

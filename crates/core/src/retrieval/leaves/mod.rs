@@ -149,7 +149,7 @@ impl Leaves for Performer<'_> {
 }
 
 impl<'a> Performer<'a> {
-    /// Fails for a reason that only a person can mend.
+    /// Ends the run of the pair with this fault, which only a person can mend.
     fn fails(&mut self, fault: RetrievalFault) -> Status {
         self.output.fault = Some(fault);
         Status::Failure
@@ -191,7 +191,6 @@ impl<'a> Performer<'a> {
         }
     }
 
-    /// The floor for a base that drives by itself.
     fn floor<'b>(&self, freed: &'b BTreeSet<Cell>, taken: &'b [Place]) -> Floor<'b>
     where
         'a: 'b,

@@ -9,7 +9,6 @@ use crate::retrieval::view::Which;
 use crate::retrieval::way::{Floor, Stands, Train};
 use crate::world::hall_map::HallMap;
 
-/// From where a piece is lifted, and which base goes there first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     pub(super) stands: Stands,
@@ -18,19 +17,18 @@ pub(super) struct Plan {
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::retrieval) struct Routes {
-    /// From where the piece at a place is lifted.
+    /// With the place of the piece for which it was made.
     pub(super) stands: Option<(Place, Plan)>,
     alone: [VecDeque<Place>; 2],
     train: VecDeque<Train>,
 }
 
 impl Routes {
-    /// Forgets all routes, as something else is wanted now.
     pub(in crate::retrieval) fn forget(&mut self) {
         *self = Routes::default();
     }
 
-    /// The next place on the way of one base from here to there; `None` when there is no way.
+    /// Keeps to the present way while it still leads from here to there and nothing blocks it.
     pub(super) fn next_place(&mut self, index: usize, floor: &Floor<'_>, from: Place, to: Place) -> Option<Place> {
         let way = &mut self.alone[index];
         if way.front() == Some(&from) {
@@ -43,7 +41,7 @@ impl Routes {
         way.front().copied()
     }
 
-    /// The next train on the way to one whose parcel is at `drop`; `None` when there is no way.
+    /// Keeps to the present way while it still leads to a train whose parcel is at `drop`, and nothing blocks it.
     pub(super) fn next_train(&mut self, floor: &Floor<'_>, from: Train, drop: Place) -> Option<Train> {
         let way = &mut self.train;
         if way.front() == Some(&from) {
