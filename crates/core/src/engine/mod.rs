@@ -156,8 +156,8 @@ impl Engine {
             return repeated;
         }
         let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
-        // An epoch that no stop has reached yet is invalid: a command that was sent before a stop does not come after
-        // it.
+        // A sender may name an epoch that no stop has raised yet: that of the arrival bounds it, so that a later stop
+        // still makes the command outdated.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),

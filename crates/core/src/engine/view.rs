@@ -1,4 +1,4 @@
-//! The snapshot: the state as the doors show it.
+//! The snapshot: the state as the doors show it. What has to be on record first is held back in `on_record`.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What a strategy reads, and what it may want.
+//! What a strategy reads, and what it may want. It sees the grid alone, and never the map that the doors show.
 
 use super::costs::Costs;
 use super::grid::Grid;

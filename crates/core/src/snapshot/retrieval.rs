@@ -58,7 +58,7 @@ pub struct NodeShown {
     pub depth: usize,
     /// What it returned in the last tick if it was ticked, else its status.
     pub status: Status,
-    /// Whether it was ticked in the last tick.
+    /// Whether `status` comes from the last tick.
     pub is_ticked: bool,
 }
 
