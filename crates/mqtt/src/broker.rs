@@ -21,7 +21,8 @@ use crate::routed_delivery::{RoutedDelivery, Router};
 use crate::subscriber::{Delivery, Subscriber, TopicReader};
 use crate::subscription::Subscription;
 
-/// The state that all connections of a broker share.
+/// What all connections share: rights, retained messages and readers. Every method takes `&self`, so they share it by
+/// an `Arc`.
 #[derive(Debug)]
 pub struct Broker {
     pub(crate) rights: Box<dyn Rights>,
@@ -29,31 +30,31 @@ pub struct Broker {
     pub(crate) readers: Arc<Readers>,
     /// Total size in bytes of all messages that anybody still holds.
     alive: Arc<AtomicUsize>,
-    /// Limits how many lines about refusals reach the log.
+    /// Bounds the log lines about refusals of all clients together, since any of them may reconnect for ever.
     pub(crate) lines: Lines,
     /// Randomly seeded, so that nobody outside can construct two texts with the same fingerprint.
     hasher: RandomState,
 }
 
-/// A message that the program itself publishes.
+/// A message of the program itself: no [`Rights`] are asked, and what it retains has its own room.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement<'a> {
-    /// Its topic, which may be any.
+    /// Any topic, even one that begins with `$`; the caller must see that it has no wildcards.
     pub topic: &'a str,
-    /// Its payload.
+    /// May be empty: with `retain`, it then removes what the topic retained.
     pub payload: &'a [u8],
-    /// Whether it is retained, if there is room.
+    /// It is retained only while there is room, and never on a topic of commands.
     pub retain: bool,
-    /// Properties that clients of MQTT 5 get with it.
+    /// For readers of MQTT 5. Only those that MQTT forwards are sent (section 3.3.2.3), such as the content type.
     pub properties: &'a [Property<'a>],
 }
 
-/// A subscription of the program itself.
+/// The program's own subscription, at QoS 1. Dropping it ends it.
 #[derive(Debug)]
 pub struct OwnSubscription(Subscription);
 
 impl<'a> Announcement<'a> {
-    /// A message without properties that is not retained.
+    /// A message for present subscribers only: not retained, and without properties.
     #[must_use]
     pub const fn passing(topic: &'a str, payload: &'a [u8]) -> Announcement<'a> {
         Announcement { topic, payload, retain: false, properties: &[] }
@@ -61,13 +62,13 @@ impl<'a> Announcement<'a> {
 }
 
 impl Broker {
-    /// A broker without messages, which delivers to subscribers itself.
+    /// A broker that puts messages into its subscribers' queues itself, within the call that publishes them.
     #[must_use]
     pub fn new(rights: impl Rights + 'static) -> Broker {
         Broker::of(rights, None)
     }
 
-    /// A broker whose messages this router delivers.
+    /// A broker whose messages this router delivers, except to shared subscriptions, of which no router knows.
     #[must_use]
     pub fn with_router(rights: impl Rights + 'static, router: impl Router + 'static) -> Broker {
         Broker::of(rights, Some(Box::new(router)))
@@ -90,7 +91,6 @@ impl Broker {
         filter::topic(topic).is_ok() && self.rights.may_leave_will(who, topic)
     }
 
-    /// Whether a client may share this filter with others. Asked for shared filters only.
     pub(crate) fn may_share(&self, who: Tier, filter: &str) -> bool {
         self.rights.may_share(who, filter)
     }
@@ -134,7 +134,7 @@ impl Broker {
         self.send(&message, &self.readers.of(&will.topic, None));
     }
 
-    /// Subscribes the program itself to these filters, each of which has to be valid.
+    /// Subscribes the program itself at QoS 1. The filters are not checked here and have to be valid.
     #[must_use]
     pub fn subscribe(&self, filters: &[&str]) -> OwnSubscription {
         let mut subscription = Subscription::new(&self.readers);
@@ -177,7 +177,7 @@ impl Broker {
 }
 
 impl OwnSubscription {
-    /// Waits for the next message.
+    /// Waits for the next message. A program that reads too slowly loses the oldest ones, like any subscriber.
     pub async fn next(&self) -> Arc<Message> {
         let subscriber: &Subscriber = self.0.subscriber();
         loop {

@@ -9,19 +9,19 @@ const AFTER_SLASH: char = '0';
 /// Why the gate refuses a topic or a filter, though the standard may allow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// Longer than the limit.
+    /// Longer than `limits::TOPIC` bytes; the standard allows 65,535.
     #[error("it is longer than {TOPIC} bytes")]
     Long,
-    /// More levels than the limit.
+    /// More than `limits::LEVELS` levels, which every search goes through one by one.
     #[error("it has more than {LEVELS} levels")]
     Deep,
-    /// It begins with `$`.
+    /// It begins with `$`. Such topics are the server's own (section 4.7.2), and this one has none.
     #[error("it begins with `$`, and there is nothing like that here")]
     Dollar,
-    /// `#` or `+` in a place where the standard forbids it.
+    /// `#` or `+` in a place where section 4.7.1 forbids it.
     #[error("it has `#` or `+` where they cannot be")]
     Wildcards,
-    /// `$share/…` without a name, or with nothing behind it.
+    /// `$share/…` without a name, or with nothing behind it (MQTT 5, section 4.8.2).
     #[error("a shared subscription is `$share/NAME/FILTER`, the name without `+` and `#`")]
     Share,
 }
@@ -33,16 +33,13 @@ pub(crate) struct Shared<'a> {
     pub(crate) filter: &'a str,
 }
 
-/// The parts of a shared filter; `None`: the filter is not shared.
+/// Splits a shared filter without checking it; `None`: the filter is not shared.
 pub(crate) fn shared(filter: &str) -> Option<Shared<'_>> {
     let (group, filter) = filter.strip_prefix("$share/")?.split_once('/')?;
     Some(Shared { group, filter })
 }
 
 /// Checks a shared filter and returns its parts; `None`: the filter is not shared.
-///
-/// # Errors
-/// Why the filter is refused.
 pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
     if text != "$share" && !text.starts_with("$share/") {
         return Ok(None);
@@ -55,33 +52,34 @@ pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
     filter(shared.filter).map(|()| Some(shared))
 }
 
-/// Whether some topic could match both filters.
+/// Whether some topic could match both filters. A leading `$` counts as any other character, so `+` overlaps it.
 #[must_use]
 pub fn overlap(one: &str, other: &str) -> bool {
     let (mut one, mut other) = (one.split('/'), other.split('/'));
     loop {
         match (one.next(), other.next()) {
+            // `a/#` matches `a` as well.
             (Some("#"), _) | (_, Some("#")) | (None, None) => return true,
             (Some(a), Some(b)) if a == b || a == "+" || b == "+" => {}
-            // `a/#` matches `a` as well.
             _ => return false,
         }
     }
 }
 
-/// Checks a topic that is not empty and has no wildcards.
+/// Checks the length, the levels and the first character of a topic. The caller knows that it is not empty and has no
+/// wildcards.
 ///
 /// # Errors
-/// Why the topic is refused.
+/// `Unfit::Long`, `Unfit::Deep` or `Unfit::Dollar`.
 pub fn topic(topic: &str) -> Result<(), Unfit> {
     measure(topic)?;
     if topic.starts_with('$') { Err(Unfit::Dollar) } else { Ok(()) }
 }
 
-/// Checks a filter that is not empty.
+/// Checks a filter, which the caller knows not to be empty. A shared one is refused for its `$`.
 ///
 /// # Errors
-/// Why the filter is refused.
+/// `Unfit::Long`, `Unfit::Deep`, `Unfit::Dollar` or `Unfit::Wildcards`.
 pub fn filter(filter: &str) -> Result<(), Unfit> {
     measure(filter)?;
     if filter.starts_with('$') {

@@ -1,10 +1,10 @@
-//! Where packets begin and end in a stream of bytes (section 2.2 of both versions), and what can be wrong with one. The
-//! contents of packets are read in `packet`.
+//! Where packets begin and end in a stream of bytes (MQTT 3.1.1, section 2.2, and MQTT 5, section 2.1.1), and what can
+//! be wrong with one. The contents of packets are read in `packet`.
 
 use super::limits::{ALIASES, PACKET_FILTERS};
 use super::packet::reason::Reason;
 
-/// The kinds of packets.
+/// The kinds of packets, with their numbers in the upper half of the first byte (MQTT 3.1.1, section 2.2.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 #[expect(missing_docs, reason = "the names are those of the standard, section 2.2.1")]
@@ -27,29 +27,29 @@ pub enum PacketKind {
     Auth,
 }
 
-/// The packet at the head of a stream: its kind, and where its parts are.
+/// The packet at the head of a stream, all of which has arrived: its kind, and where its parts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// The kind of packet.
+    /// From the upper half of the first byte, where 0 is malformed.
     pub kind: PacketKind,
     /// The four flag bits beside the kind. Those of all kinds but PUBLISH have been checked.
     pub flags: u8,
-    /// Number of bytes before the body.
+    /// Length of the fixed header in bytes, 2 to 5: the body begins there.
     pub head: usize,
-    /// Number of bytes in all.
+    /// Length of the whole packet in bytes, the fixed header included.
     pub length: usize,
 }
 
-/// What is wrong with a packet.
+/// What is wrong with a packet; any of these ends the connection (MQTT 5, section 4.13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Malformed {
-    /// The first byte begins no packet.
+    /// The first byte has no known kind, or flags that its kind must not have (MQTT 3.1.1, section 2.2.2).
     #[error("no packet begins with the byte {0:#04x}")]
     Kind(u8),
-    /// The length field has no end.
+    /// The length goes on behind its fourth byte, which has to be the last (MQTT 3.1.1, section 2.2.3).
     #[error("the length of a packet has more than four bytes")]
     Length,
-    /// The packet is longer than its sender may send.
+    /// The packet, or the properties of a will, are longer than the gate takes; see `limits`.
     #[error("a packet of {length} bytes is longer than the {limit} that are taken")]
     TooLong {
         /// Its length in bytes.
@@ -57,64 +57,65 @@ pub enum Malformed {
         /// The limit in bytes.
         limit: usize,
     },
-    /// The packet ends within this field.
+    /// The bytes of the packet are used up before those that this field should have.
     #[error("a packet ends within its {0}")]
     Short(&'static str),
-    /// The packet goes on for this many bytes after its last field.
+    /// The number of bytes behind the last field; those behind a PUBLISH's fields are its payload.
     #[error("{0} bytes follow the end of a packet")]
     Trailing(usize),
-    /// This field is no valid text.
+    /// The name of a field that is no text by MQTT 5, section 1.5.4.
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
-    /// A QoS above 2, or flags beside it.
+    /// The byte with a QoS of 3, or, in a SUBSCRIBE of MQTT 3.1.1, with any bits beside the QoS.
     #[error("{0:#04x} is no QoS")]
     Qos(u8),
-    /// Marked as a duplicate, though it is of a kind that is never sent twice.
+    /// The DUP flag at QoS 0, at which nothing is sent twice (section 3.3.1.1).
     #[error("a PUBLISH of QoS 0 is marked as a duplicate")]
     Duplicate,
-    /// The packet id is 0.
+    /// The packet id 0, which stands for none (MQTT 3.1.1, section 2.3.1).
     #[error("a packet has the id 0")]
     Id,
-    /// The topic to publish on is empty or has wildcards.
+    /// The topic of a PUBLISH or of a will is empty or has wildcards (section 3.3.2.1).
     #[error("a PUBLISH has an empty topic, or one with wildcards")]
     Topic,
-    /// A SUBSCRIBE or UNSUBSCRIBE without filters.
+    /// No filter, or an empty one: a SUBSCRIBE or UNSUBSCRIBE has to name one at least (sections 3.8.3 and 3.10.3).
     #[error("a packet names no filter, or an empty one")]
     Filters,
-    /// A SUBSCRIBE or UNSUBSCRIBE with too many filters.
+    /// More filters than the gate answers in one turn; the standard sets no limit.
     #[error("a packet names more than {PACKET_FILTERS} filters")]
     ManyFilters,
-    /// The flags of a CONNECT contradict each other.
+    /// The reserved bit, a QoS of 3, parts of a will without a will, or in MQTT 3.1.1 a password without a name
+    /// (section 3.1.2).
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
-    /// An unknown property, or one that is not allowed in this packet.
+    /// The identifier of an unknown property, or of one that this packet must not have (MQTT 5, table 2-4).
     #[error("the property {0:#04x} is not known, or cannot stand where it does")]
     Property(u8),
-    /// A property that may occur only once occurs twice.
+    /// The identifier of a property that occurs twice, which only the user property may (MQTT 5, section 2.2.2.2).
     #[error("the property {0:#04x} stands in a packet twice")]
     PropertyTwice(u8),
-    /// A property with a value that it cannot have.
+    /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a Method.
     #[error("the property {0:#04x} says what it cannot say")]
     PropertyValue(u8),
-    /// Subscription options that do not exist.
+    /// A Retain Handling of 3 or a reserved bit (MQTT 5, section 3.8.3.1).
     #[error("{0:#04x} are no options of a subscription")]
     Options(u8),
-    /// A shared subscription with No Local, which the standard forbids.
+    /// Shared subscriptions cannot have the option No Local (MQTT 5, section 3.8.3.1).
     #[error("a shared subscription has the option No Local")]
     SharedNoLocal,
-    /// A topic alias above the limit.
+    /// A topic alias of 0, or above the Topic Alias Maximum that the CONNACK announced.
     #[error("a PUBLISH has the topic alias {0}, and at most {ALIASES} are taken, from 1 on")]
     Alias(u16),
-    /// A topic alias that was never set.
+    /// An empty topic without an alias, or with one that was not set in this connection.
     #[error("a PUBLISH has no topic, and its topic alias stands for none")]
     NoTopic,
-    /// A DISCONNECT asks to extend a session that was to end with its connection.
+    /// A DISCONNECT asks for a session, and its CONNECT has asked for none (MQTT 5, section 3.14.2.2.2).
     #[error("a DISCONNECT asks for a session that its CONNECT has not asked for")]
     SessionExpiry,
-    /// An unknown reason code.
+    /// A reason code that packets of this kind do not have (MQTT 5, table 2-6).
     #[error("the packet cannot have the reason {0:#04x}")]
     Reason(u8),
-    /// A CONNECT of another protocol.
+    /// The protocol name is neither `MQTT` nor the `MQIsdp` of MQTT 3.1 (section 3.1.2.1).
     #[error("a CONNECT is for a protocol that is not MQTT")]
     Protocol,
 }
@@ -212,7 +213,8 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     Ok((stream.len() >= length).then_some(Frame { kind, flags: first & 15, head, length }))
 }
 
-/// The remaining length at the head of these bytes, and how many bytes it occupies.
+/// The remaining length at the head of these bytes, and how many bytes it occupies, 4 at most; `None`: it has not
+/// arrived as a whole.
 pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {

@@ -1,4 +1,4 @@
-//! The terms of one granted subscription.
+//! The terms of one granted subscription: those that its SUBSCRIBE asked for, since no QoS is lowered.
 
 use std::sync::Arc;
 
@@ -20,7 +20,6 @@ impl Grant {
         Grant { options: Options::at(qos), id: None }
     }
 
-    /// Its subscription id as the only one.
     pub(crate) fn ids(&self) -> Ids {
         self.id.map(|id| Arc::from([id]))
     }

@@ -40,7 +40,7 @@ pub(crate) const FILTER_BYTES: usize = 64 * 1024;
 /// Filters in one packet, since a packet is answered in one turn. Home Assistant sends up to 500.
 pub(crate) const PACKET_FILTERS: usize = 512;
 
-/// Retained messages of all clients.
+/// Most retained messages of all clients together; the program has room of its own (`PROGRAM_KEPT`).
 pub(crate) const KEPT: usize = 10 * 1024;
 
 /// Size of the retained messages of all clients, in bytes, topics included.
@@ -58,7 +58,7 @@ pub(crate) const KEPT_LITTLE: usize = 256;
 /// A key whose retained messages take fewer bytes than this may use the reserve.
 pub(crate) const KEPT_LITTLE_BYTES: usize = 1024 * 1024;
 
-/// Retained messages of one key.
+/// Most retained messages of one key: less than half of `KEPT`, so that no key fills it alone.
 pub(crate) const KEPT_SHARE: usize = 4096;
 
 /// Size of the retained messages of one key, in bytes.
@@ -91,8 +91,8 @@ pub(crate) const QUEUE: usize = 256 * 1024;
 /// those that weigh less than they take is lost.
 pub(crate) const QUEUE_BYTES: usize = 2 * 1024 * 1024;
 
-/// Messages wait for subscribers that are away, or go, only while all waiting messages together take at most this many
-/// bytes.
+/// Messages wait for a subscriber that is away only while all waiting messages together take at most this many bytes.
+/// One that goes away when they take more loses its queue.
 pub(crate) const AWAY: usize = 8 * 1024 * 1024;
 
 /// Weight of the messages waiting for a subscriber from which on flooding publishers wait for it: a part of the queue,
@@ -158,7 +158,7 @@ pub(crate) const WINDOW: usize = 100;
 /// Bytes of unacknowledged messages of a client beyond which it gets no more messages that need an acknowledgement.
 pub(crate) const WINDOW_BYTES: usize = 512 * 1024;
 
-/// Messages of QoS 2 that a client has not released.
+/// Most messages of QoS 2 that a client leaves unreleased. Clients of MQTT 5 are told it as Receive Maximum.
 pub const UNRELEASED: usize = 4096;
 
 /// Number of latest commands of a client that are compared to recognise a duplicate.

@@ -9,11 +9,11 @@ use bytes::Bytes;
 use crate::limits::MESSAGE_COST;
 use crate::packet::Qos;
 
-/// Identifies a subscriber for as long as the program runs.
+/// Not used again while the program runs: a message may outlive its publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SubscriberId(pub(crate) u64);
 
-/// A message as it was published.
+/// A message as it was published. It never changes, and all its readers share it.
 #[derive(Debug)]
 pub struct Message {
     topic: Arc<str>,
@@ -23,7 +23,7 @@ pub struct Message {
     /// Its publisher's properties, in the encoding of MQTT 5.
     properties: Box<[u8]>,
     expires_at: Option<Duration>,
-    /// Who published it, if that was a connected client.
+    /// `None`: the program, or a client that left it as its will.
     publisher: Option<SubscriberId>,
     /// Position in the order of retained messages: whatever is retained with a higher stamp was retained no earlier
     /// than this was published.
@@ -63,13 +63,13 @@ impl Message {
         message
     }
 
-    /// The topic on which it was published.
+    /// The topic on which it was published, in place of any topic alias.
     #[must_use]
     pub fn topic(&self) -> &str {
         &self.topic
     }
 
-    /// Its payload.
+    /// The payload, which is empty when a publisher removes what the topic retained (section 3.3.1.3).
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         &self.payload

@@ -16,7 +16,7 @@ const CHUNK: usize = 16 * 1024;
 /// A piece with less free space than this, in bytes, is not written to any more.
 const SPARE: usize = 2 * 1024;
 
-/// The bytes that wait to be sent to a client.
+/// The bytes that wait for one client. Send them in order through [`Buf`]: `advance` drops those that have gone out.
 #[derive(Debug, Default)]
 pub struct Outbox {
     /// Complete pieces, which go out first.
@@ -36,7 +36,8 @@ struct Piece {
 }
 
 impl Outbox {
-    /// The buffer to which further bytes are appended.
+    /// The buffer to append to: what is in it is sent last. A full one is put behind the others first, so none grows
+    /// large.
     pub fn end(&mut self) -> &mut BytesMut {
         if self.last.len() > CHUNK - SPARE {
             self.seal();
@@ -45,7 +46,7 @@ impl Outbox {
         &mut self.last
     }
 
-    /// Appends bytes that are shared with other clients.
+    /// Appends bytes without a copy: other clients share them.
     pub(crate) fn share(&mut self, bytes: Bytes) {
         self.seal();
         self.length += bytes.len();
@@ -54,7 +55,6 @@ impl Outbox {
         }
     }
 
-    /// Completes the last piece.
     fn seal(&mut self) {
         let bytes = self.last.split().freeze();
         self.own += bytes.len();
@@ -64,7 +64,7 @@ impl Outbox {
         }
     }
 
-    /// Number of bytes that wait.
+    /// Number of bytes that wait, those included that other clients share.
     #[must_use]
     pub fn len(&self) -> usize {
         self.length + self.last.len()
@@ -75,13 +75,13 @@ impl Outbox {
         self.own + self.last.len()
     }
 
-    /// Whether nothing waits.
+    /// Whether nothing waits, neither own bytes nor shared ones.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Drops everything that waits.
+    /// Drops everything that waits. If a part of a packet was sent before, no other packet can follow it.
     pub fn clear(&mut self) {
         *self = Outbox::default();
     }

@@ -144,7 +144,8 @@ impl Readers {
     }
 }
 
-/// Merges the entries of readers that hold several matching filters.
+/// Leaves one entry of a reader that holds several matching filters: the highest QoS, and all subscription ids (MQTT 5,
+/// section 3.3.4).
 fn merge(readers: &mut Vec<TopicReader>) {
     readers.sort_unstable_by_key(|reader| Arc::as_ptr(&reader.subscriber));
     readers.dedup_by(|other, one| {

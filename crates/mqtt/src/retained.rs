@@ -18,7 +18,7 @@ use super::rights::Payer;
 #[derive(Debug, Default)]
 pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
-    /// The stamp of the latest message.
+    /// The stamp of the message that was retained last; 0: none was.
     stamp: AtomicU64,
 }
 
@@ -154,7 +154,7 @@ impl Shelf {
         }
     }
 
-    /// Removes expired messages, and returns whether there were any.
+    /// Removes expired messages, at most once in `BETWEEN_LOOKS`, and returns whether there were any.
     fn clear(&mut self, now: Duration) -> bool {
         if now < self.looks_at || self.first_over.is_none_or(|first| first > now) {
             return false;

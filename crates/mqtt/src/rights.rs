@@ -4,12 +4,13 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// The rights of a client, and how large a part of the common resources it may use.
+/// How far a client is trusted. The [`Rights`] are asked with it, and a program may bound its share of resources by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
-    /// All rights, and a full share.
+    /// All rights, and a full share. Only its commands go on to subscribers with their properties.
     Full,
-    /// Few rights, and a small share from a part common to all such clients, such as those that only watch.
+    /// Few rights, and a small share of a part that all such clients have in common. Clients that only watch are an
+    /// example.
     Limited,
 }
 
@@ -20,7 +21,7 @@ pub(crate) enum Payer {
     Program,
     /// Clients of a broker without authentication, which cannot be told apart.
     Anybody,
-    /// All clients with this key.
+    /// All clients with this key together: they have one share (`limits::KEPT_SHARE`).
     Key(Arc<str>),
 }
 

@@ -9,17 +9,18 @@ use crate::subscriber::{Delivery, Subscriber, TopicReader};
 
 /// Carries messages to subscribers. No method may block.
 pub trait Router: Debug + Send + Sync {
-    /// From now on, delivers messages on topics that this filter matches to this subscriber.
+    /// From now on, delivers messages on topics that this filter matches to this subscriber. Not called for shared
+    /// filters.
     fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// Undoes `subscribe`.
+    /// Ends what `subscribe` began for this pair. Messages that are on their way may still arrive.
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// Delivers a message to its readers.
+    /// Takes over a message: [`RoutedDelivery::arrive`] hands it to one reader, and dropping it to those that are left.
     fn carry(&self, delivery: RoutedDelivery);
 }
 
-/// A message on its way to its readers.
+/// A message on its way to its readers. When it is dropped, those that it has not reached get it.
 #[derive(Debug)]
 pub struct RoutedDelivery {
     message: Arc<Message>,
@@ -39,7 +40,7 @@ impl RoutedDelivery {
         RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
-    /// The topic on which it was published.
+    /// The topic, by which a router finds the subscribers whose filters match.
     #[must_use]
     pub fn topic(&self) -> &str {
         self.message.topic()
@@ -59,7 +60,7 @@ impl RoutedDelivery {
         reader.subscriber.put(Delivery::of(&self.message, reader), || self.has_room);
     }
 
-    /// Whether the message has reached all its readers.
+    /// Whether the message has reached all its readers, so that dropping it does nothing more.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.readers.is_empty()

@@ -25,10 +25,10 @@ use super::packet::Qos;
 /// Empty places kept in the queue when nothing waits.
 const ROOM: usize = 256;
 
-/// Stands for nothing missed.
+/// Stands for nothing missed: any stamp is lower, and the lowest is the one that counts.
 const NOTHING: u64 = u64::MAX;
 
-/// A subscriber with the terms on which it reads a topic.
+/// A subscriber with the terms of all its filters that match one topic.
 #[derive(Clone, Debug)]
 pub(crate) struct TopicReader {
     pub(crate) subscriber: Arc<Subscriber>,
@@ -39,12 +39,12 @@ pub(crate) struct TopicReader {
     pub(crate) ids: Ids,
 }
 
-/// The queue of one subscriber, and since when it has been behind.
+/// What waits for one subscriber, within bounds: beyond them the oldest messages are lost, and the loss is noted.
 #[derive(Debug)]
 pub struct Subscriber {
     id: SubscriberId,
     queue: Mutex<Queue>,
-    /// Weight of the messages in the queue.
+    /// Weight of the messages in the queue, and of those that a router has on their way to it.
     lag: AtomicUsize,
     waiting: Mutex<Vec<Waker>>,
     /// Since when every check found it behind, in milliseconds on the clock of all connections; 0: it is not behind.
@@ -53,9 +53,9 @@ pub struct Subscriber {
     still_since_ms: AtomicU64,
     /// Until when nobody waits for it, on the same clock.
     forgiven_until_ms: AtomicU64,
-    /// Duration of that time.
+    /// How long nobody waits for it once it is forgiven, in milliseconds; twice as long each time.
     forgiven_for_ms: AtomicU64,
-    /// When that time began, on the same clock.
+    /// When it was last forgiven, on the same clock.
     forgiven_at_ms: AtomicU64,
     /// Stamp after which retained messages may be new to it, since it missed some.
     missed: AtomicU64,
@@ -75,9 +75,9 @@ struct Queue {
 enum Presence {
     #[default]
     Here,
-    /// None does now, but one may later.
+    /// No connection does now, but one may later: its session is stored.
     Away,
-    /// None ever will again.
+    /// None ever will again: the subscription was dropped.
     Gone,
 }
 
@@ -86,13 +86,13 @@ pub(crate) struct Delivery {
     pub(crate) message: Arc<Message>,
     /// The lesser of the message's QoS and the subscription's.
     pub(crate) qos: Qos,
-    /// The RETAIN flag that it is sent with.
+    /// The RETAIN flag that it is sent with, which a subscriber gets as published only on request.
     pub(crate) retain: bool,
     pub(crate) ids: Ids,
 }
 
 impl Queue {
-    /// The index of the message to drop, if the queue exceeds its limits.
+    /// The index of the message to drop, if the queue exceeds its limits. The newest one always stays.
     fn too_much(&self, lag: usize) -> Option<usize> {
         let older = self.waiting.len().checked_sub(1).filter(|older| *older > 0)?;
         if lag > QUEUE {
@@ -207,8 +207,8 @@ impl Subscriber {
         }
     }
 
-    /// The next message to send, if there is one. Without a window, that is none which has to be acknowledged, since
-    /// the client has acknowledged too little.
+    /// The next message to send, if there is one. Without a window, messages that have to be acknowledged stay: the
+    /// client has acknowledged too little.
     pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
         let mut queue = self.queue();
         queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
@@ -259,7 +259,7 @@ impl Subscriber {
         self.queue().presence == Presence::Here
     }
 
-    /// Whether nothing waits for it.
+    /// Whether its queue is empty; messages that a router has on their way are not in it.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.queue().waiting.is_empty()
@@ -270,7 +270,8 @@ impl Subscriber {
         self.missed.fetch_min(stamp, Ordering::Relaxed);
     }
 
-    /// Notes that it misses a message; anything retained since that message was published has a higher stamp than this.
+    /// The stamp after which retained messages may be new to it, since it missed some; `None`: nothing was missed since
+    /// the last call.
     pub(crate) fn take_missed(&self) -> Option<u64> {
         let missed = self.missed.swap(NOTHING, Ordering::Relaxed);
         (missed != NOTHING).then_some(missed)
@@ -284,7 +285,7 @@ impl Subscriber {
         is_behind
     }
 
-    /// Whether it is connected and further behind than one that keeps up.
+    /// Whether it is connected and more than `LAG` or `LAG_BYTES` behind.
     pub(crate) fn lags(&self) -> bool {
         let queue = self.queue();
         queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
@@ -328,9 +329,9 @@ impl Subscriber {
         }
     }
 
-    /// Notes that a publisher waited for it, and waits `still` for subscribers that do not read. If it was behind for
-    /// that long, or for the longest wait, nobody waits for it during a while, longer each time; one that had caught up
-    /// in between is waited for again. Returns whether nobody waits for it now.
+    /// A publisher has waited for it; `still` is how long it waits for subscribers that do not read. If this one was
+    /// behind for so long and did not read, or was behind for `PATIENCE`, nobody waits for it during a while, longer
+    /// each time. One that caught up in between is waited for again. Returns whether nobody waits for it now.
     pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
         let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
         let behind_since = self.behind_since_ms.load(Ordering::Relaxed);

@@ -33,7 +33,7 @@ impl Subscription {
         &self.held
     }
 
-    /// Whether it may hold this filter: one that it holds already, or one more.
+    /// Whether it may hold this filter: it does already, or there is room within `FILTERS` and `FILTER_BYTES`.
     pub(crate) fn has_room(&self, filter: &str) -> bool {
         let (count, bytes) = (self.held.len() + 1, self.bytes + filter.len());
         self.held.contains_key(filter) || (count <= FILTERS && bytes <= FILTER_BYTES)

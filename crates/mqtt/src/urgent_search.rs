@@ -17,13 +17,13 @@ const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 /// A part of a packet is searched again when it has grown by the fraction 1/`MORE`.
 const MORE: usize = 16;
 
-/// Topic aliases of MQTT 5.
+/// Topics by their aliases. Nobody has checked yet whether these bytes are text.
 type Aliases = HashMap<u16, Box<[u8]>>;
 
 /// The search through everything that one client sends after its CONNECT.
 #[derive(Debug, Default)]
 pub struct UrgentSearch {
-    /// Position in the stream where the current packet begins.
+    /// Where the current packet begins, in bytes since the CONNECT.
     begins: u64,
     /// The beginning of the current packet, when it has not arrived as a whole.
     beginning: Vec<u8>,
@@ -46,7 +46,7 @@ struct Head {
 }
 
 impl UrgentSearch {
-    /// A search through what a client of this version sends.
+    /// A search from the first byte behind the CONNECT. The version says whether packets have properties and aliases.
     #[must_use]
     pub fn new(version: Version) -> UrgentSearch {
         UrgentSearch { aliases: (version == Version::Five).then(Aliases::new), ..UrgentSearch::default() }
@@ -142,7 +142,7 @@ impl Head {
         })
     }
 
-    /// Stores the topic alias that a PUBLISH sets.
+    /// Stores the topic aliases that a PUBLISH may set, in whichever way it is read.
     fn learn(self, packet: &[u8], aliases: Option<&mut Aliases>) {
         let Some(aliases) = aliases else { return };
         for (topic, rest) in self.readings(packet).into_iter().flatten().filter(|(topic, _)| !topic.is_empty()) {
@@ -184,7 +184,7 @@ struct Five<'a> {
     payload: Option<&'a [u8]>,
 }
 
-/// The identifier of the property topic alias.
+/// The property Topic Alias (MQTT 5, section 3.3.2.3.4).
 const ALIAS: u8 = 0x23;
 
 /// The bit of a topic alias; 0 for one that is out of range.

@@ -63,7 +63,8 @@ impl ClientWriter {
         true
     }
 
-    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP with its reason code, and the reason in words, if there are any.
+    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP. The reason is left out where it is success without words, and in
+    /// MQTT 3.1.1, which has none.
     pub(super) fn ack(&self, kind: PacketKind, id: u16, reason: Reason, words: &str, out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);

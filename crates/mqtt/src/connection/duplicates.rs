@@ -29,19 +29,19 @@ impl Duplicates {
         self.unreleased
     }
 
-    /// Whether this message of QoS 2 came before and was not released yet.
+    /// Whether this message of QoS 2 repeats one that was not released yet (section 4.3.3).
     pub(super) fn is_unreleased(&self, publish: &Publish<'_>) -> bool {
         publish.qos == Qos::Two && self.unreleased.contains_key(&publish.id)
     }
 
-    /// Whether a command with this fingerprint was heard before.
+    /// Whether a command with this fingerprint was heard before; only one that its sender marks as a duplicate can be.
     pub(super) fn was_heard(&self, publish: &Publish<'_>, print: u64) -> bool {
         publish.is_duplicate
             && (self.commands.contains(&(publish.id, print))
                 || publish.qos == Qos::Two && self.unreleased.get(&publish.id) == Some(&print))
     }
 
-    /// Notes that a message was handled; `print` is its fingerprint, if it was a command.
+    /// Notes that a message was handled, so that its repetition is recognised; `print` is the fingerprint of a command.
     pub(super) fn handled(&mut self, publish: &Publish<'_>, print: Option<u64>) -> Result<(), Ended> {
         match (publish.qos, print) {
             (Qos::One, Some(print)) => {
@@ -62,7 +62,7 @@ impl Duplicates {
         Ok(())
     }
 
-    /// Notes that the client will not send this message of QoS 2 again. Returns whether it was waiting for that.
+    /// Handles a PUBREL: the client will not send this message of QoS 2 again. Returns whether its id was known.
     pub(super) fn released(&mut self, id: u16) -> bool {
         self.unreleased.remove(&id).is_some()
     }

@@ -5,7 +5,7 @@ use crate::frame::{Malformed, PacketKind};
 use crate::limits::UNRELEASED;
 use crate::packet::reason::Reason;
 
-/// Why a connection ends.
+/// Why a connection ends. The text is for the log, and for clients of MQTT 5 that want reasons in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Ended {
     /// The client sent a DISCONNECT that discards its will.
@@ -14,36 +14,36 @@ pub enum Ended {
     /// The client sent a DISCONNECT that asks for its will to be published.
     #[error("the client went, and left its will")]
     LeftWithWill,
-    /// The connection is closed or broken.
+    /// The socket was closed or broke without a DISCONNECT, so the will is published.
     #[error("the connection is gone")]
     Gone,
-    /// A packet was malformed.
+    /// A packet breaks the rules of MQTT; those before it were handled.
     #[error("the client sent nonsense: {0}")]
     Malformed(#[from] Malformed),
     /// The client sent a packet that no client sends, or a second CONNECT.
     #[error("the client sent a {0:?}, which is not for it to send")]
     Unexpected(PacketKind),
-    /// The client was silent for too long.
+    /// Nothing came for one and a half times the keep alive (section 3.1.2.10), or for a day.
     #[error("the client was silent for too long")]
     Idle,
-    /// The client has more messages of QoS 2 unreleased than are allowed.
+    /// More than `limits::UNRELEASED` messages of QoS 2 wait for the client's PUBREL.
     #[error("the client has more than {UNRELEASED} messages of QoS 2 that it has not released")]
     Unreleased,
-    /// The client asked for more than there is room for.
+    /// The client used more than its share of something, such as bytes of answers that it does not read.
     #[error("the client has more than {most} {what}")]
     TooMuch {
-        /// What it asked for.
+        /// What there is too much of, in the plural.
         what: &'static str,
-        /// The limit that it exceeded.
+        /// How many the client may have.
         most: usize,
     },
-    /// Another connection has the same client id.
+    /// Another connection came with the same client id, and the older one has to go (section 3.1.4).
     #[error("another connection came with the same client id")]
     TakenOver,
-    /// The connection had to make room for another one.
+    /// The connection had to make room for others; what waited to be sent is dropped.
     #[error("there were too many connections, or too much waited to be read, and it gave way to others")]
     GaveWay,
-    /// Its key was removed or is no longer valid.
+    /// Its key was removed or is no longer valid, so its session ends as well.
     #[error("its key is not known any more")]
     NotKnown,
     /// The program ends; wills are not published.

@@ -17,8 +17,7 @@ pub(super) struct Flood {
 }
 
 impl Flood {
-    /// Counts messages passed on by `now`. Returns whether more were passed on within one second than an ordinary
-    /// client publishes.
+    /// Counts messages passed on by `now`. Returns whether more than `NO_FLOOD` were passed on within one second.
     pub(super) fn handle_passed(&mut self, passed: u64, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= Duration::from_secs(1) {
             (self.since, self.passed) = (now, 0);
@@ -27,15 +26,14 @@ impl Flood {
         self.passed > NO_FLOOD
     }
 
-    /// Notes that it waited in vain for a subscriber that does not read.
     pub(super) const fn handle_waited(&mut self, now: Duration) {
         self.in_vain = self.in_vain.saturating_add(1);
         self.waited_at = now;
     }
 
-    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before, so
-    /// that any number of subscribers that stop reading one after the other delay this client, and an urgent message of
-    /// it, no longer than two do.
+    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before:
+    /// however many subscribers stop reading one after the other, all waits together are less than twice the first. An
+    /// urgent message of this client may stand behind them.
     pub(super) fn still(&mut self, now: Duration) -> Duration {
         if now.saturating_sub(self.waited_at) >= Duration::from_secs(1) {
             self.in_vain = 0;
@@ -46,8 +44,8 @@ impl Flood {
 }
 
 impl ClientConnection {
-    /// Call this whenever something has happened: publishers then wait for a client that takes nothing no longer than
-    /// for one that does not read.
+    /// Call this whenever something has happened. It tells publishers whether this client takes nothing, so that they
+    /// wait for it only briefly.
     pub fn note_room(&self, now: Duration) {
         let is_full = self.to_client.len() >= CLIENT_ROOM;
         self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);

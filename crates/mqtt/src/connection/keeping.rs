@@ -32,7 +32,7 @@ struct Delivery {
 }
 
 impl Deliveries {
-    /// Starts to send all retained messages that match a filter, on the terms of its grant.
+    /// Starts to send all retained messages that match a filter. A delivery for it that was under way is given up.
     pub(super) fn start(&mut self, filter: Arc<str>, grant: Grant) {
         self.stop(&filter);
         self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), grant, is_missed: false });
@@ -49,12 +49,12 @@ impl Deliveries {
         self.waiting.retain(|delivery| delivery.walk.filter() != filter);
     }
 
-    /// Whether there may be more for a client that has room.
+    /// Whether `fill` may have more for a client that has room.
     pub(super) fn goes_on(&self) -> bool {
         !self.waiting.is_empty() && !self.is_held_up
     }
 
-    /// Hands the client as many messages as it has room for and as one turn finds.
+    /// Hands the client as many messages as it has room for, and examines `KEPT_STEPS` at most.
     pub(super) fn fill(
         &mut self,
         retained: &Retained,

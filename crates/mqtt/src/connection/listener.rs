@@ -9,18 +9,18 @@ pub struct Epoch(pub u64);
 /// What a PUBLISH says, as far as it can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Said<'a> {
-    /// The bytes of its topic.
+    /// The bytes of its topic, which need not be UTF-8; that of an alias, where the packet has one instead.
     pub topic: &'a [u8],
     /// As much of its payload as has arrived.
     pub payload: &'a [u8],
-    /// Where its sender wants an answer.
+    /// `None`: MQTT 3.1.1, no response topic, or one that has not arrived yet.
     pub answer_to: Option<AnswerTo<'a>>,
 }
 
 /// Where the sender of a message wants an answer (MQTT 5, section 4.10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AnswerTo<'a> {
-    /// The response topic.
+    /// The response topic. In an urgent message it is not checked yet, and may be empty or have wildcards.
     pub topic: &'a str,
     /// The correlation data, by which the sender recognises the answer.
     pub correlation: Option<&'a [u8]>,
@@ -40,12 +40,12 @@ pub trait Listener: Send + Sync {
     fn epoch(&self) -> Epoch;
 }
 
-/// What is to be done with a message that was heard.
+/// Whether a message that was heard goes on to subscribers. Urgent ones always do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandDecision {
-    /// It goes on to its subscribers.
+    /// It goes on to its subscribers, and is not retained.
     Pass,
-    /// Its sender may not say this; nobody gets it.
+    /// Its sender may not say this; nobody gets it, and in MQTT 5 the sender is told so.
     Forbidden,
 }
 
@@ -54,8 +54,8 @@ pub enum CommandDecision {
 pub struct Mark {
     /// Where the packet begins, in bytes since the CONNECT.
     pub begins: u64,
-    /// The epoch in which it came, and those behind it up to the next mark; for an urgent message, the epoch that it
-    /// began.
+    /// The epoch in which this packet and those behind it came, up to the next mark. An urgent message has the one that
+    /// it began.
     pub epoch: Epoch,
     /// Whether it was urgent and was heard on arrival; if so, it is not heard again when its turn comes.
     pub heard_ahead: bool,

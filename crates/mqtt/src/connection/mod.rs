@@ -46,25 +46,26 @@ use crate::rights::{Payer, Tier};
 use crate::subscriber::Subscriber;
 use crate::subscription::Subscription;
 
-/// Who the client is, and on what terms it connects.
+/// What the program has decided about a client before it accepts the CONNECT.
 pub struct Terms {
-    /// What it may do.
+    /// The broker's `Rights` are asked with it.
     pub tier: Tier,
-    /// Its name in the log.
+    /// Its name in the log, and the account for what it retains, if it has a key.
     pub name: Arc<str>,
     /// Whether `name` is the name of a key, which has its own share of what is retained.
     pub has_key: bool,
-    /// Hears its commands.
+    /// Hears its commands before any subscriber gets them.
     pub listener: Arc<dyn Listener>,
     /// Its CONNECT. Leave the will in it only when [`Broker::may_leave_will`] allows it.
     pub connect: Connect,
-    /// Its session from earlier connections.
+    /// Its session from earlier connections; the default one, if there is none or it is not to be continued.
     pub session: Session,
     /// The bytes that it is sent first: the CONNACK, or the rest of it.
     pub greeting: Bytes,
 }
 
-/// One client's connection.
+/// One client's connection. Whoever owns the socket calls a `handle_…` when something happens, and then asks each
+/// `poll_…`.
 pub struct ClientConnection {
     tier: Tier,
     payer: Payer,
@@ -75,7 +76,7 @@ pub struct ClientConnection {
     session_expiry_s: u32,
     silence: Duration,
     heard_at: Duration,
-    /// The latest time that it was told.
+    /// The time that it was told last; it reads no clock.
     now: Duration,
     writer: ClientWriter,
     to_client: Outbox,
@@ -86,7 +87,7 @@ pub struct ClientConnection {
     taken: u64,
     /// Marks of packets to come, in their order.
     marks: VecDeque<Mark>,
-    /// The epoch in which the packet arrived that is being handled.
+    /// The epoch in which the packet being handled arrived; `None`: no mark has come.
     arrived: Option<Epoch>,
     duplicates: Duplicates,
     subscription: Subscription,
@@ -146,7 +147,8 @@ impl ClientConnection {
         self.marks.push_back(mark);
     }
 
-    /// Handles all complete packets at the head of what the client sent.
+    /// Handles all complete packets at the head of what the client sent, however many;
+    /// [`ClientConnection::handle_turn`] is fair to others.
     ///
     /// # Errors
     /// When the connection has ended; everything before that is done.
@@ -246,7 +248,7 @@ impl ClientConnection {
         }
     }
 
-    /// The bytes for the client.
+    /// The bytes for the client. After each time that some were sent, call [`ClientConnection::handle_drained`].
     pub const fn to_client(&mut self) -> &mut Outbox {
         &mut self.to_client
     }
@@ -267,7 +269,8 @@ impl ClientConnection {
         behind
     }
 
-    /// The queue of what was published for this client and has not gone out yet.
+    /// The queue of what was published for this client and has not gone out yet. Call `handle_come` when its
+    /// `poll_come` is ready.
     #[must_use]
     pub fn subscriber(&self) -> Arc<Subscriber> {
         Arc::clone(self.subscription.subscriber())
@@ -279,7 +282,8 @@ impl ClientConnection {
         self.heard_at + self.silence
     }
 
-    /// The session to store for it; `None`: nothing is to be stored.
+    /// The session to store; `None`: it ends with the connection. Call it after [`ClientConnection::handle_end`], which
+    /// leaves a late will in it.
     #[must_use]
     pub fn into_session(mut self) -> Option<Session> {
         if self.session_expiry_s == 0 {
@@ -332,7 +336,8 @@ impl ClientConnection {
         ack::read(body, kind, self.writer.version())
     }
 
-    /// Handles a DISCONNECT and returns why the connection ends.
+    /// Handles a DISCONNECT, which may change how long the session lasts but not begin one (MQTT 5, section
+    /// 3.14.2.2.2).
     fn leave(&mut self, body: &[u8]) -> Ended {
         let disconnect = match disconnect::read(body, self.writer.version()) {
             Ok(disconnect) => disconnect,

@@ -16,7 +16,7 @@ use crate::packet::reason::Reason;
 use crate::packet::{Qos, Version, text};
 use crate::rights::Tier;
 
-/// What the sender of a message is told became of it, as MQTT 5's reason code and in words.
+/// What became of a message, as its sender is told in MQTT 5: a reason code, and words.
 #[derive(Clone, Debug)]
 struct Told {
     reason: Reason,
@@ -25,7 +25,6 @@ struct Told {
 
 const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
 
-/// For a message that was to be retained and could not be.
 const NOT_KEPT: &str = "it cannot be kept, there being too many kept messages; it was passed on";
 
 impl ClientConnection {
@@ -152,7 +151,7 @@ impl ClientConnection {
         Ok(told)
     }
 
-    /// Passes a heard message on to its readers, if that is possible.
+    /// Passes a heard message on to its readers. A failure does not concern the command, which has been heard.
     fn pass_on(&mut self, publish: &Publish<'_>, topic: &str) -> Result<(), Dropped> {
         filter::topic(topic).map_err(Dropped::Unfit)?;
         if publish.properties.bytes().len() > PROPERTIES {

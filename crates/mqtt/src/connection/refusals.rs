@@ -14,7 +14,7 @@ const LINES: u32 = 20;
 /// The time over which `LINES` are counted.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// When the period began, and how many lines were written in it for all clients.
+/// When the period ends, and how many lines were asked for in it for all clients.
 #[derive(Debug, Default)]
 pub(crate) struct Lines(Mutex<(Duration, u32)>);
 

@@ -24,19 +24,20 @@ impl ClientConnection {
         self.broker.beside()
     }
 
-    /// Whether more answers wait for the client than it may leave unread.
+    /// Whether `limits::ANSWER_ROOM` bytes or more wait for the client, so that no more of its packets are to be
+    /// handled.
     #[must_use]
     pub fn is_unread(&self) -> bool {
         self.to_client.len() >= ANSWER_ROOM
     }
 
-    /// Whether the client takes what comes for it.
+    /// Whether the client takes what comes for it: fewer than `limits::CLIENT_ROOM` bytes wait.
     #[must_use]
     pub fn reads(&self) -> bool {
         self.to_client.len() < CLIENT_ROOM
     }
 
-    /// Whether a message may go out that the client has to acknowledge.
+    /// Whether a message may go out that the client has to acknowledge, as `Subscriber::poll_come` needs to know.
     #[must_use]
     pub fn has_window(&self) -> bool {
         self.unacknowledged.has_window()

@@ -35,7 +35,6 @@ pub(super) enum Dropped {
 }
 
 impl Dropped {
-    /// The reason code for a sender of MQTT 5.
     pub(super) const fn reason(self) -> Reason {
         match self {
             Dropped::Forbidden => Reason::NotAuthorized,
@@ -112,7 +111,8 @@ impl Routes {
         self.is_unsettled = true;
     }
 
-    /// Checks which of the readers that were sent something are behind.
+    /// Checks which of the readers that were sent something are behind: once per topic or turn, since it takes their
+    /// locks.
     pub(super) fn settle(&mut self) {
         if !std::mem::take(&mut self.is_unsettled) {
             return;

@@ -13,7 +13,7 @@ use crate::packet::Qos;
 use crate::packet::reason::Reason;
 use crate::subscriber::Delivery;
 
-/// Messages that a client has not acknowledged, the oldest first.
+/// Messages that a client has not acknowledged, the oldest first: they go out again in this order (section 4.6).
 #[derive(Debug, Default)]
 pub(super) struct Unacknowledged {
     /// Sent in an earlier connection, and not yet in this one.
@@ -40,7 +40,7 @@ struct Sent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     Published,
-    /// It is a retained message.
+    /// It was retained. Such messages have a smaller window, `KEPT_UNDER_WAY`.
     Kept,
 }
 
@@ -54,7 +54,7 @@ impl Unacknowledged {
         std::mem::swap(&mut self.sent, &mut self.unsent);
     }
 
-    /// Whether more may go out that has to be acknowledged.
+    /// Whether more may go out that has to be acknowledged; messages of earlier connections come first.
     pub(super) fn has_window(&self) -> bool {
         self.unsent.is_empty() && self.sent.len() < self.window && self.bytes < WINDOW_BYTES
     }
@@ -130,7 +130,7 @@ impl Unacknowledged {
         self.bytes -= sent.delivery.map_or(0, |delivery| delivery.message.cost());
     }
 
-    /// The next id that no other message uses.
+    /// The next id that no other message uses. Ids count from 1, and begin again after 65,535.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id % u16::MAX + 1;

@@ -37,12 +37,12 @@ pub struct LateWill {
 }
 
 impl Session {
-    /// The filters that the client holds.
+    /// The filters that the client holds, shared ones with their `$share/…`.
     pub fn filters(&self) -> impl Iterator<Item = &str> {
         self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
     }
 
-    /// How many messages of QoS 2 it has not released.
+    /// How many messages of QoS 2 wait for the client's PUBREL, `limits::UNRELEASED` at most.
     #[must_use]
     pub fn unreleased(&self) -> usize {
         self.unreleased.len()
@@ -61,7 +61,7 @@ impl Session {
         (is_over, self.will.take_if(|will| will.due <= now))
     }
 
-    /// Ends the session, and publishes a will that waits.
+    /// Ends the session, and publishes a will that waits, even before its delay is over (MQTT 5, section 3.1.3.2.2).
     pub fn end(mut self, now: Duration) {
         self.will.take().into_iter().for_each(|will| will.publish(now));
     }
@@ -73,7 +73,7 @@ impl Session {
 }
 
 impl LateWill {
-    /// Publishes the will.
+    /// Publishes the will, whatever is left of its delay. `now` is on the clock of all connections.
     pub fn publish(self, now: Duration) {
         self.broker.publish_will(&self.will, &self.payer, now);
     }

@@ -97,7 +97,7 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// Logs and ends a connection whose packet has more filters than are accepted.
+    /// Logs a packet with too many filters, before its error ends the connection.
     fn few<'a>(&mut self, filters: Result<Filters<'a>, Malformed>) -> Result<Filters<'a>, Ended> {
         if let Err(wrong @ Malformed::ManyFilters) = filters {
             self.refusals.note(b"", wrong, &self.broker.lines, self.now);

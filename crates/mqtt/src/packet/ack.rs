@@ -4,24 +4,24 @@ use super::properties::{Properties, PropertyContext};
 use super::{PacketFields, Version};
 use crate::frame::{Malformed, PacketKind};
 
-/// An acknowledgement.
+/// A PUBACK, PUBREC, PUBREL or PUBCOMP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ack {
-    /// The id of the packet that it answers.
+    /// The id of the packet that it answers, never 0.
     pub id: u16,
-    /// The reason code; 0 means success.
+    /// The reason code; 0 means success, as always in MQTT 3.1.1.
     pub reason: u8,
 }
 
 impl Ack {
-    /// Whether it refuses the packet that it answers.
+    /// Whether it refuses the packet that it answers: codes from 0x80 on do (MQTT 5, section 2.4).
     #[must_use]
     pub const fn is_refusal(self) -> bool {
         self.reason >= 0x80
     }
 }
 
-/// Reads an acknowledgement.
+/// Reads the body of an acknowledgement. A reason that is left out means success (MQTT 5, section 3.4.2.1).
 ///
 /// # Errors
 /// When the body is malformed: in MQTT 3.1.1, anything but an id.

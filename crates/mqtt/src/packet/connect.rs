@@ -9,13 +9,13 @@ use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PROPERTIES;
 
-/// Session expiry of a session that never ends.
+/// Session expiry, in seconds, of a session that never ends (MQTT 5, section 3.1.2.11.2).
 pub const FOR_EVER_S: u32 = u32::MAX;
 
-/// A CONNECT.
+/// What a CONNECT says, in the terms of MQTT 5; one of MQTT 3.1.1 gets what its flags amount to there.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Connect {
-    /// The client id, which may be empty.
+    /// The client id, which may be empty (section 3.1.3.1).
     pub client_id: String,
     /// Whether it begins a new session, even if there is an old one.
     pub clean_start: bool,
@@ -25,60 +25,62 @@ pub struct Connect {
     pub keep_alive_s: u16,
     /// The message to publish when it goes without a DISCONNECT.
     pub will: Option<Will>,
-    /// Which packets it wants to receive.
+    /// Bounds on the packets that it may be sent; in MQTT 3.1.1 there are none.
     pub reception: Reception,
-    /// What it shows of its identity.
+    /// Name and password, which nobody has checked, and the version.
     pub credentials: Credentials,
 }
 
-/// Which packets a client wants to receive.
+/// Bounds that a client sets on the packets that it is sent (MQTT 5, section 3.1.2.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reception {
-    /// Most messages that it leaves unacknowledged at a time.
+    /// Most messages of QoS 1 and 2 that it leaves unacknowledged at a time; never 0.
     pub receive_maximum: u16,
     /// Longest packet that it accepts, in bytes.
     pub largest: u32,
-    /// Most topic aliases that it accepts.
+    /// Most topic aliases that may be set for it; 0: none.
     pub aliases: u16,
-    /// Whether it wants reasons in words.
+    /// Whether it wants reasons in words: Request Problem Information (MQTT 5, section 3.1.2.11.7).
     pub wants_words: bool,
 }
 
-/// A last will.
+/// The message that a client leaves for its end. Its form was checked, and `Broker::may_leave_will` decides about its
+/// topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Will {
-    /// Its topic, without wildcards.
+    /// Neither empty nor with wildcards; its length and its levels are not checked here.
     pub topic: String,
-    /// Its payload.
+    /// At most 65,535 bytes, since its length stands in two bytes.
     pub payload: Bytes,
-    /// The QoS at which it is published.
+    /// The QoS at which it is published, which no subscriber's copy exceeds.
     pub qos: Qos,
-    /// Whether it is retained.
+    /// Whether it is retained when it is published, if there is room then.
     pub retain: bool,
     /// How long the client may take to come back, in seconds, before the will is published.
     pub delay_s: u32,
     /// How long after its publication the will expires, in seconds.
     pub expiry_s: Option<u32>,
-    /// Its properties, in the encoding of MQTT 5.
+    /// Those of its properties that go on to subscribers, in the encoding of MQTT 5.
     pub properties: Bytes,
 }
 
-/// Why a CONNECT cannot be accepted.
+/// Why a CONNECT cannot be accepted. Send [`NoConnect::answer`] before closing the connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoConnect {
-    /// It speaks this other version of the protocol.
+    /// The protocol level of a version that is not supported, such as 3 for MQTT 3.1.
     #[error("it speaks level {0} of the protocol, and only 4 and 5, which are MQTT 3.1.1 and 5, are spoken here")]
     Level(u8),
-    /// It is malformed.
+    /// By which version it was read, since only a client of MQTT 5 is told, and what is wrong.
     #[error("{1}")]
     Malformed(Version, Malformed),
-    /// It asks for enhanced authentication, which is not supported.
+    /// It asks for enhanced authentication, which is not supported (MQTT 5, section 4.12).
     #[error("it wants to show in several steps who it is, and only a name and a password are taken")]
     Authentication,
 }
 
 impl NoConnect {
-    /// The bytes to send before the connection is closed, in the client's version.
+    /// The bytes to send before the connection is closed; empty for a malformed CONNECT of MQTT 3.1.1, which has no
+    /// code for it.
     #[must_use]
     pub fn answer(self) -> Vec<u8> {
         let five = |reason: Reason| Connack { words: Some(&self.to_string()), ..Connack::of(reason) }.written(u32::MAX);
@@ -99,7 +101,7 @@ impl Default for Reception {
 }
 
 impl Connect {
-    /// The version that the client speaks.
+    /// The version by which all later packets of the client are read.
     #[must_use]
     pub const fn version(&self) -> Version {
         self.credentials.version
@@ -113,10 +115,10 @@ impl std::fmt::Debug for Connect {
     }
 }
 
-/// Reads the body of a CONNECT.
+/// Reads the body of a CONNECT. What it says is copied, since it outlives the packet.
 ///
 /// # Errors
-/// When it speaks another version, or is malformed.
+/// When it speaks another version, asks for enhanced authentication, or is malformed.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     let mut fields = PacketFields::new(body);
     let version = version(&mut fields)?;
@@ -168,9 +170,9 @@ fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Con
 /// The credentials in a CONNECT, as far as they can be read even when it is malformed or of another version.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Credentials {
-    /// The user name.
+    /// The user name; `None`: it has none, or it could not be read.
     pub name: Option<String>,
-    /// The password.
+    /// The password, which need not be text.
     pub password: Option<Bytes>,
     /// The version that it speaks; 3.1.1, if it is neither that nor 5.
     pub version: Version,
@@ -238,7 +240,7 @@ fn version(fields: &mut PacketFields<'_>) -> Result<Version, NoConnect> {
     }
 }
 
-/// Checks that the flags do not contradict each other.
+/// Refuses flags that contradict each other, by sections 3.1.2.3 to 3.1.2.9.
 fn flags(flags: u8, version: Version) -> Result<u8, Malformed> {
     let will_without_a_will = flags & 4 == 0 && flags & 0x38 != 0;
     let password_without_a_name = version == Version::Three && flags & 0x80 == 0 && flags & 0x40 != 0;

@@ -4,7 +4,7 @@ use super::properties::{Properties, Property, PropertyContext};
 use super::{PacketFields, Version};
 use crate::frame::Malformed;
 
-/// A client's DISCONNECT.
+/// A client's DISCONNECT. One of MQTT 3.1.1 has no fields, and is a normal end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disconnect {
     /// The reason code; 0: a normal end, which discards the will.
@@ -13,7 +13,7 @@ pub struct Disconnect {
     pub session_expiry_s: Option<u32>,
 }
 
-/// Reads a DISCONNECT.
+/// Reads the body of a DISCONNECT; an empty one is a normal end (MQTT 5, section 3.14.2.1).
 ///
 /// # Errors
 /// When it is malformed: in MQTT 3.1.1, when it has a body.

@@ -6,10 +6,11 @@ use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
-/// The filters of a SUBSCRIBE, each with its options, or those of an UNSUBSCRIBE.
+/// The filters of a SUBSCRIBE, each with its options, or those of an UNSUBSCRIBE. All were read once, so none fails
+/// later.
 #[derive(Clone, Copy, Debug)]
 pub struct Filters<'a> {
-    /// The packet's id.
+    /// The packet's id, which its answer repeats; never 0.
     pub id: u16,
     /// The subscription id, which messages of these subscriptions carry (MQTT 5).
     pub subscription_id: Option<u32>,
@@ -23,22 +24,23 @@ pub struct Filters<'a> {
 pub struct Options {
     /// The highest QoS at which messages are sent.
     pub qos: Qos,
-    /// Whether the subscriber's own messages are left out.
+    /// No Local: messages that the subscriber published itself are left out.
     pub no_local: bool,
-    /// Whether messages carry the RETAIN flag with which they were published.
+    /// Retain As Published: messages keep the RETAIN flag with which they were published; otherwise only retained ones
+    /// have it.
     pub as_published: bool,
-    /// When retained messages are sent.
+    /// Which SUBSCRIBE is answered with the retained messages.
     pub kept: RetainHandling,
 }
 
-/// When a SUBSCRIBE is answered with the retained messages.
+/// When a SUBSCRIBE is answered with the retained messages (MQTT 5, section 3.8.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetainHandling {
-    /// Each time.
+    /// Each time, even for a filter that the client holds; the only way of MQTT 3.1.1.
     Always,
-    /// When the subscription is new.
+    /// Only when the client did not hold the filter before.
     New,
-    /// Never.
+    /// Never, so the client gets only what is published from now on.
     Never,
 }
 
@@ -65,18 +67,18 @@ impl Options {
 }
 
 impl<'a> Filters<'a> {
-    /// Reads a SUBSCRIBE.
+    /// Reads the body of a SUBSCRIBE, which names `limits::PACKET_FILTERS` filters at most.
     ///
     /// # Errors
-    /// When it is malformed.
+    /// When any part of it is malformed; then none of its filters counts.
     pub fn of_subscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, PropertyContext::Subscribe)
     }
 
-    /// Reads an UNSUBSCRIBE.
+    /// Reads the body of an UNSUBSCRIBE, whose filters have no options.
     ///
     /// # Errors
-    /// When it is malformed.
+    /// When any part of it is malformed; then none of its filters counts.
     pub fn of_unsubscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, PropertyContext::Unsubscribe)
     }

@@ -12,13 +12,13 @@ pub mod write;
 
 use super::frame::{Malformed, length};
 
-/// The version of the protocol that a client speaks.
+/// The version of the protocol that a client speaks; its CONNECT settles it for the connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
-    /// MQTT 3.1.1.
+    /// MQTT 3.1.1, which is level 4 in a CONNECT.
     #[default]
     Three,
-    /// MQTT 5.
+    /// MQTT 5, which is level 5 in a CONNECT.
     Five,
 }
 
@@ -26,16 +26,16 @@ pub enum Version {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Qos {
-    /// At most once.
+    /// At most once: nobody acknowledges it (section 4.3.1).
     Zero,
-    /// At least once.
+    /// At least once, until a PUBACK comes (section 4.3.2).
     One,
-    /// Exactly once.
+    /// Exactly once, by PUBREC, PUBREL and PUBCOMP (section 4.3.3).
     Two,
 }
 
 impl Qos {
-    /// The QoS with this number.
+    /// The QoS that two bits of a packet stand for.
     ///
     /// # Errors
     /// `Malformed::Qos` for all but 0, 1 and 2.
@@ -109,7 +109,7 @@ impl<'a> PacketFields<'a> {
     }
 }
 
-/// Text by section 1.5.3: UTF-8 without U+0000.
+/// UTF-8 without U+0000 (MQTT 3.1.1, section 1.5.3, and MQTT 5, section 1.5.4).
 pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
     std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
 }

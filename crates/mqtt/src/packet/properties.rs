@@ -6,7 +6,7 @@ use bytes::{BufMut, BytesMut};
 use super::PacketFields;
 use crate::frame::{Malformed, length};
 
-/// One property with its value.
+/// One property with its value, in the type of MQTT 5, table 2-4. Texts and bytes are borrowed from the packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the standard, table 2-4")]
 pub enum Property<'a> {
@@ -32,7 +32,7 @@ pub enum Property<'a> {
     MaximumPacket(u32),
 }
 
-/// A place for properties: a packet of a client, or the will in one.
+/// A packet of a client, or the will in one: each may have other properties (MQTT 5, table 2-4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
 pub enum PropertyContext {
@@ -50,7 +50,7 @@ pub enum PropertyContext {
 pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
-    /// Reads and checks the properties at the head of `fields`.
+    /// Takes the properties off the head of `fields`. Each must be known, may stand in this place, and occurs once.
     pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
@@ -80,7 +80,7 @@ impl<'a> Properties<'a> {
     }
 }
 
-/// The bytes of the properties at the head of `fields`.
+/// Takes the properties off the head of `fields`, by the length that stands before them.
 fn split<'a>(fields: &mut PacketFields<'a>) -> Result<&'a [u8], Malformed> {
     let wrong = Malformed::Short("properties");
     let (size, own) = length(fields.rest())?.ok_or(wrong)?;
@@ -184,7 +184,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    /// Whether a client may send this property in this place.
+    /// Whether a client may send this property in this place (MQTT 5, table 2-4).
     const fn stands_in(self, place: PropertyContext) -> bool {
         match self {
             Property::User(..) => true,
@@ -209,7 +209,7 @@ impl<'a> Property<'a> {
         }
     }
 
-    /// Checks the value against the range of its property.
+    /// Refuses values that are protocol errors, such as a maximum of 0 or a response topic with wildcards.
     fn check(self) -> Result<(), Malformed> {
         let is_good = match self {
             Property::PayloadFormat(flag) | Property::RequestProblem(flag) | Property::RequestResponse(flag) => flag <= 1,
@@ -233,7 +233,7 @@ impl<'a> Property<'a> {
         if is_good { Ok(()) } else { Err(Malformed::PropertyValue(self.id())) }
     }
 
-    /// Whether it is forwarded unchanged to the readers of a message.
+    /// Whether it is forwarded unchanged to the readers of a message (MQTT 5, section 3.3.2.3).
     pub(crate) const fn goes_on(self) -> bool {
         matches!(
             self,
@@ -246,14 +246,14 @@ impl<'a> Property<'a> {
     }
 }
 
-/// The encoding of the properties that are forwarded with a message.
+/// The encoding of the properties that are forwarded unchanged. Expiry and alias are written anew for each reader.
 pub(crate) fn that_go_on<'a>(properties: impl IntoIterator<Item = Property<'a>>) -> BytesMut {
     let mut out = BytesMut::new();
     properties.into_iter().filter(|property| property.goes_on()).for_each(|property| property.write(&mut out));
     out
 }
 
-/// Number of bytes that encode this number as a variable byte integer.
+/// Number of bytes that encode this number as a variable byte integer (MQTT 5, section 1.5.5).
 pub(crate) const fn variable_length(number: usize) -> usize {
     match number {
         0..=0x7F => 1,

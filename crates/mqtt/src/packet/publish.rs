@@ -4,29 +4,29 @@ use super::properties::{Properties, PropertyContext};
 use super::{PacketFields, Qos, Version};
 use crate::frame::{Frame, Malformed};
 
-/// A PUBLISH.
+/// A PUBLISH, whose parts are borrowed from the packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Publish<'a> {
     /// The bytes of its topic; empty in MQTT 5 when a topic alias stands for it.
     pub topic: &'a [u8],
-    /// The payload.
+    /// Everything behind the properties; it may be empty.
     pub payload: &'a [u8],
-    /// The QoS at which it is sent.
+    /// The QoS at which its sender sends it; readers may get it at a lower one.
     pub qos: Qos,
     /// Its id; 0 at QoS 0.
     pub id: u16,
     /// The DUP flag: it may have been sent before.
     pub is_duplicate: bool,
-    /// Whether it is to be retained.
+    /// The RETAIN flag: it replaces what its topic retains, or removes it if the payload is empty (section 3.3.1.3).
     pub retain: bool,
     /// Its properties; empty in MQTT 3.1.1.
     pub properties: Properties<'a>,
 }
 
-/// Reads a PUBLISH; `packet` is the whole of it.
+/// Reads a PUBLISH; `packet` is the whole of it, and `frame` its own.
 ///
 /// # Errors
-/// When it is malformed.
+/// When it is malformed; its topic and its alias are not looked at here.
 pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Publish<'a>, Malformed> {
     let qos = Qos::of(frame.flags >> 1 & 3)?;
     let is_duplicate = frame.flags & 8 != 0;

@@ -8,34 +8,34 @@ use super::reason::Reason;
 use crate::frame::PacketKind;
 use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 
-/// A whole PINGRESP.
+/// A whole PINGRESP, which is the same in both versions (section 3.13).
 pub const PINGRESP: [u8; 2] = [PacketKind::Pingresp.first_byte(), 0];
 
 const DUPLICATE: u8 = 8;
 
-/// The code of a SUBACK for a filter that is refused.
+/// The code in a SUBACK of MQTT 3.1.1 for a filter that is refused (section 3.9.3).
 pub const REFUSED: u8 = 0x80;
 
-/// The return code of a CONNACK (section 3.2.2.3).
+/// The return code of a CONNACK of MQTT 3.1.1, from 0 to 5 (section 3.2.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Welcome {
-    /// The client may go on.
+    /// The client is connected; every other code ends the connection.
     Accepted = 0,
-    /// This version is not supported.
+    /// The client speaks neither MQTT 3.1.1 nor 5.
     Version,
-    /// The client id is not accepted.
+    /// The client id is not accepted, as it is too long.
     ClientId,
-    /// The broker is not available, or full.
+    /// There is no room for another client.
     Unavailable,
-    /// User name or password are wrong.
+    /// The user name or the password is wrong; it is not said which.
     Login,
     /// The client may not do this, such as leave its will.
     NotAllowed,
 }
 
 impl Welcome {
-    /// The return code in words.
+    /// The return code in words, for the reason string that a client of MQTT 5 gets.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl Welcome {
         }
     }
 
-    /// The reason code for a client of MQTT 5.
+    /// The reason code that a client of MQTT 5 gets in its place.
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -65,22 +65,22 @@ impl Welcome {
 /// A CONNACK of MQTT 5 (section 3.2.2).
 #[derive(Clone, Copy, Debug)]
 pub struct Connack<'a> {
-    /// Whether the client is accepted, and if not, why.
+    /// `Reason::Success`, or why the connection is closed after this packet.
     pub reason: Reason,
-    /// Whether the broker has a session of the client.
+    /// Whether the broker has a session of the client; never with a refusal (section 3.2.2.1.1).
     pub session_present: bool,
     /// How long the session is stored, in seconds, where that differs from the client's wish.
     pub session_expiry_s: Option<u32>,
-    /// The client id that was assigned to a client without one.
+    /// The client id that the broker has chosen for a client that sent an empty one (section 3.1.3.1).
     pub assigned_id: Option<&'a str>,
     /// The keep alive in seconds, where that differs from the client's wish.
     pub keep_alive_s: Option<u16>,
-    /// The reason in words.
+    /// The reason in words, left out if the packet would be longer than the client accepts.
     pub words: Option<&'a str>,
 }
 
 impl Connack<'_> {
-    /// A CONNACK with this reason and nothing else.
+    /// A CONNACK with this reason; other fields may be set in it.
     #[must_use]
     pub const fn of(reason: Reason) -> Connack<'static> {
         Connack { reason, session_present: false, session_expiry_s: None, assigned_id: None, keep_alive_s: None, words: None }
@@ -112,13 +112,13 @@ impl Connack<'_> {
     }
 }
 
-/// Writes a CONNACK of MQTT 3.1.1.
+/// A whole CONNACK of MQTT 3.1.1, which has no properties.
 #[must_use]
 pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [PacketKind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
-/// Writes a CONNECT with this client id, name and password, and without a will.
+/// Writes a CONNECT of MQTT 3.1.1 without a will. Panics if a text is longer than 65,535 bytes.
 pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, name: &str, password: &str) {
     head(out, PacketKind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
@@ -140,7 +140,7 @@ pub(crate) struct PublishHead<'a> {
     /// 0 at QoS 0.
     pub(crate) id: u16,
     pub(crate) retain: bool,
-    /// The DUP flag.
+    /// The DUP flag, which is not written at QoS 0.
     pub(crate) is_duplicate: bool,
     /// `None` for MQTT 3.1.1.
     pub(crate) properties: Option<PublishProperties<'a>>,
@@ -150,9 +150,9 @@ pub(crate) struct PublishHead<'a> {
 pub(crate) struct PublishProperties<'a> {
     pub(crate) expiry_s: Option<u32>,
     pub(crate) alias: Option<u16>,
-    /// The ids of the subscriptions that match.
+    /// The ids of the subscriptions that match (MQTT 5, section 3.3.2.3.8).
     pub(crate) ids: &'a [u32],
-    /// Its publisher's properties, encoded.
+    /// Its publisher's properties, in the encoding of MQTT 5.
     pub(crate) others: &'a [u8],
 }
 
@@ -211,7 +211,7 @@ pub fn ack(out: &mut BytesMut, kind: PacketKind, id: u16) {
     out.put_slice(&[kind.first_byte(), 2, high, low]);
 }
 
-/// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5 with its reason.
+/// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5. The caller knows that the client wants `words`.
 pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, kind.first_byte(), 3 + properties.len());
@@ -220,12 +220,12 @@ pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, w
     out.put_slice(&properties);
 }
 
-/// Writes a SUBACK with a code for each filter.
+/// Writes a SUBACK of MQTT 3.1.1: for each filter, in their order, the granted QoS or [`REFUSED`].
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
     codes_of(out, PacketKind::Suback, id, &[], codes);
 }
 
-/// Writes a SUBACK or an UNSUBACK of MQTT 5 with a code for each filter.
+/// Writes a SUBACK or an UNSUBACK of MQTT 5, with a reason code for each filter, in their order.
 pub fn codes_five(out: &mut BytesMut, kind: PacketKind, id: u16, codes: &[u8], words: Option<&str>) {
     codes_of(out, kind, id, &reason_string(words), codes);
 }
@@ -237,7 +237,7 @@ fn codes_of(out: &mut BytesMut, kind: PacketKind, id: u16, properties: &[u8], co
     out.put_slice(codes);
 }
 
-/// Writes a DISCONNECT of MQTT 5.
+/// Writes a DISCONNECT of MQTT 5; a server of MQTT 3.1.1 sends none.
 pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, PacketKind::Disconnect.first_byte(), 1 + properties.len());
@@ -245,7 +245,7 @@ pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     out.put_slice(&properties);
 }
 
-/// Writes a SUBSCRIBE to these filters, of which there is at least one.
+/// Writes a SUBSCRIBE of MQTT 3.1.1 to these filters, of which there has to be one at least.
 pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     head(out, PacketKind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
     out.put_u16(id);
@@ -255,7 +255,7 @@ pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     }
 }
 
-/// Writes an UNSUBSCRIBE from these filters, of which there is at least one.
+/// Writes an UNSUBSCRIBE of MQTT 3.1.1 from these filters, of which there has to be one at least.
 pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     head(out, PacketKind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
     out.put_u16(id);
