@@ -19,7 +19,7 @@ impl Slot {
     }
 }
 
-/// One entry.
+/// A named place for one value, which ports and scripts read and write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlackboardEntry {
     name: Arc<str>,
@@ -37,13 +37,13 @@ impl BlackboardEntry {
         &self.name
     }
 
-    /// The type of its values.
+    /// The type of its values; `Any` until a port gives it another.
     #[must_use]
     pub const fn value_type(&self) -> ValueType {
         self.ty
     }
 
-    /// The value that was written last, if any.
+    /// The value that was written last; `None`: none was, or it was removed.
     #[must_use]
     pub const fn value(&self) -> Option<&Value> {
         self.value.as_ref()
@@ -56,38 +56,38 @@ impl BlackboardEntry {
     }
 }
 
-/// Why a value cannot be put on the blackboard.
+/// Why a value cannot be put on the blackboard, or an entry not be made there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// The entry has another type.
+    /// The entry has another type, to which the value cannot be converted without a loss.
     #[error("the entry {{{name}}} is of type {} and cannot hold \"{value}\"", ty.word())]
     Type {
-        /// The entry.
+        /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
-        /// The entry's type.
+        /// The type that a port gave the entry.
         ty: ValueType,
-        /// The value to be written.
+        /// The value to be written, as it stands in a file.
         value: String,
     },
-    /// Two ports give the entry two different types.
+    /// Two ports give the entry two different types; only `Any` goes with another.
     #[error("the entry {{{name}}} is of type {} elsewhere, and of type {} here", before.word(), now.word())]
     TwoTypes {
-        /// The entry.
+        /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
-        /// The type by the first port.
+        /// The type by the port that was bound first.
         before: ValueType,
-        /// The type by the second port.
+        /// The type by the port that is refused.
         now: ValueType,
     },
     /// The text is longer than [`LONGEST_TEXT`].
     #[error("the text for the entry {{{name}}} is {length} bytes long, and {LONGEST_TEXT} is the most")]
     TooLong {
-        /// The entry.
+        /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
         /// Its length in bytes.
         length: usize,
     },
-    /// The blackboard has [`MOST_ENTRIES`] already.
+    /// The blackboard has [`MOST_ENTRIES`] already, or the slot is not one of its own.
     #[error("there are more than {MOST_ENTRIES} entries on the blackboard")]
     TooMany,
 }
@@ -101,7 +101,7 @@ pub struct Blackboard {
 }
 
 impl Blackboard {
-    /// An empty blackboard.
+    /// A blackboard without entries: building a tree on it makes those that the tree names.
     #[must_use]
     pub fn new() -> Blackboard {
         Blackboard::default()
@@ -112,19 +112,19 @@ impl Blackboard {
         self.entries.iter()
     }
 
-    /// Number of writes so far.
+    /// Number of writes so far; to remove a value counts as one.
     #[must_use]
     pub const fn writes(&self) -> u64 {
         self.writes
     }
 
-    /// The slot of the entry of this name.
+    /// The slot of the entry of this name. Look it up once: it stays the same.
     #[must_use]
     pub fn slot(&self, name: &str) -> Option<Slot> {
         self.by_name.get(name).copied()
     }
 
-    /// The value of the entry of this name.
+    /// The value of the entry of this name; `None`: it has none, or there is no such entry.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.value(self.slot(name)?)
@@ -184,18 +184,18 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// The value of the entry in this slot.
+    /// The value of the entry in this slot, which has to be one of this blackboard; `None`: it has none.
     #[must_use]
     pub fn value(&self, slot: Slot) -> Option<&Value> {
         self.entries.get(slot.index())?.value.as_ref()
     }
 
-    /// Whether a port names the entry in this slot, or something was written there.
+    /// Whether a script may write this entry with `=`: a port names it, or something was written there.
     pub(crate) fn is_there(&self, slot: Slot) -> bool {
         self.entries.get(slot.index()).is_some_and(|entry| entry.is_there)
     }
 
-    /// The entry in this slot.
+    /// The entry in this slot, which has to be one of this blackboard.
     #[must_use]
     pub fn entry(&self, slot: Slot) -> Option<&BlackboardEntry> {
         self.entries.get(slot.index())
@@ -247,7 +247,7 @@ impl Blackboard {
         }
     }
 
-    /// Removes the value of an entry; the entry stays.
+    /// Removes the value of an entry, which counts as a write; the entry and its type stay.
     pub fn unset(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index()) {
             self.writes += 1;

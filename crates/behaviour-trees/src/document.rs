@@ -24,18 +24,18 @@ impl fmt::Display for SourcePosition {
     }
 }
 
-/// All trees of a file, and its models of leaves.
+/// All trees of a file and its models of leaves, as they are written: no name has been looked up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
     /// The tree that runs unless another is named: `main_tree_to_execute`.
     pub main: Option<String>,
     /// Further attributes that the graphical editor wrote at the top, such as `project_name`.
     pub notes: Vec<Attribute>,
-    /// The trees, in their order.
+    /// The trees in the order of the file, in which they are written again.
     pub trees: Vec<TreeDefinition>,
     /// The models of leaves and subtrees in `<TreeNodesModel>`.
     pub models: Vec<Model>,
-    /// Other elements between the models.
+    /// Other elements among the models, which are written again behind them.
     pub kept: Vec<Kept>,
     /// The `<include>` elements for other files. A document with any is written again, but neither checked nor run.
     pub includes: Vec<Kept>,
@@ -44,28 +44,28 @@ pub struct Document {
 /// An element without meaning here, which is written again as it was read, such as `<MetadataFields>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
-    /// Its name.
+    /// The name of its tag, which has no prefix.
     pub name: String,
-    /// Its attributes.
+    /// Its attributes in the order of the file.
     pub attributes: Vec<Attribute>,
-    /// The text in it, between its children.
+    /// The text between its children, joined, and without blanks at both ends.
     pub text: String,
-    /// The elements in it.
+    /// The elements in it, at most `tree::DEEPEST` levels of them.
     pub children: Vec<Kept>,
-    /// Its place in the file.
+    /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
-/// One `<BehaviorTree>`.
+/// One `<BehaviorTree>`: the main tree, a subtree of others, or one that nothing uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeDefinition {
-    /// Its `ID`.
+    /// Its `ID`, by which a `<SubTree>` uses it; where the file has none, `BehaviorTree_0` and so on.
     pub id: String,
     /// Further attributes that the editor wrote, such as `_description`.
     pub notes: Vec<Attribute>,
-    /// Its only child.
+    /// Its only child. A tree with another number of them is a fault, and gets a stand-in.
     pub root: Element,
-    /// Its place in the file.
+    /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
@@ -73,7 +73,7 @@ named! {
     /// How an element names its kind: by its own name, or by the `ID` of one of these elements.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Form {
-        /// `<Sequence>`, `<NearObj>`.
+        /// The element's own name is the kind: `<Sequence>`, `<NearObj>`.
         #[default]
         Compact = "",
         /// `<Action ID="NearObj">`.
@@ -89,93 +89,93 @@ named! {
     }
 }
 
-/// A node of a tree, as it is written.
+/// A node of a tree: an element of the file, whose attributes nobody has interpreted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Element {
     /// The kind of the node, or the tree of a `<SubTree>`.
     pub id: String,
-    /// How it is written.
+    /// By which element it is written, so that it is written again by the same.
     pub form: Form,
-    /// Its `name`, if it has one.
+    /// Its `name`; `None`: it goes by the name of its kind.
     pub name: Option<String>,
     /// All other attributes: ports, conditions, notes of the editor.
     pub attributes: Vec<Attribute>,
-    /// Its children, in their order.
+    /// Its children in the order of the file, which their parent follows.
     pub children: Vec<Element>,
-    /// Its place in the file.
+    /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
-/// An attribute, as it is written.
+/// An attribute of an element; two of the same name and value are equal, wherever they stand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attribute {
-    /// Its name.
+    /// Its name, with the prefix of a namespace.
     pub name: String,
     /// Its value, with entities resolved.
     pub value: String,
-    /// Its place in the file.
+    /// Where its name begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
-/// A declaration of a leaf, a control node, a decorator or a subtree.
+/// A declaration of a leaf, a control node, a decorator or a subtree in `<TreeNodesModel>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Which of them it is; never `Compact`.
     pub form: Form,
-    /// Its name.
+    /// The name by which elements use it.
     pub id: String,
     /// Further attributes that the editor wrote, such as `editable`.
     pub notes: Vec<Attribute>,
-    /// Its ports.
+    /// Its ports, by whose order a leaf counts them.
     pub ports: Vec<ModelPort>,
     /// Other elements in it, such as `<MetadataFields>`.
     pub kept: Vec<Kept>,
-    /// Its place in the file.
+    /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
-/// A port in a model.
+/// A port that a model declares. `Port::of_model` reads its type and its default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelPort {
     /// `input_port`, `output_port` or `inout_port`.
     pub direction: super::leaf::Direction,
-    /// Its name.
+    /// The attribute by which an element sets it.
     pub name: String,
     /// `type`, `default` and further attributes.
     pub notes: Vec<Attribute>,
     /// Its text, which describes it.
     pub text: String,
-    /// Its place in the file.
+    /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
 impl Element {
-    /// A node of this kind.
+    /// A node of this kind, written `<id>`, without attributes.
     #[must_use]
     pub fn new(id: &str, children: Vec<Element>) -> Element {
         Element { id: id.to_owned(), children, ..Element::default() }
     }
 
-    /// A use of the tree of this ID.
+    /// A `<SubTree>` that uses the tree of this ID, without ports.
     #[must_use]
     pub fn subtree(id: &str) -> Element {
         Element { form: Form::SubTree, ..Element::new(id, Vec::new()) }
     }
 
-    /// Sets its `name`.
+    /// Sets its `name`, which is a part of its path and may stand for it in `Mocks`.
     #[must_use]
     pub fn named(self, name: &str) -> Element {
         Element { name: Some(name.to_owned()), ..self }
     }
 
-    /// Adds an attribute.
+    /// Adds an attribute at the end, even if there is one of that name.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Element {
         self.attributes.push(Attribute::new(name, value));
         self
     }
 
-    /// The attribute of this name.
+    /// The first attribute of this name. `ID` and `name` are no attributes here but fields.
     #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
@@ -183,7 +183,7 @@ impl Element {
 }
 
 impl Attribute {
-    /// An attribute that comes from no file.
+    /// An attribute that comes from no file, so that its line is 0.
     #[must_use]
     pub fn new(name: &str, value: &str) -> Attribute {
         Attribute { name: name.to_owned(), value: value.to_owned(), place: SourcePosition::default() }
@@ -191,7 +191,7 @@ impl Attribute {
 }
 
 impl Model {
-    /// The value of the note of this name.
+    /// The value of the first note of this name, such as `default` among those of a port.
     #[must_use]
     pub fn note<'a>(notes: &'a [Attribute], name: &str) -> Option<&'a str> {
         notes.iter().find(|note| note.name == name).map(|note| note.value.as_str())
@@ -205,14 +205,14 @@ impl Document {
         Document { main: Some(id.to_owned()), ..Document::default() }.with_tree(id, root)
     }
 
-    /// Adds a tree.
+    /// Adds a tree at the end. That its ID is new is checked when a tree is built.
     #[must_use]
     pub fn with_tree(mut self, id: &str, root: Element) -> Document {
         self.trees.push(TreeDefinition { id: id.to_owned(), notes: Vec::new(), root, place: SourcePosition::default() });
         self
     }
 
-    /// The tree of this ID.
+    /// The first tree of this ID, exactly as it is written.
     #[must_use]
     pub fn tree(&self, id: &str) -> Option<&TreeDefinition> {
         self.trees.iter().find(|tree| tree.id == id)

@@ -9,12 +9,12 @@ use super::script::ScriptError;
 use super::tree::{DEEPEST, MOST_NODES, MOST_TEXT};
 use super::value::ValueType;
 
-/// A fault of a file, with its place.
+/// A fault of a file, or a note about it, with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeError {
-    /// Its place in the file.
+    /// The place to show in an editor; line 1, column 1 if the file as a whole is meant.
     pub place: SourcePosition,
-    /// What is wrong.
+    /// What is wrong, in one sentence that does not name the place.
     pub reason: Reason,
 }
 
@@ -33,94 +33,94 @@ impl fmt::Display for TreeError {
 
 impl std::error::Error for TreeError {}
 
-/// Why a file is refused, or what is noted about it.
+/// Why a file is refused, or what is noted about it, with a sentence for its author.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
-    /// The file is too long.
+    /// The file is longer than `xml::LONGEST_FILE`.
     #[error("the file is {length} bytes long, and {most} is the most")]
     TooLong {
         /// Its length in bytes.
         length: usize,
-        /// The limit in bytes.
+        /// The longest file that is read, in bytes.
         most: usize,
     },
-    /// The file is not XML.
+    /// What the XML parser said, without its place.
     #[error("this is no XML: {0}")]
     NotXml(String),
-    /// The file is XML with another root.
+    /// The name of the root of a file that is XML, but not one of trees.
     #[error("the file begins with <{0}>, and <root BTCPP_format=\"4\"> should be there")]
     NotTrees(String),
-    /// The file has no version.
+    /// The file has no version. Those of format 3 have none, so 4 is not assumed.
     #[error(
         "<root> has no BTCPP_format, as in files of format 3, and only format 4 is read here: write BTCPP_format=\"4\" if it is of \
          format 4, else convert it (convert_v3_to_v4.py of BehaviorTree.CPP does)"
     )]
     NoFormat,
-    /// The file has another version.
+    /// The value of `BTCPP_format`, where it is not 4.
     #[error("<root> says BTCPP_format=\"{0}\", and only version \"4\" is read here")]
     Format(String),
-    /// An element in a place where it is not allowed.
+    /// The name of an element that is not allowed in its place, or is of another namespace.
     #[error("<{0}> does not belong here")]
     Misplaced(String),
-    /// An XML namespace.
+    /// An XML namespace, except a prefix that the root declares, as a file with a schema has it.
     #[error("xmlns is not read here: files of trees have no namespaces")]
     Namespace,
-    /// An `<include>` of another file.
+    /// An `<include>`: this crate opens no files.
     #[error("<include> is not read here: put all trees into one file")]
     Include,
-    /// A second `<TreeNodesModel>`.
+    /// A second `<TreeNodesModel>`; its faults are reported as well.
     #[error("there is a second <TreeNodesModel>, and only one may be")]
     SecondModel,
-    /// A port without a name in a model.
+    /// The element of a port without a name in a model, such as `input_port`.
     #[error("<{0}> has no name")]
     NoName(String),
-    /// Text between elements.
+    /// The first 40 characters of a text between elements.
     #[error("there is text between the elements: {0:?}")]
     Text(String),
-    /// An element without its ID.
+    /// The name of an element whose `ID` is missing or empty.
     #[error("<{0}> has no ID")]
     NoId(String),
-    /// An ID at an element whose own name is the kind.
+    /// The name of an element that is its own kind, such as `<Sequence>`, and has an ID all the same.
     #[error("<{0}> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have")]
     NeedlessId(String),
-    /// An ID that is used twice.
+    /// The ID of two models, or of two trees that differ: BehaviorTree.CPP writes a tree once for each use.
     #[error("the ID {0} is taken already")]
     TwiceId(String),
-    /// A tree with the ID of a kind of node.
+    /// The ID of a tree that is the name of a built-in node or of a leaf in the catalogue.
     #[error("the ID {0} is that of a kind of node")]
     TakenId(String),
-    /// A tree without a root, or with several.
+    /// A tree without a root, or with several; comments do not count.
     #[error("the tree {id} has {count} nodes at its top, and must have one")]
     Roots {
-        /// The tree's ID.
+        /// The tree's ID; `BehaviorTree_0` and so on for a tree without one.
         id: String,
-        /// Number of its roots.
+        /// Number of elements in its `<BehaviorTree>`.
         count: usize,
     },
-    /// A file without trees.
+    /// A file without trees. One with models alone can be read, but not run.
     #[error("there is no <BehaviorTree> in the file")]
     NoTree,
-    /// Several trees, none of which is the main one.
+    /// The IDs of several trees, none of which is the main one.
     #[error("the file has several trees, and no main_tree_to_execute says which one runs: {0}")]
     NoMain(String),
-    /// A tree that does not exist.
+    /// The ID that a `<SubTree>`, the file or the program asks for, and no tree has.
     #[error("there is no tree {} in the file", .0.escape_debug())]
     UnknownTree(String),
-    /// A tree that uses itself.
+    /// A tree that uses itself, directly or by way of others.
     #[error("the tree {0} uses itself")]
     Recursive(String),
-    /// An unknown kind of node.
+    /// The name of an element without children that is no built-in node and not in the catalogue.
     #[error("the node {0} is not known")]
     UnknownNode(String),
-    /// An unknown kind of node, with children.
+    /// The name of an element with children that is no built-in node: it cannot be taken for a leaf.
     #[error("the node {0} is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>")]
     UnknownParent(String),
-    /// A name of format 3.
+    /// A node or an attribute of format 3 that has another name in format 4.
     #[error("{written} is of format 3: in format 4 it is {now}")]
     Format3 {
-        /// The node or attribute.
+        /// The name in the file, such as `SequenceStar`.
         written: String,
-        /// Its name in format 4.
+        /// What to write in format 4, such as `SequenceWithMemory`.
         now: &'static str,
     },
     /// A declared control node or decorator, which nobody here can perform.
@@ -129,7 +129,7 @@ pub enum Reason {
          with it can be checked but not run"
     )]
     NotPerformed {
-        /// The kind of node.
+        /// The name by which its model declares it.
         id: String,
         /// `Control` or `Decorator`.
         form: &'static str,
@@ -137,116 +137,118 @@ pub enum Reason {
     /// A name that is accepted here, but not by the newest version of BehaviorTree.CPP.
     #[error("BehaviorTree.CPP refuses the name {name:?} from version 4.10 on: {why}")]
     RefusedThere {
-        /// The name.
+        /// The name of a tree, a model or a port.
         name: String,
-        /// Why it is refused there.
+        /// Why it is refused there, as the end of a sentence.
         why: &'static str,
     },
     /// An element of the wrong form for its node, such as `<Condition ID="Sequence">`.
     #[error("{id} is written as <{written}>, and it is of another sort")]
     WrongForm {
-        /// The kind of node.
+        /// The kind that its `ID` names, such as `Sequence`.
         id: String,
-        /// The element that it is written as.
+        /// The element in the file, such as `Condition`.
         written: &'static str,
     },
-    /// The wrong number of children.
+    /// More or fewer children than the kind takes; comments do not count.
     #[error("{id} has {count} children, and must have {wanted}")]
     Children {
-        /// The kind of node.
+        /// The kind of the parent, such as `Inverter`.
         id: String,
-        /// Number of its children.
+        /// How many children it has; a subtree counts as one.
         count: usize,
-        /// The allowed number, in words.
+        /// The allowed number in words, such as `2 to 3`.
         wanted: String,
     },
     /// Two asynchronous children, each of which would have the other halted.
     #[error("ReactiveSequence has more than one AsyncSequence as a child")]
     TwoAsync,
-    /// A port that this kind of node does not have.
+    /// An attribute that is no port of this kind. Those that begin with `_` are never ports.
     #[error("{id} has no port {port}")]
     UnknownPort {
-        /// The kind of node.
+        /// The kind of the node, such as `Repeat`.
         id: String,
-        /// The attribute.
+        /// The name of the attribute, such as a misspelt `num_cycle`.
         port: String,
     },
-    /// An attribute that resembles a condition and is none.
+    /// An attribute that resembles a condition and is none: to ignore it would be dangerous.
     #[error("there is no condition or setting {written}: {meant} is meant")]
     Misspelt {
-        /// The attribute.
+        /// The name of the attribute, with its wrong capitals or underscores.
         written: String,
-        /// The condition that it resembles.
+        /// The condition that it resembles, or `_autoremap`.
         meant: &'static str,
     },
-    /// A mandatory port that is not set.
+    /// A port that has no default and is not set, of a node or of the model of a subtree.
     #[error("{id} needs its port {port}")]
     MissingPort {
-        /// The kind of node.
+        /// The kind of the node, or the ID of the subtree.
         id: String,
-        /// The port.
+        /// The attribute to add, such as `num_cycles`.
         port: String,
     },
-    /// A literal of the wrong type.
+    /// A literal, or an element of a queue, that cannot be read as the type that is needed.
     #[error("the port {port} is of type {}, and \"{value}\" is none", ty.word())]
     Literal {
-        /// The port.
+        /// The attribute with the literal, such as `num_cycles`.
         port: String,
-        /// The type of the port.
+        /// The type of the port, or of the elements of its queue.
         ty: ValueType,
-        /// The literal.
+        /// The literal, or the wrong element of the queue.
         value: String,
     },
-    /// A literal at a port that writes to an entry.
+    /// The name of a port that writes an entry, where a literal stands.
     #[error("the port {0} is written by its node, so it must name an entry: {{name}}")]
     LiteralOutput(String),
-    /// An entry where a literal is required.
+    /// The name of a port that is needed when the tree is built, where an entry stands.
     #[error("the port {0} is looked at when the tree is built, so it cannot be an entry")]
     EntryForLiteral(String),
-    /// A word that is not among those allowed.
+    /// A value that the port cannot have, although its type is right, such as a negative time.
     #[error("the port {port} is {value:?}, and must be {wanted}")]
     Word {
-        /// The port.
+        /// The attribute with the value, such as `msec`.
         port: String,
-        /// The word.
+        /// The value as it is written, such as `-1`.
         value: String,
-        /// The allowed words.
+        /// What the port takes, in words.
         wanted: &'static str,
     },
-    /// Two barriers of one name with different parties.
+    /// The name of two barriers on one blackboard with different parties.
     #[error("the barrier {0} has other parties elsewhere")]
     Parties(String),
-    /// An invalid script.
+    /// A script that cannot be parsed, or names too many entries.
     #[error("{attribute} is no script: {error}")]
     Script {
-        /// The attribute that holds it.
+        /// The name of the attribute that holds it, such as `_skipIf`.
         attribute: String,
-        /// What is wrong with it.
+        /// What is wrong with it; the place in it is counted in bytes from 0.
         error: ScriptError,
     },
-    /// An entry whose type or value does not fit.
+    /// An entry that cannot have the type or the value that the file gives it.
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    /// Too many of something in a file.
+    /// More of something than is read, so that no file takes long to check.
     #[error("there are more than {most} {what}")]
     TooMany {
-        /// What there is too much of.
+        /// What there is too much of, in the plural.
         what: &'static str,
-        /// The limit.
+        /// How many of them a file may have.
         most: usize,
     },
-    /// Too many nodes in one tree.
+    /// More than [`MOST_NODES`] nodes in one tree. Each use of a subtree counts: a few that use each other twice would
+    /// fill the memory.
     #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
     TooManyNodes,
-    /// Too many bytes of attributes in one tree.
+    /// More than [`MOST_TEXT`] bytes of attributes in one tree. Each use of a subtree counts, since it is built each
+    /// time.
     #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, those of its subtrees counted")]
     TooMuchText,
-    /// A tree that is too deep.
+    /// Deeper than [`DEEPEST`] levels: a tick descends by recursive calls, which a thread's stack has to hold.
     #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
     TooDeep,
 }
 
-/// The name in format 4 of something in format 3.
+/// What to write in format 4 for a node or an attribute of format 3; `None`: it is not known to have another name.
 pub(crate) fn format_4_name(name: &str) -> Option<&'static str> {
     match name {
         "SubTreePlus" => Some("SubTree, with _autoremap where it has __autoremap"),

@@ -33,7 +33,7 @@ impl Findings {
         }
     }
 
-    /// The fault that was found first, as an error.
+    /// The fault that was found first, which need not be the first in the file.
     pub(crate) fn first(&self) -> Result<(), TreeError> {
         self.faults.first().map_or(Ok(()), |fault| Err(fault.clone()))
     }

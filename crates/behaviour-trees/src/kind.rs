@@ -41,23 +41,23 @@ named! {
         Switch5 = "Switch5",
         /// One of six children by the value of an entry, or the last.
         Switch6 = "Switch6",
-        /// Success for failure, and failure for success.
+        /// Success for failure, and failure for success; RUNNING and SKIPPED stay.
         Inverter = "Inverter",
-        /// Ticks its child again when it fails.
+        /// Ticks its child again when it fails, `num_attempts` times in all; −1: without end.
         RetryUntilSuccessful = "RetryUntilSuccessful",
-        /// Ticks its child again when it succeeds.
+        /// Ticks its child again when it succeeds, `num_cycles` times in all; −1: without end.
         Repeat = "Repeat",
-        /// Halts its child after a time.
+        /// Halts its child, and fails, when it still runs after `msec` milliseconds; 0: never.
         Timeout = "Timeout",
-        /// Ticks its child after a time.
+        /// Ticks its child after `delay_msec` milliseconds, and is RUNNING until then.
         Delay = "Delay",
-        /// Success, whatever its child returns.
+        /// Success for failure; RUNNING and SKIPPED stay.
         ForceSuccess = "ForceSuccess",
-        /// Failure, whatever its child returns.
+        /// Failure for success; RUNNING and SKIPPED stay.
         ForceFailure = "ForceFailure",
-        /// Performs its child a single time.
+        /// Performs its child a single time, and is SKIPPED from then on, or returns its result again.
         RunOnce = "RunOnce",
-        /// Ticks its child until it fails.
+        /// Ticks its child until it fails; a success makes it RUNNING, and the child begins again.
         KeepRunningUntilFailure = "KeepRunningUntilFailure",
         /// Ticks its child for each whole number of a queue.
         LoopInt = "LoopInt",
@@ -73,23 +73,23 @@ named! {
         WaitValueUpdate = "WaitValueUpdate",
         /// Another tree, with a blackboard of its own.
         SubTree = "SubTree",
-        /// SUCCESS.
+        /// SUCCESS in its first tick.
         AlwaysSuccess = "AlwaysSuccess",
-        /// FAILURE.
+        /// FAILURE in its first tick.
         AlwaysFailure = "AlwaysFailure",
-        /// Writes an entry.
+        /// Writes a literal or the value of another entry to an entry; fails if there is no value.
         SetBlackboard = "SetBlackboard",
-        /// Empties an entry.
+        /// Removes the value of an entry of its own tree; it always succeeds.
         UnsetBlackboard = "UnsetBlackboard",
-        /// RUNNING for a time, then SUCCESS.
+        /// RUNNING for `msec` milliseconds, then SUCCESS.
         Sleep = "Sleep",
-        /// Executes a script.
+        /// Executes a script and succeeds; a script that cannot be executed ends the tick with a fault.
         Script = "Script",
-        /// Succeeds if a script is true.
+        /// Succeeds if a script is true, else fails.
         ScriptCondition = "ScriptCondition",
         /// Succeeds if an entry was written since the last tick of this node.
         WasEntryUpdated = "WasEntryUpdated",
-        /// Ticks its child if a script is true.
+        /// Ticks its child if a script is true; otherwise it returns the status in its port `else`.
         Precondition = "Precondition",
         /// RUNNING until all parties of a barrier have arrived.
         Sync = "Sync",
@@ -97,14 +97,14 @@ named! {
 }
 
 named! {
-    /// The class of a node by its number of children.
+    /// The class of a node by its number of children; its word is that of an element in files.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Family {
-        /// Several children.
+        /// One child or more; some kinds need two.
         Control = "Control",
-        /// One child.
+        /// One child, which stands right behind it in the row of nodes.
         Decorator = "Decorator",
-        /// No children.
+        /// No children, be it an action or a condition.
         Leaf = "Action",
     }
 }
@@ -116,7 +116,7 @@ pub(crate) enum PortForm {
     Value(ValueType),
     /// A literal only, since it is needed when the tree is built.
     Literal,
-    /// The name of an entry.
+    /// The name of an entry, with or without braces.
     EntryName,
     /// An entry of this type, in braces.
     Output(ValueType),
@@ -172,13 +172,13 @@ const SWITCH: [BuiltInPort; 7] = [
 ];
 
 impl BuiltIn {
-    /// The kind of this name.
+    /// The kind of this name; capitals count.
     #[must_use]
     pub fn named(word: &str) -> Option<BuiltIn> {
         BuiltIn::ALL.into_iter().find(|kind| kind.word() == word)
     }
 
-    /// Its class.
+    /// Its class; that of a `SubTree` is `Decorator`, and its child is the root of the other tree.
     #[must_use]
     pub const fn family(self) -> Family {
         use BuiltIn as B;

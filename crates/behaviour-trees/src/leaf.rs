@@ -13,39 +13,39 @@ use super::value::{Value, ValueType};
 use crate::value::Cell;
 
 named! {
-    /// Whether a leaf reads a port, writes it, or both.
+    /// Whether a leaf reads a port, writes it, or both, with the element of a model that says so.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Direction {
         /// It reads a literal or an entry.
         In = "input_port",
-        /// It writes an entry.
+        /// It writes an entry; a literal in its place is a fault.
         Out = "output_port",
-        /// It reads and writes an entry.
+        /// It reads a literal or an entry; what it writes to a literal is lost.
         InOut = "inout_port",
     }
 }
 
-/// A port of a leaf.
+/// A port of a leaf: one of its arguments or results, which a file sets by an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
     /// The attribute by which a file sets it.
     pub name: Cow<'static, str>,
-    /// Whether it is read or written.
+    /// Whether it is read or written: to write one that is only read ends the tick with a fault.
     pub direction: Direction,
-    /// The type of its values.
+    /// The type of its values, by which the literals of a file are checked.
     pub ty: ValueType,
     /// The value, as text, when a file does not set it.
     pub default: Option<Cow<'static, str>>,
 }
 
 impl Port {
-    /// A port that is read.
+    /// A port that is read, without a default: a file need not set it.
     #[must_use]
     pub const fn input(name: &'static str, ty: ValueType) -> Port {
         Port { name: Cow::Borrowed(name), direction: Direction::In, ty, default: None }
     }
 
-    /// A port that is written.
+    /// A port that is written; what is written is lost if a file does not set it.
     #[must_use]
     pub const fn output(name: &'static str, ty: ValueType) -> Port {
         Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
@@ -63,14 +63,14 @@ impl Port {
         }
     }
 
-    /// Sets the default.
+    /// Sets the value, as text, that counts when a file does not set the port.
     #[must_use]
     pub fn or(self, default: &'static str) -> Port {
         Port { default: Some(Cow::Borrowed(default)), ..self }
     }
 }
 
-/// A kind of leaf: its name in files, and its ports.
+/// A kind of leaf, of which a tree may have many.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafKind {
     /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
@@ -82,13 +82,13 @@ pub struct LeafKind {
 }
 
 impl LeafKind {
-    /// A leaf that does something.
+    /// A leaf that does something and may take many ticks, written as an `<Action>`.
     #[must_use]
     pub const fn action(name: &'static str, ports: Vec<Port>) -> LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: false, ports }
     }
 
-    /// A leaf that asks something.
+    /// A leaf that only asks, written as a `<Condition>`.
     #[must_use]
     pub const fn condition(name: &'static str, ports: Vec<Port>) -> LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: true, ports }
@@ -110,13 +110,13 @@ impl Catalogue {
         Catalogue { kinds, declared: Vec::new() }
     }
 
-    /// All leaves.
+    /// All leaves, in the order of their indices.
     #[must_use]
     pub fn kinds(&self) -> &[LeafKind] {
         &self.kinds
     }
 
-    /// The index of the leaf of this name.
+    /// The index of the leaf of this name, which [`Leaf::kind`] returns when it is performed.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<usize> {
         self.kinds.iter().position(|kind| kind.name == name)
@@ -136,7 +136,7 @@ impl Catalogue {
         }
     }
 
-    /// The control node, decorator or subtree of this name that a file declares.
+    /// The control node, decorator or subtree of this name that a file declares. It is checked but not performed.
     #[must_use]
     pub fn declared(&self, name: &str) -> Option<&Model> {
         self.declared.iter().find(|model| model.id == name)
@@ -161,7 +161,7 @@ impl Catalogue {
     }
 }
 
-/// Performs the leaves of a tree.
+/// Performs the leaves of a tree, within the tick that reaches them.
 pub trait Leaves {
     /// Performs a leaf, or continues it, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change its
     /// state: one that was running still is, and may be halted. IDLE ends the tick with an error.
@@ -179,7 +179,7 @@ pub(crate) enum Binding {
     Slot(Slot),
 }
 
-/// A leaf while it is performed, with its ports.
+/// A leaf while it is performed, with its ports; made anew for each call.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     pub(crate) kind: usize,
@@ -193,33 +193,33 @@ pub struct Leaf<'a> {
     pub(crate) misuse: Option<Misuse>,
 }
 
-/// A port was used in a way that is not possible.
+/// A port was used in a way that is not possible, which ends the tick with a fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Misuse {
-    /// There is no such port.
+    /// The index is not one of the ports of its kind.
     #[error("it has no port number {0}")]
     NoPort(usize),
-    /// The port cannot be written.
+    /// The name of a port with `Direction::In`.
     #[error("it writes its port {0}, which is one to be read")]
     ReadOnly(String),
-    /// The value does not fit the entry.
+    /// The blackboard refuses the value, which is of another type, or too long a text.
     #[error("it writes its port {port}: {unfit}")]
     Unfit {
-        /// The port.
+        /// The attribute that names the entry in the file.
         port: String,
-        /// What does not fit.
+        /// Which of the two it is, with the entry and its type.
         unfit: Unfit,
     },
 }
 
 impl Leaf<'_> {
-    /// Its index in the catalogue.
+    /// Its index in the catalogue with which the tree was built.
     #[must_use]
     pub const fn kind(&self) -> usize {
         self.kind
     }
 
-    /// Its node in the tree.
+    /// Its node in the tree, which tells two leaves of one kind apart.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
@@ -237,13 +237,13 @@ impl Leaf<'_> {
         &self.label.path
     }
 
-    /// The name of its kind.
+    /// The name of its kind, which several leaves of a tree may share.
     #[must_use]
     pub fn id(&self) -> &str {
         &self.label.id
     }
 
-    /// Whether it was not running before this tick.
+    /// Whether it was not running before this tick, so that it begins anew.
     #[must_use]
     pub const fn is_starting(&self) -> bool {
         self.is_starting
@@ -272,31 +272,31 @@ impl Leaf<'_> {
         self.ports.iter().position(|port| port.name == name)
     }
 
-    /// The value of a port as a text.
+    /// The value of a port if it is a text; a number is not written out.
     #[must_use]
     pub fn text(&self, port: usize) -> Option<&str> {
         self.read(port)?.as_text()
     }
 
-    /// The value of a port as a whole number.
+    /// The value of a port as a whole number; texts are read, and a number may have no fraction.
     #[must_use]
     pub fn int(&self, port: usize) -> Option<i64> {
         self.read(port)?.as_int()
     }
 
-    /// The value of a port as a number.
+    /// The value of a port as a number, also where a text is one; `true` is 1.
     #[must_use]
     pub fn number(&self, port: usize) -> Option<f64> {
         self.read(port)?.as_number()
     }
 
-    /// The value of a port as `true` or `false`.
+    /// The value of a port as `true` or `false`; a number is true unless it is 0.
     #[must_use]
     pub fn truth(&self, port: usize) -> Option<bool> {
         self.read(port)?.as_bool()
     }
 
-    /// The value of a port as a cell.
+    /// The value of a port as a cell, also where a text is one, such as `3;4`.
     #[must_use]
     pub fn cell(&self, port: usize) -> Option<Cell> {
         self.read(port)?.as_cell()

@@ -32,10 +32,10 @@ macro_rules! named {
         }
 
         impl $name {
-            /// All variants, in their order.
+            /// All variants in the order of their declaration.
             $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
 
-            /// Its fixed word.
+            /// Its fixed word in files and messages.
             #[must_use]
             $vis const fn word(self) -> &'static str {
                 match self {

@@ -14,16 +14,16 @@ use super::value::Value;
 /// merged into the state before the oldest remaining tick.
 pub const MOST_CHANGES: usize = 360_000;
 
-/// The state of a node after a tick.
+/// A node's state after a tick. It is not what the node returned if its parent has reset it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeState {
-    /// Its status after the tick.
+    /// Its status after the tick: IDLE if its parent has reset it, whatever it returned.
     pub after: Status,
-    /// What it returned in the tick, if it was ticked.
+    /// What it returned in the tick; `None`: it was not ticked.
     pub returned: Option<Status>,
 }
 
-/// The changes of one tick.
+/// What one tick changed since the record before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TickRecord {
     /// The number of the tick, counted from 1.
@@ -44,12 +44,12 @@ impl TickRecord {
     }
 }
 
-/// The whole state after one tick.
+/// The whole state after one tick, put together from the changes until then.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoggedTick {
     /// The state of each node, by its number.
     pub nodes: Vec<NodeState>,
-    /// The value of each entry.
+    /// The value of each entry that has one.
     pub entries: BTreeMap<Arc<str>, Value>,
 }
 
@@ -89,7 +89,7 @@ impl LoggedTick {
     }
 }
 
-/// The ticks of one tree.
+/// The latest ticks of one tree, within a bound on their changes.
 #[derive(Clone, Debug)]
 pub struct TickLog {
     most: usize,
@@ -108,7 +108,7 @@ impl Default for TickLog {
 }
 
 impl TickLog {
-    /// A log that holds at most this many changes.
+    /// A log that holds at most this many changes; each tick counts as one more.
     #[must_use]
     pub fn new(most: usize) -> TickLog {
         TickLog { most, changes: 0, before: LoggedTick::default(), last: LoggedTick::default(), records: VecDeque::new() }

@@ -29,13 +29,13 @@ struct Mock {
     writes: Vec<(String, String)>,
 }
 
-/// Why a text describes no mock.
+/// Why [`Mocks::add`] refuses a text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MockError {
-    /// There is no `=`.
+    /// There is no `=`, or no name before it.
     #[error("{0:?} should be NAME=STATUS,STATUS*3,…")]
     NoName(String),
-    /// A word that is no status.
+    /// A word that is no status, or is IDLE, which no leaf returns; or a number of ticks that is not 1 or more.
     #[error("{0:?} is no status: a mock says RUNNING, SUCCESS, FAILURE or SKIPPED, and RUNNING*3 in three ticks")]
     NoStatus(String),
 }
@@ -53,7 +53,7 @@ impl Mocks {
         Ok(())
     }
 
-    /// Makes such a leaf write this text to this port whenever it succeeds.
+    /// Makes leaves of this path, name or kind write this text to this port whenever they succeed.
     pub fn write(&mut self, name: &str, port: &str, text: &str) {
         self.mocks.entry(name.to_owned()).or_default().writes.push((port.to_owned(), text.to_owned()));
     }
@@ -74,7 +74,7 @@ impl Mocks {
         known
     }
 
-    /// The first leaf of a tree for which there is no mock.
+    /// The first leaf of a tree for which there is no mock; it would fail in every tick.
     #[must_use]
     pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
         let is_leaf = |node: &NodeView<'_>| matches!(node.kind, NodeKind::Leaf(_));

@@ -8,10 +8,10 @@ use super::status::Status;
 use super::tick::children;
 use super::tree::{Live, NodeKind, Tree};
 
-/// The version of the line's format.
+/// The version of the line's format; lines of another are refused.
 const VERSION: &str = "1";
 
-/// The state of a tree between two ticks.
+/// The state of a tree between two ticks. `to_string` writes it as a line, and `parse` reads that.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TreeState {
     /// Identifies the tree: the state of another is refused.
@@ -21,22 +21,22 @@ pub struct TreeState {
     nodes: Vec<Live>,
 }
 
-/// Why a tree cannot resume a state.
+/// Why a tree cannot resume a state; it then stays as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// The text is not a written state.
+    /// The text is not a written state, or one of another version.
     #[error("this is no state of a tree")]
     Unreadable,
-    /// It is the state of another tree.
+    /// Its fingerprint is that of another tree, or of this one with another word in its file.
     #[error("this is the state of another tree, or of this one before it was changed")]
     OtherTree,
-    /// The node of this number cannot have this state.
+    /// The node of this number would go on at a node that is not its child.
     #[error("node {0} of the tree cannot stand as this state says")]
     Impossible(u32),
 }
 
 impl Tree {
-    /// The state of the tree now.
+    /// The state of the tree after its last tick, without the values of the blackboard.
     #[must_use]
     pub fn state(&self) -> TreeState {
         TreeState { fingerprint: self.fingerprint, clock: self.clock, ticks: self.ticks, nodes: self.live.clone() }

@@ -9,9 +9,9 @@ named! {
         Idle = "IDLE",
         /// Not done yet: it has to be ticked again.
         Running = "RUNNING",
-        /// Done, with success.
+        /// Done, with success: a sequence goes on, and a fallback ends.
         Success = "SUCCESS",
-        /// Done, with a failure.
+        /// Done, with a failure: a fallback goes on, and a sequence ends.
         Failure = "FAILURE",
         /// Not done because of a condition; its parent goes on as if the node did not exist.
         Skipped = "SKIPPED",
@@ -19,13 +19,13 @@ named! {
 }
 
 impl Status {
-    /// The status with this word.
+    /// The status with this word, in capitals.
     #[must_use]
     pub fn named(word: &str) -> Option<Status> {
         Status::ALL.into_iter().find(|status| status.word() == word)
     }
 
-    /// Whether it is SUCCESS or FAILURE.
+    /// Whether it is SUCCESS or FAILURE. SKIPPED is no result, since the parent goes on as if there were no node.
     #[must_use]
     pub const fn is_completed(self) -> bool {
         matches!(self, Status::Success | Status::Failure)

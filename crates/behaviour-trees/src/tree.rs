@@ -35,16 +35,16 @@ pub const DEEPEST: usize = 128;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
-/// What a node does.
+/// Who performs a node: the engine, or whoever performs the leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
-    /// One of the engine's kinds.
+    /// One of the engine's kinds, by the rules in `tick`.
     BuiltIn(BuiltIn),
     /// The leaf at this index of the catalogue.
     Leaf(usize),
 }
 
-/// The names of a node, with its place in the file and in the tree.
+/// The names of a node and its places in the file and in the tree, for messages and views.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub(crate) name: Arc<str>,
@@ -126,25 +126,25 @@ pub struct Tree {
     pub(crate) fingerprint: u64,
 }
 
-/// A node in its state after a tick.
+/// A node with its names and its state after the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeView<'a> {
-    /// Its number.
+    /// Its number in preorder, from 0.
     pub node: NodeId,
     /// Its path, as BehaviorTree.CPP makes it (`fullPath`): names of subtrees and its own name, joined with `/`. If it has
     /// no name of its own, or another node has that path, `::` and its UID follow. No two nodes have the same path.
     pub path: &'a str,
     /// Its name, or that of its kind.
     pub name: &'a str,
-    /// The name of its kind.
+    /// The name of its kind; `SubTree` for the use of a tree.
     pub id: &'a str,
-    /// What it does.
+    /// The built-in kind, or the leaf by its index in the catalogue.
     pub kind: NodeKind,
-    /// Its class by its number of children.
+    /// Its class by its number of children; a `SubTree` is a decorator.
     pub family: Family,
-    /// How far below the root it is.
+    /// Levels below the root, which has 0; those of subtrees count.
     pub depth: usize,
-    /// Its place in its file.
+    /// Where its element begins in the file.
     pub place: SourcePosition,
     /// Its status after the tick: IDLE where its parent has reset it.
     pub after: Status,
@@ -153,7 +153,7 @@ pub struct NodeView<'a> {
 }
 
 impl NodeView<'_> {
-    /// What it returned in the last tick if it was ticked, else its status.
+    /// What it returned in the last tick, even if its parent has reset it since; its status, if it was not ticked.
     #[must_use]
     pub fn status(&self) -> Status {
         self.returned.unwrap_or(self.after)
@@ -161,7 +161,7 @@ impl NodeView<'_> {
 }
 
 impl Tree {
-    /// The ID of the tree.
+    /// The `ID` of its `<BehaviorTree>`.
     #[must_use]
     pub fn id(&self) -> &str {
         &self.id
@@ -241,7 +241,7 @@ impl Tree {
         self.live[0].status
     }
 
-    /// How often it was ticked.
+    /// How often it was ticked, the times before a restart included.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks

@@ -4,49 +4,49 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// A square of a floor.
+/// A square of a floor. The engine compares cells, and nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// Its column.
+    /// Its column, the first number in a file.
     pub x: i32,
-    /// Its row.
+    /// Its row, the second number in a file.
     pub y: i32,
 }
 
 /// Longest text of an entry, in bytes: more than any name or sentence, and the end of a script that doubles a text.
 pub const LONGEST_TEXT: usize = 64 * 1024;
 
-/// The value of a port or an entry of the blackboard.
+/// The value of a port or an entry of the blackboard. Its `Display` is its form in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// `true` or `false`.
+    /// `true` or `false`; in a script they are 1 and 0.
     Bool(bool),
-    /// A whole number.
+    /// A whole number of 64 bits.
     Int(i64),
-    /// A finite number.
+    /// A finite number of 64 bits, never `NaN`.
     Number(f64),
-    /// Any text.
+    /// Any text; in an entry, of [`LONGEST_TEXT`] at most.
     Text(Arc<str>),
     /// A square of the floor, written `3;4`: column, row.
     Cell(Cell),
 }
 
 named! {
-    /// The type of a port or an entry.
+    /// The type of a port or an entry, by which its text in a file is read.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum ValueType {
-        /// Any of the other types.
+        /// No type was given: any value fits, and a text stays one.
         #[default]
         Any = "any",
-        /// `true` or `false`.
+        /// `true` or `false`, which may also be written as `1` or `0`.
         Bool = "bool",
-        /// A whole number.
+        /// A whole number of 64 bits, in decimal digits.
         Int = "int",
-        /// A finite number.
+        /// A finite number; `inf` and `NaN` are none.
         Number = "number",
-        /// Any text.
+        /// Any text, with its blanks.
         Text = "text",
-        /// A square of the floor.
+        /// A square of the floor, written `3;4`: column, row.
         Cell = "cell",
     }
 }
@@ -70,7 +70,7 @@ impl ValueType {
 }
 
 impl Value {
-    /// A text.
+    /// A text, which is copied.
     #[must_use]
     pub fn text(text: &str) -> Value {
         Value::Text(Arc::from(text))
@@ -107,8 +107,8 @@ impl Value {
         }
     }
 
-    /// The same as a value of this type, where nothing is lost by it: texts are read, and whole numbers become numbers
-    /// and the other way round.
+    /// The same as a value of this type, where nothing is lost by it: texts are read, and numbers may become whole
+    /// ones.
     #[must_use]
     pub fn converted(&self, ty: ValueType) -> Option<Value> {
         if ty == ValueType::Any || self.value_type() == ty {
@@ -124,7 +124,7 @@ impl Value {
         }
     }
 
-    /// As `true` or `false`: a number is true unless it is 0.
+    /// As `true` or `false`: a number is true unless it is 0, and texts such as `true` are read.
     #[must_use]
     pub fn as_bool(&self) -> Option<bool> {
         match self {
@@ -139,7 +139,7 @@ impl Value {
         }
     }
 
-    /// As a whole number, if it is one.
+    /// As a whole number, if it is one: `true` is 1, and texts are read.
     #[must_use]
     pub fn as_int(&self) -> Option<i64> {
         match self {
@@ -151,7 +151,7 @@ impl Value {
         }
     }
 
-    /// As a number.
+    /// As a number: `true` is 1, and texts are read; `None` for a cell.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a script counts in doubles, as those of BehaviorTree.CPP do")]
     pub fn as_number(&self) -> Option<f64> {
@@ -164,7 +164,7 @@ impl Value {
         }
     }
 
-    /// As a text, if it is one.
+    /// As a text, if it is one; other values are not written out.
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {
         match self {
@@ -173,7 +173,7 @@ impl Value {
         }
     }
 
-    /// As a cell, which may be read from a text.
+    /// As a cell, which may be read from a text such as `3;4`.
     #[must_use]
     pub fn as_cell(&self) -> Option<Cell> {
         match self {

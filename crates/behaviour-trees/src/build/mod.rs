@@ -286,7 +286,8 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Looks up an element: a node of the engine, a leaf, a node that a file declares, or nothing.
+    /// The kind of an element: the engine's nodes come first, then the leaves of the catalogue, then nodes that a file
+    /// declares.
     fn kind(&self, element: &Element) -> Result<FoundNode<'a>, Reason> {
         let id = &element.id;
         if id.is_empty() {
@@ -321,7 +322,7 @@ impl<'a> Builder<'a> {
         if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
     }
 
-    /// Checks a node that is declared and not performed like any other node.
+    /// Checks a declared node as any other node is checked, although nobody here performs it.
     fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
         self.count_children(element, (1, most));
@@ -353,7 +354,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Adds an element to the fingerprint, since any other word makes it another tree.
+    /// Adds an element to the fingerprint: a tree with one other word is another tree.
     fn note(&mut self, element: &Element) {
         let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
         let words: Vec<String> = attributes.collect();

@@ -1,4 +1,4 @@
-//! Binds the ports of a node, and its scripts.
+//! Binds the ports of a node and its scripts when a tree is built, so that a tick looks up no names.
 
 use super::{Builder, to_u32};
 use crate::blackboard::Slot;
@@ -13,7 +13,7 @@ use crate::value::{Value, ValueType};
 
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
-/// Whether a subtree sees the names outside.
+/// Whether a subtree sees the names outside, except those that begin with `_`.
 const AUTOREMAP: &str = "_autoremap";
 
 /// Most parties of a barrier: each has an entry, which every tick reads.

@@ -50,7 +50,8 @@ impl Scopes {
         self.scopes[scope].own.insert(name.to_owned());
     }
 
-    /// The name on the blackboard of the entry called `name` in this scope.
+    /// The name on the blackboard of the entry called `name` in this scope. With `@` it is that of the main tree's
+    /// scope.
     pub(super) fn entry_name(&self, scope: usize, name: &str) -> String {
         if let Some(name) = name.strip_prefix('@') {
             return name.to_owned();

@@ -85,9 +85,9 @@ enum Comparison {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Assignment {
-    /// `:=`
+    /// `:=`, which makes the entry if there is none.
     Create,
-    /// `=`
+    /// `=`, which needs an entry that is there.
     Existing,
     Plus,
     Minus,
@@ -98,34 +98,34 @@ enum Assignment {
 /// Why a text is not a valid script. Places in it are in bytes, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
-    /// It is longer than [`LONGEST_SCRIPT`].
+    /// Its length in bytes, which is more than [`LONGEST_SCRIPT`].
     #[error("it is {0} bytes long, and {LONGEST_SCRIPT} is the most")]
     TooLong(usize),
-    /// It is nested too deeply.
+    /// It is nested deeper than 64 levels: scripts are executed by recursive calls.
     #[error("it is nested deeper than {DEEPEST_EXPRESSION} levels")]
     TooDeep,
-    /// It is empty.
+    /// It has no statement; blanks and `;` are none.
     #[error("it is empty")]
     Empty,
-    /// Something else should stand at a place.
+    /// The first thing in the script that does not fit what stands before it.
     #[error("at character {at} there is {found}, and {wanted} should be there")]
     Unexpected {
-        /// The place.
+        /// Its place in bytes, from 0.
         at: usize,
-        /// What stands there.
+        /// What stands there, cut to the length of a line if it is a value.
         found: String,
-        /// What should stand there.
+        /// What should stand there, in words that an author knows, such as `; or the end`.
         wanted: &'static str,
     },
-    /// The left side of an assignment is no entry.
+    /// The place of an assignment, in bytes, whose left side is no name of an entry.
     #[error("at character {0} something is assigned to what is no entry")]
     NoEntry(usize),
-    /// An entry does not fit.
+    /// A name of which the blackboard cannot make an entry.
     #[error(transparent)]
     Unfit(#[from] Unfit),
 }
 
-/// Why a script could not be executed.
+/// Why a script could not be executed, as a part of the fault that names its node.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error("in its script the entry {{{0}}} holds nothing")]
@@ -149,7 +149,7 @@ pub(crate) enum Trouble {
 }
 
 impl Script {
-    /// Parses a script; `slot` looks up the slot of a name.
+    /// Parses a script; `slot` looks up the slot of each name, since a tick looks up none.
     pub(crate) fn parse(text: &str, slot: &mut dyn FnMut(&str) -> Result<Slot, Unfit>) -> Result<Script, ScriptError> {
         if text.len() > LONGEST_SCRIPT {
             return Err(ScriptError::TooLong(text.len()));

@@ -149,7 +149,7 @@ impl Parser<'_> {
         Ok(if chain.is_empty() { first } else { self.push(Expression::Chain(first, chain)) })
     }
 
-    /// An operand of a comparison: an arithmetic or a bitwise expression.
+    /// An operand of a comparison: an arithmetic or a bitwise expression, and no mixture of both.
     fn operand(&mut self) -> Result<usize, ScriptError> {
         let is_bits = self.is_next("~") || self.is_next("!");
         let is_arithmetic = self.is_next("-");

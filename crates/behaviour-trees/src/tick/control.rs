@@ -217,7 +217,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// The condition is ticked until it is done, and not again before the chosen child is.
+    /// The condition is ticked until it is done, and then again only after the chosen child is done.
     pub(super) fn if_then_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;

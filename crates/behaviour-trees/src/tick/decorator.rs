@@ -161,7 +161,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// The script is evaluated until it is true, and then not before the child is done.
+    /// The script is evaluated until it is true, and then again only after the child is done.
     pub(super) fn precondition(&mut self, at: usize) -> Outcome {
         if !self.live[at].has_begun {
             let script = self.script_of(at);

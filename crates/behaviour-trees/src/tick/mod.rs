@@ -21,16 +21,16 @@ use super::status::Status;
 use super::tree::{Live, Node, NodeId, NodeKind, Shape};
 use super::value::Value;
 
-/// Why a tick could not be completed, and at which node.
+/// Why a tick could not be completed, and at which node. The whole tree has been halted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The node.
+    /// The node that failed first; faults that follow from it are not reported.
     pub node: NodeId,
-    /// Its path in the tree.
+    /// Its path in the tree, as `NodeView::path` has it.
     pub path: Arc<str>,
-    /// Its place in its file.
+    /// Where its element begins in the file.
     pub place: SourcePosition,
-    /// What is wrong, in words.
+    /// What is wrong with it, in words that follow its path.
     pub reason: String,
 }
 
@@ -42,7 +42,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Marks a tick that cannot go on; the reason stands in `Run::fault`.
+/// Marks a tick that cannot go on; the reason stands in `TreeRun::fault`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
@@ -223,7 +223,6 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// Makes a child idle; if it runs, it is halted first.
     fn reset(&mut self, child: usize) {
         if self.live[child].status == Status::Running {
             self.halt(child);

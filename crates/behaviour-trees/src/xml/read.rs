@@ -29,7 +29,7 @@ const MOST_PORTS: usize = 256;
 /// Most attributes of an element, more than any node has ports; each is looked up among all.
 const MOST_ATTRIBUTES: usize = 64;
 
-/// Reads a file.
+/// Reads the text of a file, of [`LONGEST_FILE`] bytes at most.
 ///
 /// # Errors
 /// The first fault, with its place.
@@ -305,7 +305,7 @@ impl<'x> XmlReader<'x, '_> {
         Ok(Kept { name: name(node).to_owned(), attributes, text: text(node), children, place })
     }
 
-    /// The ID of an element that must have one, and its other attributes.
+    /// The ID of an element, and its other attributes; a missing ID is reported as a fault.
     fn with_id(&mut self, node: Node<'x, 'x>) -> Option<(String, Vec<Attribute>)> {
         let mut notes = self.attributes(node);
         let at = notes.iter().position(|note| note.name == "ID" && !note.value.is_empty());
