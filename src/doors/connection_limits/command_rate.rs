@@ -1,5 +1,5 @@
-//! Limit of the commands that one sender may send per second: a flood would fill the journal and delay everybody's commands. STOP
-//! is not counted.
+//! Limit of the commands that one sender may send per second: a flood would fill the journal and delay everybody's commands.
+//! STOP is not counted, because the caller looks for a STOP first and asks here only about other messages.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,12 +12,12 @@ const OPERATORS: u32 = 300;
 /// Maximum commands per second of a sender whose commands are all refused.
 const VIEWERS: u32 = 50;
 
-/// Per sender: the start of the current second, since the start of the program, and the number of commands in it.
+/// Per sender: the start of the current second, since the door was made, and the number of commands in it.
 #[derive(Debug, Default)]
 pub(in crate::doors) struct CommandRate(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl CommandRate {
-    /// Counts a command even if it is refused. `now` is the time since the start of the program. The table has at most
+    /// Counts a command even if it is refused. `now` is the time since the door was made. The table has at most
     /// one entry per key.
     pub(in crate::doors) fn admits(&self, sender: Arc<str>, is_viewer: bool, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,7 @@
-//! Slots for HTTP connections that have sent a request. One key and one network have limited shares. When no slot is free, the
-//! connection with the least progress is evicted for a newcomer. Connections without a request yet are in `pending_connections`.
+//! Slots for HTTP connections that have sent the whole head of a request. One key and one network have limited shares. When no
+//! slot is free, a connection is evicted for a newcomer: a stranger's before a viewer's before an operator's; among equals the
+//! least active one (`Activity`), and among those the one whose last progress is oldest. Only an operator evicts an operator.
+//! Connections without a whole head are in `pending_connections`.
 
 mod eviction_queues;
 
@@ -68,7 +70,7 @@ struct SlotHolder {
     cut: Arc<Notify>,
 }
 
-/// Activity of a connection; the order is that of eviction.
+/// Activity of a connection; the order is that of eviction among senders of one rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Activity {
     Resting,

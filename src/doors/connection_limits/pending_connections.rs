@@ -1,6 +1,7 @@
-//! A limited number of connections that have not authenticated, or are closing. Beyond the limit the oldest connection of the
-//! network with most of them is evicted: every newcomer is served, and outlasts a crowd of one network (safety S9). The door
-//! decides what a connection becomes after it has authenticated.
+//! A limited number of connections that have no slot or session yet, or are closing. An HTTP connection is pending until its
+//! first head is whole, whoever sends it: a stranger without a key gets a slot, too. An MQTT client is pending until it is
+//! admitted or turned away. Beyond the limit the oldest connection of the network with most of them is evicted: every newcomer
+//! is served, and outlasts a crowd of one network (safety S9).
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};

@@ -1,7 +1,10 @@
 //! Limits of MQTT sessions. Each key has a share, and a part is reserved for operators, who may connect later. No newcomer is
 //! refused: beyond a limit one session of the key with most sessions is evicted, the one without progress for longest (safety
-//! S9). The same holds for the memory that unread messages of all sessions take. Connections that have not authenticated are
-//! counted as pending.
+//! S9). The same holds for the memory that unread messages of all sessions take. Clients without a session yet are in
+//! `pending_connections`.
+//!
+//! Unlike at the slots of HTTP, a viewer's newcomer may evict an operator's session: when all 256 are taken, viewers have not
+//! filled their part, and the operator's key has most sessions.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -57,7 +60,7 @@ struct Session {
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
     unread: UnreadBytes,
-    /// When the client last read much of what waited for it, or all of it, in milliseconds since the start of the program.
+    /// When the client last read much of what waited for it, or all of it, in milliseconds since the door was made.
     read_ms: u64,
 }
 
@@ -93,7 +96,7 @@ impl SessionLimits {
         SessionLimits(Arc::new(Mutex::new(SessionTable { most, share, opened: 0, sessions: HashMap::new() })))
     }
 
-    /// Opens a session; another one may be evicted for it. `now` is the time since the start of the program.
+    /// Opens a session; another one may be evicted for it. `now` is the time since the door was made.
     pub(in crate::doors) fn take(&self, owner: SessionOwner, now: Duration) -> SessionPermit {
         let (progress_ms, evict) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut table = self.table();

@@ -86,6 +86,7 @@ fn plain(name: &str) -> String {
     name.trim_end_matches('.').to_ascii_lowercase()
 }
 
+/// The layers stand from the inside out: a request passes them from bottom to top, and then the gate of its route.
 /// Event streams and pictures are not compressed: the default of `CompressionLayer`.
 pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;

@@ -20,7 +20,7 @@ struct Late {
 }
 
 impl Lines {
-    /// Writes a line at `now`, since the start of the program, unless the span has its maximum already; the next written line is
+    /// Writes a line at `now`, since the door was made, unless the span has its maximum already; the next written line is
     /// preceded by the number of those left out.
     pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
         let left_out = {

@@ -192,14 +192,14 @@ impl HttpDoor {
     }
 }
 
-/// Marks a request with the address it comes from, and whether it was encrypted. The accept loop marks every request, and a
-/// direct caller of the router must, too.
+/// Marks a request with the address it comes from, and whether it was encrypted. For tests that call the router directly: in
+/// the program, `hearing::connection_task` marks every request.
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
     request.extensions_mut().insert(peer::Peer { address, is_encrypted });
     request
 }
 
-/// Every route behind the guard. Every request must be `coming_from` somewhere.
+/// Every route behind the guard. Every request must be marked with its `Peer`, as `coming_from` does.
 pub fn router(door: &HttpDoor, hosts: Hosts) -> Router {
     guard::guarded(routes::routes(door), hosts, door)
 }

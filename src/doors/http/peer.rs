@@ -10,7 +10,7 @@ use axum::http::{HeaderMap, header};
 use super::problem::Problem;
 use crate::access::Caller;
 
-/// The other end of a connection. The accept loop puts it into every request.
+/// The other end of a connection. `hearing::connection_task` puts it into every request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peer {
     /// Its address as the system reports it; headers written by a proxy are not trusted.

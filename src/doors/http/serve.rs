@@ -1,4 +1,4 @@
-//! The accept loop on the receiving thread, and its end within two seconds. The caller binds the ports and decides on the end;
+//! The accept loop on the hearing thread, and its end within two seconds. The caller binds the ports and decides on the end;
 //! connections are handled in `hearing`.
 
 use std::future::{Future, poll_fn};

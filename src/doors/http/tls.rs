@@ -1,5 +1,5 @@
 //! Encrypted connections: certificate and key from their files, by rustls. The settings name the files; the time limit of a
-//! handshake is in `serve`.
+//! handshake is in `hearing::connection`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Serves one client: by a task of its own on the gate's thread, or, while there is little traffic, by the receiving thread in
+//! Serves one client: by a task of its own on the gate's thread, or, while there is little traffic, by the hearing thread in
 //! its place, because waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to
 //! `client_io`, which works the same for both.
 //!
@@ -24,7 +24,7 @@ use super::client_io::{ClientIo, TurnLength};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
-/// Share of the receiving thread's time that may go to serving (safety S7): one part in this many.
+/// Share of the hearing thread's time that may go to serving (safety S7): one part in this many.
 const SHARE: u32 = 8;
 
 /// Longest uninterrupted serving turn, when its time was saved up; the step under way is finished beyond it.

@@ -1,4 +1,4 @@
-//! From a new connection to a client. On the receiving thread, the client introduces itself, and its input is checked for a STOP
+//! From a new connection to a client. On the hearing thread, the client introduces itself, and its input is checked for a STOP
 //! from then on, before anything else is decided; on other threads it is admitted or told why not, and is served by `client_io`. The
 //! gate decides what a client may do.
 
@@ -100,7 +100,7 @@ impl Clients {
         self.0.ids.keep().await;
     }
 
-    /// Reads from a newcomer until it ends, on the receiving thread, while it is served on `work`.
+    /// Reads from a newcomer until it ends, on the hearing thread, while it is served on `work`.
     pub(super) async fn attend(self, incoming: IncomingConnection, waiting: PendingConnection, running: Running, work: Handle) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, running, work).await;

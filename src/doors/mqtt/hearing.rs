@@ -1,4 +1,4 @@
-//! Runs on the receiving thread (safety S7): reads a client's input in turns, searches it for a STOP, which halts at once, and
+//! Runs on the hearing thread (safety S7): reads a client's input in turns, searches it for a STOP, which halts at once, and
 //! passes it on. Everything else about a client is done on other threads.
 
 use std::cell::RefCell;

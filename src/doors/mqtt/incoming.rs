@@ -7,7 +7,7 @@ use tokio::io::{AsyncRead, AsyncWrite};
 
 use crate::access::{Access, Caller};
 
-/// The client's input, read on the receiving thread.
+/// The client's input, read on the hearing thread.
 pub type ClientReader = Box<dyn AsyncRead + Send + Unpin>;
 
 /// The client's output, written on the other threads.

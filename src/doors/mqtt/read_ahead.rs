@@ -1,4 +1,4 @@
-//! A client's input that waits for its turn: the receiving thread puts it here after searching it for a STOP, and the
+//! A client's input that waits for its turn: the hearing thread puts it here after searching it for a STOP, and the
 //! connection's own task takes it. The queue has two ends, and a bound for each connection and for all of them.
 
 use std::collections::VecDeque;
@@ -32,7 +32,7 @@ impl Pool {
     }
 }
 
-/// The queue's end for the receiving thread.
+/// The queue's end for the hearing thread.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<ReadAhead>);
 
@@ -67,7 +67,7 @@ struct State {
     left: Option<Left>,
 }
 
-/// What the receiving thread does when nobody takes the input any more.
+/// What the hearing thread does when nobody takes the input any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Left {
     /// It searches the bytes received already, and ends.

@@ -5,7 +5,7 @@
 //!   client ─► connection: read, decrypt ─► scanning ─► judge ─► Handle (halts)
 //!                  │ a pipe of PIPE bytes                │ what became of it, by the request's number
 //!                  ▼                                     ▼
-//!   connection_task: hyper ─► routes ─► gate ─► handler of the same request ─► answer ─► client
+//!   connection_task: hyper ─► guard ─► gate ─► handler of the same request ─► answer ─► client
 //! ```
 
 mod connection;

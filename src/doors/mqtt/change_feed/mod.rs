@@ -34,7 +34,7 @@ pub const ONLINE: &str = "online";
 /// Payload there when it does not run: the session's last will, and its last message.
 pub const OFFLINE: &str = "offline";
 
-/// All times that it takes and returns are since the start of the program.
+/// All times that it takes and returns are since the door was made.
 pub struct ChangeFeed {
     topics: Topics,
     snapshot: Option<Arc<Snapshot>>,
