@@ -1,6 +1,7 @@
 //! The shapes of resources, commands and refusals on the wire, shared by the doors: serde is used here and nowhere further in.
-//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. What one door alone
-//! sends or accepts is in that door.
+//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. So are shapes that
+//! one door alone uses (the simulator, the record, excerpts, results): all shapes that users see are in one room, and the doors
+//! may not use the simulator's crate, which `api` may.
 
 pub mod alarm;
 pub mod answer;

@@ -1,6 +1,6 @@
 //! THE TABLE of resources, from which every door derives its own: HTTP its routes, CoAP its paths and discovery, MQTT its state
-//! topics, and their pages. A new resource is one row here, and how it is written. What one door alone has (the past, the list of
-//! links, the items of old clients) is in that door.
+//! topics, and their pages. What a new resource needs beside its row is in `docs/architecture.md`, *How to add*. What one door
+//! alone has (the past, the list of links, the items of old clients) is in that door.
 
 use serde::Serialize;
 

@@ -2,7 +2,7 @@
 //! holds it.
 //!
 //! ```text
-//!   main → cli, app → { doors, robots, storage, runtime, config, telemetry }
+//!   main → cli     cli → everything but main     app → { access, doors, robots, storage, runtime, config }
 //!   doors → access, runtime, api, phrases, report     report → api, phrases, runtime     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
 //!   access → storage             api → access, runtime     telemetry → api, runtime     runtime, config → themselves
 //! ```

@@ -57,7 +57,8 @@ impl Engine {
         self.mission.recording.push(Recording { seq, wall, fact });
     }
 
-    /// The record of a piece is in the store: show it and wait for the operator.
+    /// The record of a piece is in the store: asks the operator about it. The question is an entry of its own, and the
+    /// piece is shown when that is in the store, too (`on_record.shown`).
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
         let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
