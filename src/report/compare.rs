@@ -30,7 +30,8 @@ impl<R: Read> Comparison<R> {
         Comparison { file, byte: 1, line: 1, difference: None }
     }
 
-    /// Whether the file had exactly the expected bytes.
+    /// The first difference, if any; a file that goes on after the expected bytes differs too. The outer error is one of
+    /// reading.
     pub fn finish(mut self) -> io::Result<Result<(), Difference>> {
         if self.difference.is_none() {
             let more = self.read(SHOWN)?;

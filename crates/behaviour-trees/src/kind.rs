@@ -7,7 +7,7 @@ named! {
     /// The supported nodes of BehaviorTree.CPP 4, by their names in a file, and `Sync`, which is an addition.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum BuiltIn {
-        /// One child after the other; a failure ends it.
+        /// Ticks its children in order; the first failure ends it.
         Sequence = "Sequence",
         /// A sequence that continues at the child that failed.
         SequenceWithMemory = "SequenceWithMemory",
@@ -15,31 +15,31 @@ named! {
         AsyncSequence = "AsyncSequence",
         /// A sequence that begins at its first child in every tick.
         ReactiveSequence = "ReactiveSequence",
-        /// One child after the other; a success ends it.
+        /// Ticks its children in order; the first success ends it.
         Fallback = "Fallback",
         /// A fallback that returns RUNNING after each child.
         AsyncFallback = "AsyncFallback",
         /// A fallback that begins at its first child in every tick.
         ReactiveFallback = "ReactiveFallback",
-        /// All children, until enough have succeeded or failed.
+        /// Ticks all children until enough of them have succeeded or failed.
         Parallel = "Parallel",
-        /// All children, until all are done.
+        /// Ticks all children until all are done.
         ParallelAll = "ParallelAll",
-        /// A condition, then one of two children to its end.
+        /// Ticks its first child, the condition, to its end; then the second child if it succeeded, else the third.
         IfThenElse = "IfThenElse",
-        /// A condition in every tick, with one of two children.
+        /// Ticks its first child, the condition, in every tick; then the second child if it succeeds, else the third.
         WhileDoElse = "WhileDoElse",
-        /// Its children as a sequence, and the last one when that fails.
+        /// Ticks all children but the last as a sequence; if one of them fails, ticks the last child and fails.
         TryCatch = "TryCatch",
-        /// One of two children by the value of an entry, or the last.
+        /// Ticks the child whose `case_N` equals `variable`; the third child if none of the two cases does.
         Switch2 = "Switch2",
-        /// One of three children by the value of an entry, or the last.
+        /// Ticks the child whose `case_N` equals `variable`; the fourth child if none of the three cases does.
         Switch3 = "Switch3",
-        /// One of four children by the value of an entry, or the last.
+        /// Ticks the child whose `case_N` equals `variable`; the fifth child if none of the four cases does.
         Switch4 = "Switch4",
-        /// One of five children by the value of an entry, or the last.
+        /// Ticks the child whose `case_N` equals `variable`; the sixth child if none of the five cases does.
         Switch5 = "Switch5",
-        /// One of six children by the value of an entry, or the last.
+        /// Ticks the child whose `case_N` equals `variable`; the seventh child if none of the six cases does.
         Switch6 = "Switch6",
         /// Success for failure, and failure for success; RUNNING and SKIPPED stay.
         Inverter = "Inverter",

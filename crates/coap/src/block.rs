@@ -1,5 +1,5 @@
-//! Blocks of bodies (RFC 7959): slices of an answer, which need no memory, and bodies of requests put together, which
-//! do and are bounded. In which message a block travels is not here.
+//! Blocks of bodies (RFC 7959). A block of an answer is a slice and needs no memory of its own; the blocks of a request
+//! are put together in bounded memory. Which message carries a block is not decided here.
 
 use std::net::SocketAddr;
 use std::ops::Range;

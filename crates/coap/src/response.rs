@@ -49,7 +49,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// A response with this code, without a body.
+    /// A response with a code alone: no body and no options, so it counts as current for 60 seconds.
     #[must_use]
     pub fn new(code: Code) -> Response {
         Response {

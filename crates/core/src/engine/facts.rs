@@ -22,7 +22,8 @@ impl Engine {
         self.outbox.record(self.now.wall, fact)
     }
 
-    /// Applies a fact at once; it goes on record with the next entry or in a moment, unless it is replaced by then.
+    /// Applies a fact at once, and records it with the next entry, or after a second at the latest. A later fact of this
+    /// kind replaces one that still waits, so a flood makes few entries.
     pub(super) fn record_soon(&mut self, fact: Fact) {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         self.outbox.record_soon(self.now, fact);

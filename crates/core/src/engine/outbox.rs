@@ -111,8 +111,8 @@ impl Outbox {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }
 
-    /// Sends a fact to the store with the next one, or in a moment, unless it is replaced by then: a flood of such
-    /// facts makes no flood of pages.
+    /// Records a fact with the next entry, or after a second at the latest. A later fact of this kind replaces one that
+    /// still waits, so a flood makes few entries.
     pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
         let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
         self.soon = Some((Entry { wall: now.wall, fact }, due));

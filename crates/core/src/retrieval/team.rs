@@ -127,8 +127,8 @@ impl Team {
         outcome
     }
 
-    /// The two report one after the other: no run begins while one of them still reports that it holds what the other
-    /// has lost.
+    /// The two robots report separately, so after a loss one may still report that it holds the parcel. No run begins
+    /// until both agree; after `REPORTING` that is a fault.
     fn waits_to_begin(&mut self, view: &View<'_>, since_last: Duration) -> bool {
         let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
         let waits = self.said[SUPERVISOR] != Status::Running && one != two;

@@ -1,6 +1,6 @@
 //! Estimates how much of a search is left, as a range: from the unknown part of the hall inside the known walls, and
-//! from the pace so far. Its bounds were read off random halls; `hallsweep evaluate --time-left` measures how often
-//! they hold on others.
+//! from the pace so far. The bounds of the range were read off random halls; `hallsweep-evaluation evaluate --time-left`
+//! measures how often they hold on other halls.
 
 use super::grid::{Grid, Square};
 use crate::command::Strategy;
@@ -9,9 +9,9 @@ use crate::units::Cell;
 /// A range of the remaining effort, in the unit of the pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// It will hardly take less.
+    /// Effort that is rarely undercut; `hallsweep-evaluation evaluate --time-left` measures how often.
     pub least: f64,
-    /// It will hardly take more; `None` while a side of the hall is not known to end.
+    /// Effort that is rarely exceeded; `None` while a side of the hall is not known to end.
     pub most: Option<f64>,
 }
 

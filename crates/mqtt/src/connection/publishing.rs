@@ -173,7 +173,8 @@ impl ClientConnection {
         heard_ahead
     }
 
-    /// Takes the next mark, if `is_there` accepts its place, and makes its epoch that of the packets behind it.
+    /// Removes and returns the next mark if `is_there(mark.begins, taken)` holds. Packets handled from here on get the
+    /// epoch of that mark.
     pub(super) fn next_mark(&mut self, is_there: impl Fn(u64, u64) -> bool) -> Option<Mark> {
         let mark = self.marks.front().copied().filter(|mark| is_there(mark.begins, self.taken))?;
         self.marks.pop_front();

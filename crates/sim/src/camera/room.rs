@@ -62,7 +62,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     }
 }
 
-/// Goes from cell to cell along a direction until one is wall.
+/// The wall that a ray from the eye meets first; a ray that meets none ends after about `FAR` cells.
 fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     let (x, y) = (eye.x + 0.5, eye.y + 0.5);
     let mut cell = Cell::new(whole(x.floor()), whole(y.floor()));

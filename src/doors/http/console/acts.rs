@@ -24,7 +24,7 @@ pub(in crate::doors::http) struct Fields {
     note: Option<String>,
 }
 
-/// The typed note, in the address of the confirmation page.
+/// The note that the operator typed, from the query of the confirmation page (`?note=…`).
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct TypedNote {
     #[serde(default)]

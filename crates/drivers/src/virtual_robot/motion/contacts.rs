@@ -225,8 +225,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Corrects a large drift: the robot drove through free cells only and reported nothing wrong, so the map is right,
-    /// and the position is known again.
+    /// Sets the position to the cell after a large drift. The map stays, because the robot reported nothing wrong
+    /// meanwhile. When this happens too often, the position is given up as lost.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {

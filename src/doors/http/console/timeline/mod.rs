@@ -77,7 +77,8 @@ impl Timelines {
         line
     }
 
-    /// Caches this timeline unless a longer one of the mission is cached; returns the longer one.
+    /// Two readings of one timeline may overlap, so the longer one stays in the cache and is returned. A timeline that was
+    /// evicted meanwhile is not cached again.
     fn keep(&self, line: Arc<Timeline>) -> Arc<Timeline> {
         self.with(|lines| match lines.get_mut(&(line.mission(), line.language())) {
             Some(known) if known.line.last() > line.last() => Arc::clone(&known.line),
