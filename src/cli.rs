@@ -60,7 +60,7 @@ pub enum Subcommands {
     Hall(hall::Halls),
     /// Show, add, replace and remove the keys by which people and programs get in.
     Token(token::Keyrings),
-    /// Print, check and export what is on record, and mend its tables.
+    /// Print, check and export the journal, and rebuild its tables.
     Journal(journal::Journal),
     /// Write the report of a mission: one page with its hall, photos, verdicts and all else that is on record, or the record as a list.
     Report(report::Reported),

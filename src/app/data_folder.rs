@@ -90,7 +90,10 @@ impl DataFolder {
             return stopped.max(recorded).next();
         }
         if stopped > recorded {
-            tracing::warn!(epoch = stopped.0, "the last STOP did not get into the journal: it holds the robot still");
+            tracing::warn!(
+                epoch = stopped.0,
+                "the last STOP is not in the journal, but it still counts: the robot stays halted until START"
+            );
         }
         stopped.max(recorded)
     }

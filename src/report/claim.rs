@@ -16,7 +16,7 @@ pub struct Claim {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("it does not say in its head of which mission it is: it is no report of hallsweep, or its beginning was changed")]
+#[error("its head names no mission: this is not a hallsweep report, or its beginning was changed")]
 pub struct Unclear;
 
 const AROUND: [&str; 2] = ["<meta name=\"hallsweep-report\" content=\"", "\">"];

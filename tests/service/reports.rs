@@ -190,10 +190,10 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
     );
     check(&claimed(&claim.replace("edition 2", "edition 3")), "edition 3, which this hallsweep does not know");
     check(&claimed(&claim.replace("edition 2", "edition 1")), "in line ");
-    check(&claimed("anything"), "it is no report of hallsweep");
+    check(&claimed("anything"), "this is not a hallsweep report");
     check(&page[..page.len() - 1], "the file has its end");
     check(&[&page[..], b"\n"].concat(), "and the journal its end");
-    check(b"", "it is no report of hallsweep");
+    check(b"", "this is not a hallsweep report");
 
     let path = saved(&folder, "sound.html", &page);
     assert!(confirmed(&folder, &path).0, "as it was it is confirmed");

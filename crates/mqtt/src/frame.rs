@@ -95,7 +95,7 @@ pub enum Malformed {
     #[error("the property {0:#04x} stands in a packet twice")]
     PropertyTwice(u8),
     /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a Method.
-    #[error("the property {0:#04x} says what it cannot say")]
+    #[error("the property {0:#04x} has a value that it cannot have")]
     PropertyValue(u8),
     /// A Retain Handling of 3 or a reserved bit (MQTT 5, section 3.8.3.1).
     #[error("{0:#04x} are no options of a subscription")]

@@ -72,7 +72,7 @@ impl LineDriver {
         // leads.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
-            Some(format!("{name} has taken the place of {}: look where it stands", robot.name))
+            Some(format!("{name} answers instead of {}: check where it stands", robot.name))
         } else if *last < Some(robot.from) {
             Some(format!("{name} was switched off and on: look whether it stands where it says"))
         } else if *last > Some(self.seq) {
@@ -118,7 +118,7 @@ impl LineDriver {
             return self.break_link(words);
         }
         if let Some(before) = self.name.replace(name.clone()).filter(|before| *before != name) {
-            self.tell_lost(&format!("{name} has taken the place of {before}: look where it stands"));
+            self.tell_lost(&format!("{name} answers instead of {before}: check where it stands"));
         }
         let [step, turn] = [step, turn].map(|time| time.min(SLOWEST));
         // Every robot of this protocol answers each move.

@@ -18,9 +18,9 @@ enum NotTaken {
     Unfit(#[from] Unfit),
     #[error("one connection holds at most {FILTERS} filters, of {FILTER_BYTES} bytes in all")]
     Many,
-    #[error("only those of MQTT 5 share subscriptions")]
+    #[error("only clients of MQTT 5 can share subscriptions")]
     Shared,
-    #[error("this is not to be shared, or not by this client")]
+    #[error("this filter may not be shared, or not by this client")]
     Ours,
 }
 

@@ -13,8 +13,9 @@ impl Problem {
     }
 
     pub(super) fn no_word(word: &str) -> Problem {
-        let words = names(true);
-        let detail = format!("no command is given by the word {:?} alone: there are {words}; others have topics", in_short(word));
+        let (word, words) = (in_short(word), names(true));
+        let detail =
+            format!("{word:?} is not a command that can be sent as a bare word: send {words}, or use the topic of the command");
         Problem::not_found(detail)
     }
 

@@ -112,7 +112,7 @@ fn a_robot_that_takes_the_place_of_another_is_a_lost_link() {
     let mut test = Test::up(ADA);
     test.hears("hello bob base step=800 turn=650 photo=0 at=0,0,south off last=42");
     let words = given_up(&mut test);
-    assert_eq!(words, "bob has taken the place of ada: look where it stands");
+    assert_eq!(words, "bob answers instead of ada: check where it stands");
     test.driver.handle_lost(&words, test.now);
     assert_eq!(lost(&test.events()), words);
     test.driver.handle_connected(test.now);
