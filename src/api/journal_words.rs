@@ -3,7 +3,7 @@
 
 use super::time::rfc3339;
 use hallsweep_core::effect::Entry;
-pub use hallsweep_core::mission::fact_words::words;
+pub use hallsweep_core::snapshot::fact_words::words;
 
 /// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
 pub fn line(entry: &Entry) -> String {

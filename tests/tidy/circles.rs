@@ -10,13 +10,14 @@ use super::reading::{Source, sources};
 const FILES: usize = 4;
 
 /// The folders of the crates.
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 9] = [
     "",
     "crates/behaviour-trees/",
     "crates/coap/",
     "crates/core/",
     "crates/drivers/",
     "crates/evaluation/",
+    "crates/laboratory/",
     "crates/mqtt/",
     "crates/sim/",
 ];

@@ -4,7 +4,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;
 use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::hold::Hold;
-use hallsweep_core::mission::fact_words::hours;
+use hallsweep_core::snapshot::fact_words::hours;
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

@@ -241,7 +241,7 @@ fn the_journal_says_where_it_is_and_what_left_it() {
 
 fn check_facts(facts: impl IntoIterator<Item = Fact>) {
     for fact in facts {
-        check(&hallsweep_core::mission::fact_words::words(&fact), |language| language.fact(&fact), &[]);
+        check(&hallsweep_core::snapshot::fact_words::words(&fact), |language| language.fact(&fact), &[]);
     }
 }
 

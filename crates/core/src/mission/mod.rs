@@ -1,7 +1,6 @@
-//! The mission: the one total table that defines every input in every phase, and its words. Phases stand in
+//! The mission: the one total table that defines every input in every phase. Phases stand in
 //! `crate::state`; `crate::engine` carries the acts out.
 
-pub mod fact_words;
 mod input;
 mod pace;
 mod print;

@@ -1,5 +1,6 @@
 //! The state of everything at one revision, immutable and cheap to share: what the doors show.
 
+pub mod fact_words;
 pub mod log;
 pub mod retrieval;
 pub mod robot;
