@@ -1,4 +1,4 @@
-//! The interface between the socket loop and whoever knows the resources, and the answers when the latter panics.
+//! The interface between the socket loop and the resources, and the answers when the resources panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
@@ -7,43 +7,43 @@ use std::sync::Arc;
 use crate::runtime::figures::Connected;
 use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
 
-/// Added to the answer to a STOP that halted although its request is refused.
+/// Added to the answer when a STOP has halted the robot although its request is refused.
 pub(super) const HALTED: &str = "halted all the same";
 
 pub enum Reply {
     Now(Answer),
-    /// The answer follows when the future ends. A command has begun already; a read begins when the future is polled, and may be
+    /// The answer is the output of the future. A command has begun already. A read begins when its future is polled, and may be
     /// dropped.
     Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
 }
 
-/// The resources: those of the program, or a test's.
+/// The resources of the program, or those of a test.
 pub trait Application: Send + 'static {
-    /// Takes a request. A command is sent here, so that commands keep the order in which they came; must not block.
+    /// Answers a request, and sends its command, so that commands keep the order in which they came; must not block.
     fn answer(&self, request: &Request) -> Reply;
 
-    /// There is a newer state; must not block.
+    /// Told when there is a newer state; must not block.
     fn handle_change(&self) {}
 
     /// The present representations for an observer of this request; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
-    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone: it is carried out
-    /// whatever is wrong with the rest, and however many commands are under way (safety S8).
+    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone. Such a request is
+    /// carried out whatever else is wrong with it, and however many commands are under way (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
-    /// Words of four bytes, with the bit set that makes letters lower case: the path of a STOP in its usual form contains at
-    /// least one. They let a STOP through the flood filter before it is parsed; one without any of them is filtered like any
-    /// command.
+    /// Words of four bytes, in lower case by the bit 0x20 of each byte. The path of a STOP in its usual form contains at least
+    /// one of these words, which lets the STOP through the flood filter before it is parsed. A STOP without any of them is
+    /// filtered like other commands.
     const STOP_WORDS: &'static [[u8; 4]];
 
     /// Number of requests so far, at all doors, that may have undone a STOP; must not block.
     fn undone(&self) -> u64;
 
-    /// Records what the endpoint refused without asking; must not block.
+    /// Records a request that the endpoint refused without asking; must not block.
     fn note(&self, refusal: RefusedRequest);
 
-    /// Counts an observation for as long as the returned value lives.
+    /// Counts one observation until the returned value is dropped.
     fn observed(&self) -> Connected;
 
     /// Records that a command was refused because too many are under way; must not block.
@@ -57,7 +57,7 @@ pub(super) fn answer(application: &impl Application, request: &Request) -> Reply
 }
 
 pub(super) fn changed(application: &impl Application) {
-    // A panic is in the log, and is no reason to end the door.
+    // A panic is in the log already, and does not end the door.
     let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));
 }
 

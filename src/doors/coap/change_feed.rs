@@ -1,5 +1,5 @@
-//! Tells the loop of the door, and then the endpoint, that there is a newer state, at a limited rate. The endpoint finds out what
-//! is new.
+//! Tells the loop of the door that there is a newer state, at a limited rate, and the endpoint which subjects may be shown
+//! again. The endpoint finds out what is new.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,13 +16,13 @@ use hallsweep_core::snapshot::Snapshot;
 pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
-    /// Time before which no change is reported; `None` when it is over.
+    /// Time before which no change is reported; `None` once that time has passed.
     next: Option<Duration>,
     paces: Paces<SubjectId>,
 }
 
-/// When each subject may be shown again. A representation is written as a whole, so a large map is not written as often as a
-/// small one; a change that was skipped is shown later.
+/// When each subject may be shown again. A representation is written as a whole, so a large map is written less often than a
+/// small one. A change that was skipped is shown later.
 #[derive(Debug)]
 struct Paces<K> {
     next: BTreeMap<K, Duration>,
@@ -35,7 +35,7 @@ impl ChangeFeed {
         ChangeFeed { states, clock, next: None, paces: Paces { next: BTreeMap::new(), passed_over: None } }
     }
 
-    /// Waits for a newer state, or until a skipped subject may be shown; for ever when neither will come. Safe to cancel.
+    /// Waits for a newer state, or until a skipped subject may be shown. Safe to cancel.
     pub(super) async fn next(&mut self) {
         if self.next.is_some() {
             self.clock.reach(self.next).await;

@@ -1,35 +1,36 @@
-//! A filter that lets the system drop datagrams of a flood before they take room in the socket's queue, so that the queue never
-//! stays full and loses a STOP (safety S1, S6). Of each kind that arrives faster than it can be handled, only a random share is
-//! let through, and besides every command with a word that a STOP has. Only Linux supports it; other systems drop nothing. The
-//! endpoint alone judges what is let through.
+//! A filter that lets the system drop datagrams of a flood before they take room in the socket's queue, so that the queue does
+//! not stay full and lose a STOP (safety S1, S6). Of a kind that floods the door, only a random share is let through, but every
+//! command with a word that a STOP has. Only Linux supports the filter; other systems drop nothing. The endpoint alone judges
+//! what is let through.
 
 use std::time::Duration;
 
-/// Finest filter: one in 2^7 of a kind is let through, which is some thousand a second of all that this machine can send to
-/// itself.
+/// Finest filter: one datagram in 2^7 of a kind is let through. Of all that this machine can send to itself, that is some
+/// thousand a second.
 const FINEST: u32 = 7;
 
 /// Time without overload after which twice as many are let through.
 const CALM: Duration = Duration::from_millis(50);
 
-/// Number of bytes of a datagram searched for the words: a STOP has them at its beginning.
+/// Number of bytes of a datagram searched for the words: a STOP has its word at the beginning.
 const SEARCHED: u32 = 160;
 
-/// A kind is filtered when at least one in this many received datagrams is of it: a kind with fewer did not cause the flood.
+/// A kind is filtered only if at least one in this many received datagrams is of that kind: a rarer kind did not cause the
+/// flood.
 const PART: usize = 8;
 
-/// Length of the header in bytes (RFC 7252, section 3), after which the words begin at the earliest.
+/// Length of the header in bytes (RFC 7252, section 3); the words come after the header.
 const HEADER: usize = 4;
 
-/// Number of received datagrams of each kind: reads, commands, signs, and commands that pass every filter.
+/// Number of received datagrams of each kind: reads, commands, signs (other datagrams), and commands that pass every filter.
 pub(super) type KindCounts = [usize; 4];
 
 pub(super) struct FloodFilter {
-    /// Words of four bytes, one of which a STOP in its usual form contains, with the bit set that makes letters lower case.
+    /// Words of four bytes, in lower case by the bit 0x20 of each byte. A STOP in its usual form contains one of them.
     words: &'static [[u8; 4]],
-    /// For reads, commands and signs: one in two to the power of this passes.
+    /// For reads, commands and signs: of 2 to the power of this number, one datagram passes.
     fine: [u32; 3],
-    /// Time of the last change: more is let through after `CALM`.
+    /// Time of the last change; after `CALM` more is let through.
     since: Duration,
 }
 
@@ -38,7 +39,8 @@ impl FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// Filters the most frequent kind further, after an overload with these counts; returns whether that was possible.
+    /// Filters the most frequent kind further after an overload, in which `heard` was received; returns whether that was
+    /// possible.
     pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
@@ -90,8 +92,8 @@ impl FloodFilter {
     }
 }
 
-/// The filter as a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and drops one
-/// that is shorter than what the program reads.
+/// The filter as a program of the classic Berkeley packet filter. It sees a datagram from the UDP header on, and drops a
+/// datagram that is shorter than what it reads.
 #[cfg(target_os = "linux")]
 fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
     use socket2::SockFilter;
@@ -103,7 +105,7 @@ fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2
     let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
     let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
     let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
-    // Datagrams not chosen by chance go on after these four steps.
+    // A datagram that chance does not choose goes on after these four steps.
     let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
     let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
     steps.extend(one_in(reads));

@@ -1,5 +1,5 @@
-//! The CoAP door: the resources of hallsweep for small devices and scripts, to be read, observed and acted upon. It turns
-//! requests into commands and snapshots into answers, and decides nothing about the mission.
+//! The CoAP door: the resources of hallsweep for small devices and scripts, which can read them, observe them and send
+//! commands. It turns requests into commands and snapshots into answers, and decides nothing about the mission.
 
 mod application;
 mod change_feed;

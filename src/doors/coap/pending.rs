@@ -12,7 +12,8 @@ use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
 /// Maximum number of commands under way; urgent ones are accepted beyond it.
 pub(super) const COMMANDS: usize = 256;
 
-/// Maximum number of disk reads under way. Counted separately: anybody may read, and a disk that hangs must not block commands.
+/// Maximum number of disk reads under way. Reads have a maximum of their own: anybody may read, and a disk that hangs must not
+/// block commands.
 pub(super) const READS: usize = 64;
 
 /// Seconds after which a refused client should try again.
@@ -23,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(93);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestKind {
-    /// Changes nothing, and does nothing before its future is polled.
+    /// A read changes nothing, and does nothing before its future is polled.
     Read,
     Command,
 }
@@ -42,7 +43,7 @@ impl RequestKind {
 }
 
 impl PendingAnswers {
-    /// Whether no more of this kind may begin, except for urgent ones.
+    /// Whether no more requests of this kind may begin, except for urgent ones.
     pub(super) fn is_full(&self, kind: RequestKind) -> bool {
         match kind {
             RequestKind::Read => self.reads >= READS,
@@ -50,8 +51,8 @@ impl PendingAnswers {
         }
     }
 
-    /// Waits for an answer in the background. An urgent command beyond `OPEN` is carried out as well, but its answer is
-    /// dropped.
+    /// Waits for an answer in the background. When `OPEN` answers are awaited, an urgent command is still carried out, but its
+    /// answer is dropped.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
             let slow = "it takes longer than anybody waits: look at the state before you repeat it";

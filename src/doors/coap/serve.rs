@@ -17,19 +17,19 @@ use crate::runtime::handle::Gone;
 use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::snapshot::Snapshot;
 
-/// Maximum wait for requests under way at the end: within two seconds, together with the HTTP door, which ends at the same time.
+/// Maximum wait for requests under way at the end. The HTTP door ends at the same time, and the program within two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// Time for answering datagrams before more are received, and before the other sockets of this thread have their turns (safety
-/// S7).
+/// Maximum time for answering datagrams in one turn, before more are received and other sockets of this thread get their turns
+/// (safety S7).
 const TURN: Duration = Duration::from_millis(1);
 
-/// Time and bytes for receiving in one turn, and bytes for answering urgent requests.
+/// Maximum time for receiving in one turn, and for answering urgent requests. `HEARING_BYTES` limits the bytes of each.
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
-/// Maximum number of turns in a row in which datagrams are only received and urgent ones answered: they receive more than the
-/// system queues for a socket.
+/// Maximum number of turns in a row in which datagrams are only received, and urgent ones answered. In that many turns more is
+/// received than the system queues for a socket.
 const HEARINGS: u32 = 20;
 
 struct Driver<A> {
@@ -45,7 +45,7 @@ struct Driver<A> {
     clock: Clock,
 }
 
-/// Serves until `shutdown`, then waits shortly for what is under way. All random numbers of the endpoint come from `secret`.
+/// Serves until `shutdown`, then waits briefly for requests under way. All random numbers of the endpoint come from `secret`.
 pub async fn serve<A: Application>(
     socket: Socket,
     secret: [u8; 32],
@@ -54,7 +54,7 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    // The wall clock at the zero of `clock`, since 1970: the numbers of notifications continue from it after a restart.
+    // The wall clock, since 1970, at the zero of `clock`. Notification numbers continue from it after a restart.
     let now = clock.now();
     let began = Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start);
     let endpoint = Endpoint::new(secret).started_at(began).with_urgent(A::IS_STOP, HALTED);
@@ -82,12 +82,12 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Handles the received datagrams for a limited time. When more arrive than can be answered, it receives first, so that a
-    /// STOP is found behind whatever others send (safety S1, S7).
+    /// Handles the received datagrams for a limited time. When more arrive than can be answered, all are received first, so
+    /// that a STOP is found behind the datagrams of others (safety S1, S7).
     async fn turn(&mut self) {
         if self.backlog.has_urgent() {
-            // Receives nothing meanwhile: if another STOP were received, datagrams before it would be handled before the STOPs
-            // that wait.
+            // Nothing is received meanwhile. Otherwise a datagram received before a further STOP would be handled before the
+            // waiting STOPs.
             self.answer_urgent();
         } else if self.backlog.is_empty() && self.answer_as_they_come().await {
             self.hearings = 0;
@@ -103,8 +103,8 @@ impl<A: Application> Driver<A> {
         tokio::task::yield_now().await;
     }
 
-    /// Handles each datagram completely; returns whether the queue was empty. Reading several before answering would make clients
-    /// send in bursts, and everybody wait between them.
+    /// Handles each datagram completely before the next is read; returns whether the queue was empty. Reading several before
+    /// answering would make clients send in bursts, with everybody waiting between the bursts.
     async fn answer_as_they_come(&mut self) -> bool {
         let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
@@ -120,7 +120,7 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Receives, and answers nothing, for `HEARING` at most; returns whether the queue was empty.
+    /// Receives for `HEARING` at most, and answers nothing; returns whether the queue was empty.
     async fn hear(&mut self) -> bool {
         let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {
@@ -172,8 +172,8 @@ impl<A: Application> Driver<A> {
         self.settle(now);
     }
 
-    /// Passes requests to the application and datagrams to the network, until there are none. A command beyond the maximum is not
-    /// begun.
+    /// Passes requests to the application and datagrams to the network, until none are left. Beyond the maximum a command is
+    /// not begun.
     fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (kind, asked) = (RequestKind::of(request.method), &self.application);
@@ -207,8 +207,8 @@ impl<A: Application> Driver<A> {
     }
 }
 
-/// Whether the datagrams of an overloaded turn are a flood, more than harmless clients send. A few in a whole turn are none: this
-/// thread had to wait for others, and filtering would lose datagrams of clients that flooded nothing.
+/// Whether the datagrams of an overloaded turn are a flood, more than harmless clients send. A few datagrams in a whole turn
+/// are no flood: this thread had to wait for others, and a filter would drop datagrams of innocent clients.
 fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }

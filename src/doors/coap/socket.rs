@@ -1,4 +1,4 @@
-//! The door's socket, with room for a burst of datagrams; no fault of it is a reason to end. The protocol is not here.
+//! The door's socket, with room for a burst of datagrams. No fault of the socket ends the door. The protocol is not here.
 
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
@@ -10,14 +10,14 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// Requested buffer size in bytes for each direction: every observer may acknowledge at once. Whatever does not fit is sent
-/// again.
+/// Requested buffer size in bytes for each direction: every observer may acknowledge at once. A datagram that does not fit is
+/// sent again.
 const ROOM: usize = 4 * 1024 * 1024;
 
-/// Maximum size of a datagram, so that none is cut: one that is too long can be recognised.
+/// Maximum size of a datagram in bytes. No datagram is cut to it, so the endpoint can recognise one that is too long.
 const LONGEST: usize = 64 * 1024;
 
-/// Number of datagrams read before anything else has its turn.
+/// Number of datagrams read before other work has its turn.
 pub(super) const BATCH: usize = 64;
 
 /// Pause before a failing socket is read again.
@@ -29,7 +29,7 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// The door's socket from a bound one. Must be called inside the runtime that waits for it.
+    /// The door's socket from a bound one. Must be called inside the runtime that polls it.
     pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
         bound.set_nonblocking(true)?;
         let udp = UdpSocket::from_std(bound)?;
@@ -43,7 +43,7 @@ impl Socket {
     }
 
     pub(super) async fn readable(&self) {
-        // A socket that cannot be awaited reports the reason when it is read.
+        // A socket that cannot be polled reports the reason when it is read.
         let _ = self.udp.readable().await;
     }
 
@@ -52,7 +52,7 @@ impl Socket {
             Ok((length, peer)) => return Some((peer, &self.buffer[..length])),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(error) => {
-                // A client's port is closed, which some systems report here, or there is a worse fault.
+                // Some systems report here that a client's port is closed; other errors are worse.
                 tracing::debug!(%error, "a datagram could not be received");
                 tokio::time::sleep(PAUSE).await;
             }
@@ -60,15 +60,15 @@ impl Socket {
         None
     }
 
-    /// Makes the system drop everything for this socket that the filter does not pass.
+    /// Makes the system drop every datagram for this socket that the filter does not pass.
     pub(super) fn attach(&self, filter: &FloodFilter) {
         if let Err(error) = filter.fit(&SockRef::from(&self.udp)) {
             tracing::debug!(%error, "the system throws nothing away");
         }
     }
 
-    /// Sends a datagram; one that cannot be sent immediately is lost, as others are in the network: nothing waits for the
-    /// network.
+    /// Sends a datagram. One that cannot be sent immediately is dropped, like datagrams that the network loses: nothing waits
+    /// for the network.
     pub(super) fn send(&self, transmit: &Transmit) {
         if let Err(error) = self.udp.try_send_to(&transmit.bytes, transmit.peer) {
             tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
@@ -76,11 +76,11 @@ impl Socket {
     }
 }
 
-/// Binds the same port at one more address of those that the first socket covers. Both share the port for this moment alone, so
-/// that no other program can join them.
+/// Binds the same port at another address that the first socket covers. The two sockets share the port only during this call,
+/// so that no other program can join them.
 ///
 /// # Errors
-/// The address is not there, or taken by another program.
+/// The address does not exist, or another program has taken it.
 pub fn beside(first: &std::net::UdpSocket, address: SocketAddr) -> io::Result<std::net::UdpSocket> {
     let (first, second) = (SockRef::from(first), socket2::Socket::new(Domain::for_address(address), Type::DGRAM, None)?);
     first.set_reuse_address(true)?;

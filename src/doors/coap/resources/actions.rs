@@ -1,5 +1,5 @@
 //! The actions of resources: the right that each needs, its command, and the answer to an accepted one. `Resources` sends the
-//! command to the core; the words of the old resource are in `old`.
+//! command to the core. The words that old clients send are in `old`.
 
 use super::problem::{Problem, words};
 use super::table::Action;
@@ -19,7 +19,7 @@ use hallsweep_core::units::Epoch;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Terms {
     pub(super) id: Option<CommandId>,
-    /// The format of the answer; `None` when only a problem's format is accepted, so that success has no body.
+    /// The format of the answer; `None` if the client accepts only the format of problems. Then a success has no body.
     pub(super) form: Option<Format>,
 }
 
@@ -28,7 +28,7 @@ const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 const ID: &str = "id";
 
 impl Action {
-    /// An old word may be a STOP, so it needs no right beyond that.
+    /// The right that a request of this action needs. An old word may be a STOP, so only the right to stop is checked.
     pub(super) fn need(self) -> Need {
         match self {
             Action::Command(kind) => kind.row().need,
@@ -47,7 +47,7 @@ impl Terms {
     }
 }
 
-/// The command of a request, and the epoch its sender saw. A STOP was recognised before (`stop`).
+/// The command of a request, and the epoch that its sender saw. A STOP was recognised before, by `stop`.
 pub(super) fn command(
     act: Action,
     number: u64,
@@ -84,7 +84,7 @@ impl Payload for CarriedRequest<'_> {
     }
 }
 
-/// The parameters of a command; an unknown query is refused, because a misspelt `id` would let the command act twice.
+/// The parameters of a command. An unknown query parameter is refused: with a misspelt `id` the command could act twice.
 pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     let mut id = None;
     for query in &request.queries {

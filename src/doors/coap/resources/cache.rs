@@ -1,5 +1,5 @@
-//! Caches representations until they change: a repeated GET creates nothing anew, and all observers of a resource share one body.
-//! The contents come from `shows`.
+//! Caches representations until they change, so that a repeated GET renders nothing again, and all observers of a resource
+//! share one body. The contents come from `shows`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,8 +12,8 @@ use coap_endpoint::{Answer, Format, Response};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// Maximum number of cached representations: every resource in every format and a few dozen pieces of luggage. Beyond it, the
-/// oldest one is dropped.
+/// Maximum number of cached representations: every resource in every format, and a few dozen pieces of luggage. When the cache
+/// is full, the oldest one is dropped.
 const MOST: usize = 128;
 
 #[derive(Default)]
@@ -23,9 +23,9 @@ type Key = (Show, u64, Format);
 
 #[derive(Clone, Debug)]
 pub(super) struct Copies {
-    /// Not valid as the present state a moment later (Max-Age 0); its tag tells cheaply whether it still is.
+    /// The answer to a GET. It expires at once (Max-Age 0), and its tag lets a client check it cheaply.
     pub(super) plain: Arc<Response>,
-    /// Valid until the next notification.
+    /// The copy for observers, valid until the next notification.
     pub(super) watched: Arc<Response>,
 }
 
@@ -41,7 +41,7 @@ impl Copies {
 }
 
 impl RepresentationCache {
-    /// `number` is the one in the path, or that of an old item.
+    /// `number` is the number in the path, or that of an old item.
     pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
         let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
         let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,5 @@
-//! The identity of a sender, by its address alone: somebody on this machine is the operator, anybody else may look. The endpoint
-//! decides what an address proves; only other doors use keys.
+//! The identity of a sender, by address alone: a sender on this machine is the operator, anybody else may only look. The
+//! endpoint decides what an address proves. Keys exist only at the other doors.
 
 use std::net::SocketAddr;
 
@@ -21,7 +21,7 @@ impl Caller {
     pub(super) fn check(self, need: Need) -> Result<(), Refused> {
         match (self, need) {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
-            // Short enough for three times the bytes of a request, which is the maximum sent to an unverified address.
+            // Short enough: an unverified address gets at most three times the bytes of its request.
             (Caller::Beyond, Need::Stop | Need::Act) => {
                 Err(Refused::NotAllowed("commands only from loopback (127.0.0.1); use HTTP".to_owned()))
             }

@@ -4,7 +4,7 @@ use std::hash::Hasher;
 
 use coap_endpoint::ETag;
 
-/// The tag of these parts, the same in every run and on every machine.
+/// The tag of these parts; it is the same in every run and on every machine.
 pub(super) fn tag(parts: &[&[u8]]) -> ETag {
     let mut hasher = Fnv::default();
     for part in parts {
@@ -14,7 +14,7 @@ pub(super) fn tag(parts: &[&[u8]]) -> ETag {
     ETag::new(&hasher.finish().to_be_bytes()).expect("a number of 64 bits is eight bytes")
 }
 
-/// FNV-1a of 64 bits: the standard library does not promise that its own hash stays the same.
+/// FNV-1a of 64 bits. The standard library does not promise that its own hash stays the same.
 struct Fnv(u64);
 
 impl Default for Fnv {

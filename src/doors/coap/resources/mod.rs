@@ -1,6 +1,6 @@
-//! The part of this door that knows hallsweep: finds the resource of a request, its representation, its action, or the problem.
-//! It answers at once where possible; a command is sent immediately, so that commands keep their order, and only its result is
-//! awaited. The endpoint handles messages, blocks and observers.
+//! The part of this door that knows hallsweep: it finds the resource of a request, and its representation, its action, or the
+//! problem. It answers at once where possible. A command is sent immediately, so that commands keep their order, and only its
+//! result is awaited. The endpoint handles messages, blocks and observers.
 
 mod actions;
 mod cache;
@@ -141,7 +141,7 @@ impl Resources {
         met(None).map_err(|response| Problem::condition(&response))
     }
 
-    /// Refusals of a known sender's changes are recorded (safety A6); those of strangers are only logged, because strangers must
+    /// Refused changes of a known sender are recorded (safety A6). Those of a stranger are only logged, because strangers must
     /// not be able to fill the disk.
     fn refused(&self, request: &Request, problem: &Problem) -> Reply {
         let answer = Answer::once(problem.response(request));

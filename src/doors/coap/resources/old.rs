@@ -1,6 +1,5 @@
-//! `/resourcemodel` for old clients (mission §8): three items, of which a GET returns the one that changed last and an observer
-//! gets the newest of each; and the bare words that these clients send as commands. The items are written in
-//! `crate::api::old_items`.
+//! `/resourcemodel` for old clients (mission §8), which has three items: a GET returns the item that changed last, an observer
+//! gets the newest version of each. Old clients send bare words as commands. The items are written in `crate::api::old_items`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,8 +16,8 @@ use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 
-/// The item that changed last. It is updated at every newer state, so that a later change of something else does not hide it;
-/// only the changed parts are compared, and no item is written for that.
+/// The item that changed last. It is determined at every newer state, so that a later change of something else does not hide
+/// it. Only the changed parts are compared, and no item is written for that.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {
@@ -31,13 +30,13 @@ impl OldModel {
         OldModel(Mutex::new(Seen { snapshot, latest: ROBOT }))
     }
 
-    /// Updates and returns the item that changed last. If several changed since the last look, it is the one whose own
-    /// part has the highest revision; with equal revisions, the last in the order in which observers are told.
+    /// Updates and returns the item that changed last. If several items changed since the last call, the one whose own part has
+    /// the highest revision is returned; with equal revisions, the last in the order of notifications.
     pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
         let latest = changed.max_by_key(|number| {
-            // The shown piece also depends on the mission, but that changes for many other reasons.
+            // The shown piece also depends on the mission, whose revision changes for many other reasons.
             let revision = match *number {
                 LUGGAGE => snapshot.revision_of(Resource::Luggage),
                 other => revision(Show::OldItems, other, snapshot),
@@ -46,7 +45,7 @@ impl OldModel {
         });
         let latest = latest.unwrap_or(seen.latest);
         *seen = Seen { snapshot: Arc::clone(snapshot), latest };
-        // An item that does not exist any more is replaced by the robot's, as at the beginning.
+        // An item that does not exist any more is replaced by the robot's item, as at the beginning.
         if there(snapshot).contains(&latest) { latest } else { ROBOT }
     }
 
@@ -79,9 +78,9 @@ fn changes_a_cell(older: &Snapshot, newer: &Snapshot) -> bool {
     }
 }
 
-/// The command for a word, bare or in the quotes of JSON, in any content format: `h` and `stop` are STOP, and no fault of the
-/// request prevents it from halting. An old console sends a stray `w` when it starts, so the other moves are only accepted when
-/// old clients may drive.
+/// The command for a word, bare or in the quotes of JSON, in any content format. `h` and `stop` are STOP, and halt whatever is
+/// wrong with the request. The other moves are accepted only if old clients may drive, because an old console sends a stray `w`
+/// when it starts.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
     let text = text.trim();

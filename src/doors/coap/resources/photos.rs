@@ -1,5 +1,5 @@
-//! Photos: read from the archive where blocking is allowed; the last ones are cached, because a photo that is fetched in small
-//! blocks is requested a thousand times. Their tags stay the same after a restart.
+//! Photos are read from the archive where blocking is allowed. The last ones are cached, because a photo that is fetched in
+//! small blocks is requested a thousand times. The tag of a photo stays the same after a restart.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,8 +12,8 @@ use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// Maximum size of cached photos in bytes, apart from the last one, which is always cached: some eighty photos of the simulated
-/// camera.
+/// Maximum size of all cached photos in bytes, some eighty photos of the simulated camera. The newest photo is cached even if
+/// it is larger.
 const MOST_BYTES: usize = 4 * 1024 * 1024;
 
 /// The photos requested last, the newest last.
@@ -22,13 +22,13 @@ pub(super) struct Photos(Mutex<VecDeque<One>>);
 
 struct One {
     id: LuggageId,
-    /// Whether its mission was over when it was read, so that it cannot have been taken again since.
+    /// Whether the photo's mission was over when the photo was read, so that it cannot have been retaken since.
     is_settled: bool,
     response: Arc<Response>,
 }
 
 impl Photos {
-    /// The cached photo of a piece; `present` is its current tag when the piece is of the present mission.
+    /// The cached photo of a piece. `present` is the current tag of the photo if the piece is of the present mission.
     pub(super) fn kept(&self, id: LuggageId, present: Option<ETag>) -> Option<Arc<Response>> {
         let photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |one: &&One| one.id == id && present.map_or(one.is_settled, |tag| one.response.tag == Some(tag));
@@ -58,8 +58,8 @@ pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
     Ok(tag(piece))
 }
 
-/// A photo with its own content format, or as plain bytes for a client that asks for these: some clients cannot accept an unknown
-/// format, and many know none for pictures.
+/// A photo with its own content format, or as plain bytes if the client asks for bytes: some clients cannot accept an unknown
+/// format, and many know no picture format.
 pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
     let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
     let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(words(&response)))?;

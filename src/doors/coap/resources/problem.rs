@@ -1,4 +1,4 @@
-//! Writes problems for this door: their codes, and the three formats; and the problems that only this door has.
+//! Writes problems for this door: their codes, and the three formats. Also the problems that only this door has.
 
 use super::super::application::HALTED;
 use super::shows;
@@ -10,7 +10,7 @@ use crate::api::resources::{self, Form};
 pub(super) use crate::doors::problem::Problem;
 use coap_endpoint::{Code, Format, Method, Request, Response};
 
-/// Seconds after which a retry makes sense when something is unavailable (RFC 7252, section 5.9.3.4).
+/// Seconds after which a client may retry when something is unavailable (RFC 7252, section 5.9.3.4).
 const RETRY_S: u32 = 5;
 
 impl Problem {
@@ -28,13 +28,13 @@ impl Problem {
         Problem::new(CONDITION_FAILED, words(said))
     }
 
-    /// The problem of a STOP: its reader must not think that nothing has halted.
+    /// The problem of a STOP that has halted the robot: the text says so.
     pub(super) fn although_halted(self) -> Problem {
         let words = format!("{HALTED}; {}", self.detail());
         self.saying(words)
     }
 
-    /// The answer to the sender: in JSON or CBOR if accepted, otherwise as text, which begins with `refused: ` for a change,
+    /// The answer to the sender: in JSON or CBOR if accepted, otherwise as text. For a change the text begins with `refused: `,
     /// because some clients show nothing else.
     pub(super) fn response(&self, request: &Request) -> Response {
         let code = code_of(self.kind());
@@ -59,7 +59,7 @@ impl Problem {
     }
 }
 
-/// The code of each kind of problem. It has the digits of the status, as far as CoAP has such a code.
+/// The code of each kind of problem. Its digits are those of the HTTP status, if CoAP has such a code.
 const fn code_of(kind: ProblemKind) -> Code {
     match kind {
         // The last two exist only in HTTP.

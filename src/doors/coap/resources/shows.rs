@@ -31,7 +31,8 @@ pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision
     }
 }
 
-/// Empty when there is nothing to show. `number` is the one in the path, or that of an old item.
+/// The body of a representation, empty when there is nothing to show. `number` is the number in the path, or that of an old
+/// item.
 pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Vec<u8> {
     match show {
         Show::Resource(shown) => shown.written(number, form_of(format), snapshot, at_this_door),
@@ -44,7 +45,7 @@ pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
     resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
 }
 
-/// `LuggageJson` names the photo's path at the HTTP door, which does not exist here.
+/// `LuggageJson` names the photo's path at the HTTP door; here the photo has another path.
 pub(super) fn at_this_door(mut piece: LuggageJson) -> LuggageJson {
     piece.photo.url = piece.photo.url.map(|_| format!("/luggage/{}/photo", piece.id));
     piece

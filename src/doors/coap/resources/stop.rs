@@ -1,5 +1,5 @@
-//! STOP at this door: recognised before anything is judged, by sender, method, path and word alone; other faults are reported
-//! afterwards (safety S8). The handle halts the robot.
+//! STOP at this door. It is recognised before anything else is judged, by sender, method, path and word alone; other faults are
+//! reported afterwards (safety S8). The handle halts the robot.
 
 use super::super::application::Reply;
 use super::Resources;
@@ -10,7 +10,7 @@ use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
 use coap_endpoint::{Answer, Request};
 use hallsweep_core::command::{self, Command};
 
-/// Whether a request halts the robot. Unsupported methods halt as well, except for those that only read.
+/// Whether a request halts the robot. A method that this door does not support halts as well, but not a method that only reads.
 pub(super) fn is_stop(request: &Request) -> bool {
     if request.method.is_safe() || Caller::of(request.peer) != Caller::Here {
         return false;
@@ -24,8 +24,8 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
-/// Every request that halts has one of these in its path, with the bit set that makes letters lower case, except for an unusual
-/// form of the bare `h`: not directly after `commands`, but with blanks round it, after an empty segment, or cut off.
+/// Every request that halts has one of these words in its path, here in lower case. The exception is an unusual form of the
+/// bare `h`: one that does not directly follow `commands`, because blanks or an empty segment precede it, or that is cut off.
 pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
 
 /// The words of a path in lower case, however a client has split it.
@@ -50,8 +50,8 @@ impl Resources {
         }))
     }
 
-    /// The parameters of the answer. Only path and method are judged; query, conditions, format and body do not matter for a
-    /// STOP.
+    /// The parameters of the answer. Only path and method are judged: a STOP counts whatever its query, conditions, format and
+    /// body are.
     fn judged(&self, request: &Request) -> Result<Terms, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let act = found.row.action(request.method).ok_or_else(|| Problem::not_answered(request, found.row))?;

@@ -1,6 +1,6 @@
 //! Every path of this door with its representations, their formats, whether they can be observed, and its actions: the rows of
 //! `api::resources` and `api::commands`, and the paths that only this door has. Routing, the answer to a wrong method,
-//! `/.well-known/core` and the table in `docs/coap.md` all use it; an unlisted path does not exist.
+//! `/.well-known/core` and the table in `docs/coap.md` all use this table. A path that is not in the table does not exist.
 
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 use crate::api::resources::{Form, RESOURCES, ResourceKind};
@@ -71,9 +71,9 @@ impl PathRow {
         self.shows.iter().map(|_| Method::Get).chain(self.actions.iter().map(|(method, _)| *method))
     }
 
-    /// The number in a path that matches this row, 0 where the row has none; `None` when the path does not match.
+    /// The number in a path that matches this row, 0 if the row has no number; `None` when the path does not match.
     fn number(&self, path: &[String]) -> Option<u64> {
-        // Every path begins with a word, which tells most of them apart.
+        // Every path begins with a word, and most paths differ in it.
         if !self.path[1..].starts_with(path.first()?) {
             return None;
         }
@@ -101,7 +101,7 @@ fn only_here() -> [PathRow; 2] {
     ]
 }
 
-/// Some clients cannot accept a picture format, so they get the bytes.
+/// The formats of a form. A client that cannot accept a picture format gets plain bytes.
 const fn formats_of(form: Form) -> &'static [Format] {
     match form {
         Form::Json => &[Format::JSON],
@@ -112,8 +112,8 @@ const fn formats_of(form: Form) -> &'static [Format] {
     }
 }
 
-/// Adds the commands of the common table: to the row with the same path, or in a row of their own. Rows with a number come before
-/// the others.
+/// Adds the commands of the common table, to the row with the same path or in a row of their own. Rows with a number come
+/// before the others.
 fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
     let (of_a_thing, plain): (Vec<&'static commands::CommandRow>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);
