@@ -1,9 +1,9 @@
-//! The budget of descriptors for the connections of all doors. The limits hold in full where the system allows enough open files,
-//! and are scaled down in proportion where it does not. So the doors together never need the last descriptor, and no crowd at one
-//! door keeps the others closed (safety S9).
+//! The budget of descriptors for the connections of all doors. Where the system allows enough open files, the limits hold in
+//! full; otherwise they are scaled down in proportion. So the doors together never need the last descriptor, and no crowd at
+//! one door keeps the others closed (safety S9).
 
-/// Descriptors for all connections when every door is at its limit, closing connections included: one per HTTP connection, three
-/// per MQTT client.
+/// Descriptors for all connections, closing ones included, when every door is at its limit: one per HTTP connection, three per
+/// MQTT client.
 const CONNECTIONS: u64 = 2_600;
 
 /// Descriptors for everything else: the journal, the listening ports, and the pollers of the threads.
@@ -18,12 +18,12 @@ pub struct ConnectionBudget {
 }
 
 impl ConnectionBudget {
-    /// The budget of a program that may have this many descriptors open.
+    /// The budget of a program that may have this many open descriptors.
     pub fn of(descriptors: u64) -> ConnectionBudget {
         ConnectionBudget { descriptors: descriptors.saturating_sub(RESERVED).min(CONNECTIONS) }
     }
 
-    /// `all` is the limit in a full budget. Limits of at most `LEAST` are not scaled down.
+    /// `all` is the limit in a full budget. A limit of at most `LEAST` is not scaled down.
     pub fn scaled(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.descriptors / CONNECTIONS).unwrap_or(all);
         part.max(LEAST.min(all))

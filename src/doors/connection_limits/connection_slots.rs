@@ -1,7 +1,7 @@
 //! Slots for HTTP connections that have sent the whole head of a request. One key and one network have limited shares. When no
-//! slot is free, a connection is evicted for a newcomer: a stranger's before a viewer's before an operator's; among equals the
-//! least active one (`Activity`), and among those the one whose last progress is oldest. Only an operator evicts an operator.
-//! Connections without a whole head are in `pending_connections`.
+//! slot is free, a connection is evicted for a newcomer: a stranger's before a viewer's before an operator's. Among equals the
+//! least active one is evicted (`Activity`), and among equally active ones the one whose last progress is oldest. Only an
+//! operator evicts an operator. Connections without a whole head are in `pending_connections`.
 
 mod eviction_queues;
 
@@ -17,19 +17,20 @@ use super::connection_budget::ConnectionBudget;
 use super::pending_connections::EVICTED_AT_ONCE;
 use crate::access::{Access, Caller, Network, Role};
 
-/// Maximum number of open connections: 256 streams, and 384 for requests beside them. A process has 1,024 descriptors by default,
-/// and pending and closing connections, the other doors and files need some too.
+/// Maximum number of open connections: 256 streams, and 384 for other requests. A process has 1,024 descriptors by default, of
+/// which pending and closing connections, the other doors and files also need some.
 pub(in crate::doors) const SLOTS: usize = 640;
 
-/// Divisor of all slots for the share of one key, and of one network other than this machine. There are no shares without keys.
+/// Divisor of all slots for the share of one key, and for that of one network other than this machine. Without keys there are
+/// no shares.
 const PARTS: usize = 4;
 
 /// Divisor of all slots for the part that is reserved for operators, who may connect later.
 const KEPT: usize = 8;
 
-/// Maximum number of evicted connections that are still closing: the ordinary threads close them, which may take long. Beyond it
-/// no newcomer is accepted, except operators and STOP, for which the maximum is twice as high. So a flood of opened and evicted
-/// connections costs no more than this.
+/// Maximum number of evicted connections that are still closing: the ordinary threads close them, which may take long. Beyond
+/// it no newcomer is accepted. For operators and STOP the maximum is twice as high. So a flood of opened and evicted
+/// connections is bounded.
 const LEAVING: usize = 32;
 
 #[derive(Clone)]
@@ -40,12 +41,12 @@ struct SlotTable {
     /// Maximum number of evicted connections that are still closing.
     leaving: usize,
     has_shares: bool,
-    /// Number of all events of the slots so far; the smaller of two moments is the older one.
+    /// Number of all events of the slots so far. A moment is such a number; the smaller of two moments is the older one.
     moments: u64,
-    /// Slots in use, those of evicted connections that are still closing included.
+    /// Slots in use, including those of evicted connections that are still closing.
     held: usize,
     holders: HashMap<u64, SlotHolder>,
-    /// The order of eviction, kept sorted: a search through all holders for each newcomer would delay the STOPs of others.
+    /// The order of eviction, kept sorted: to search all connections for each newcomer would delay the STOPs of others.
     queues: EvictionQueues,
 }
 
@@ -61,27 +62,27 @@ type Who = (Arc<str>, bool);
 
 struct SlotHolder {
     claim: SlotClaim,
-    /// Requests whose heads have arrived and that are not answered.
+    /// Requests whose heads have arrived and that are not answered yet.
     open: u64,
     is_receiving: bool,
     is_watching: bool,
-    /// Moment of the last progress, in the count of `moments`.
+    /// Moment of the last progress, as counted by `moments`.
     since: u64,
     cut: Arc<Notify>,
 }
 
-/// Activity of a connection; the order is that of eviction among senders of one rank.
+/// Activity of a connection. Among senders of one rank, connections are evicted in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Activity {
     Resting,
     /// A body is arriving, however slowly.
     Receiving,
     Answering,
-    /// An endless answer. It is not evicted, and there are fewer of them than slots.
+    /// An endless answer. Such a connection is not evicted, and there are fewer of them than slots.
     Watching,
 }
 
-/// One connection's slot, in use until this is dropped.
+/// One connection's slot, in use until this value is dropped.
 pub(in crate::doors) struct ConnectionSlot {
     number: u64,
     slots: ConnectionSlots,
@@ -114,8 +115,8 @@ impl ConnectionSlots {
         ConnectionSlots(Arc::new(Mutex::new(SlotTable { most, leaving, has_shares, moments: 0, held: 0, holders, queues })))
     }
 
-    /// Takes a slot, and evicts another connection when none is free, whose `cut` is notified. `None` when no connection can be
-    /// evicted, or too many evicted ones are not closed yet.
+    /// Takes a slot. When none is free, another connection is evicted, and its `cut` is notified. `None` when no connection can
+    /// be evicted, or too many evicted ones are still closing.
     pub(in crate::doors) fn take(&self, claim: SlotClaim, says_stop: bool, cut: Arc<Notify>) -> Option<ConnectionSlot> {
         let mut table = self.table();
         let is_heeded = says_stop || table.has_shares && claim.is_operator();
@@ -164,8 +165,8 @@ impl SlotTable {
         Some(holder)
     }
 
-    /// Makes room for this claim. A key or network with a full share loses one of its own connections, and only an operator
-    /// evicts an operator.
+    /// Makes room for this claim. If its key or network has used up its share, one of that share's connections is evicted. Only
+    /// an operator evicts an operator.
     fn make_room(&mut self, claim: &SlotClaim) -> bool {
         let (most, has_shares) = (self.most, self.has_shares);
         if has_shares {
@@ -180,12 +181,12 @@ impl SlotTable {
         self.holders.len() < most || self.cut(yielding.first)
     }
 
-    /// Whether one more of these connections is within `most`, after an eviction if necessary.
+    /// Whether one more connection of this kind is within `most`, after an eviction if necessary.
     fn bounded(&mut self, most: usize, head: QueueHead) -> bool {
         head.many < most || self.cut(head.first)
     }
 
-    /// Returns whether there was a connection to evict.
+    /// Evicts a connection; returns whether there was one.
     fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
         let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
         holder.cut.notify_one();
@@ -218,7 +219,7 @@ impl ConnectionSlot {
             holder.open += 1;
         });
         if is_another {
-            // The connection counts for the key that it showed last, whose share may now be exceeded.
+            // The connection counts for the key that it showed last. The share of that key may now be exceeded.
             let mut table = self.slots.table();
             if table.has_shares {
                 let (most, of_key) = (table.most / PARTS + 1, table.queues.of_key(&claim));
@@ -231,12 +232,12 @@ impl ConnectionSlot {
         self.change(true, |holder| holder.is_receiving = false);
     }
 
-    /// Notes an answer without end, during which the connection is not evicted.
+    /// Notes an endless answer, during which the connection is not evicted.
     pub(in crate::doors) fn watches(&self) {
         self.change(false, |holder| holder.is_watching = true);
     }
 
-    /// Frees the slot of a connection that changes to another protocol, and is therefore never evicted here.
+    /// Frees the slot of a connection that changes to another protocol. Such a connection is never evicted here.
     pub(in crate::doors) fn hands_over(&self) {
         let _ = self.slots.table().remove(self.number);
     }

@@ -1,12 +1,12 @@
-//! Limits of connections, sessions and requests at the doors of HTTP and MQTT, so that no crowd keeps anybody else out (safety
-//! S9). CoAP has no connections: its limits are in `crates/coap` and in `coap::flood_filter`.
+//! Limits of connections, sessions and requests at the HTTP and MQTT doors, so that no crowd keeps anybody else out (safety
+//! S9). CoAP has no connections; its limits are in `crates/coap` and in `coap::flood_filter`.
 //!
 //! | limit | of what | beyond it |
 //! |---|---|---|
 //! | `connection_budget` | all descriptors of all doors | pending connections, slots, sessions and streams are scaled down |
 //! | `pending_connections` | those without a slot or session yet, or closing | the oldest of the largest crowd is evicted |
 //! | `connection_slots` | HTTP connections with a whole head | a stranger's, then a viewer's, then an operator's is evicted |
-//! | `session_limits` | MQTT sessions, and the bytes that their clients leave unread | a session of the largest owner is evicted |
+//! | `session_limits` | MQTT sessions, and the unread bytes of their clients | a session of the largest owner is evicted |
 //! | `request_quota` | streams, results of MQTT commands, reports, runs of the laboratory | it is refused, or has no result |
 //! | `command_rate` | MQTT commands of one sender per second, STOP aside | the command is refused |
 

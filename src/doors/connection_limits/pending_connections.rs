@@ -1,7 +1,7 @@
 //! A limited number of connections that have no slot or session yet, or are closing. An HTTP connection is pending until its
-//! first head is whole, whoever sends it: a stranger without a key gets a slot, too. An MQTT client is pending until it is
-//! admitted or turned away. Beyond the limit the oldest connection of the network with most of them is evicted: every newcomer
-//! is served, and outlasts a crowd of one network (safety S9).
+//! first head is complete, whoever sends it: a stranger without a key gets a slot, too. An MQTT client is pending until it is
+//! admitted or refused. Beyond the limit, the oldest connection of the network with the most pending connections is evicted. So
+//! every newcomer is served, and outlasts a crowd of one network (safety S9).
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -26,7 +26,7 @@ struct PendingTable {
     networks: HashMap<Network, usize>,
 }
 
-/// One pending connection, counted until this is dropped.
+/// One pending connection, counted until this value is dropped.
 pub(in crate::doors) struct PendingConnection {
     number: u64,
     pending: PendingConnections,
@@ -43,7 +43,7 @@ impl PendingConnections {
         })))
     }
 
-    /// Admits a connection from this address; `cut` is notified when it is evicted.
+    /// Admits a connection from this address; `cut` is notified when the connection is evicted.
     pub(in crate::doors) fn admit(&self, address: IpAddr, cut: Arc<Notify>) -> PendingConnection {
         let mut table = self.table();
         if table.waiting.len() >= table.most {
@@ -57,7 +57,7 @@ impl PendingConnections {
         PendingConnection { number, pending: self.clone(), cut }
     }
 
-    /// Runs `last`, the rest of a closing connection, until it is done or the connection is evicted.
+    /// Runs `last`, the rest of a closing connection, until `last` ends or the connection is evicted.
     pub(in crate::doors) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
         let waiting = self.admit(address, Arc::default());
         tokio::select! {
@@ -79,7 +79,7 @@ impl PendingConnections {
 }
 
 impl PendingTable {
-    /// The largest network is the one with most pending connections. Returns whether there was a connection to evict.
+    /// Evicts the oldest connection of the network with the most pending connections; returns whether there was one.
     fn evict_one(&mut self) -> bool {
         let most = self.networks.values().max();
         let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);
@@ -101,7 +101,7 @@ impl PendingTable {
 }
 
 impl PendingConnection {
-    /// Stops counting the connection; `false` when it was evicted before.
+    /// Stops counting the connection; `false` when it had been evicted.
     pub(in crate::doors) fn leave(self) -> bool {
         self.pending.table().remove(self.number).is_some()
     }

@@ -1,6 +1,6 @@
-//! Limited numbers of open requests. Each key has a share, and a part is reserved for keys with few open requests, so that nobody
-//! is refused because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results are
-//! built on it.
+//! Limited numbers of open requests. Each key has a share, and a part is reserved for keys with few open requests, so that
+//! nobody is refused because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results
+//! are built from this one.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,7 +13,7 @@ pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) of_one_key: usize,
     /// Part of `most` that is reserved for keys with few open requests.
     pub(in crate::doors) kept: usize,
-    /// A key with fewer open requests than this has few.
+    /// A key with fewer open requests than this number has few.
     pub(in crate::doors) few: usize,
 }
 
@@ -29,11 +29,11 @@ struct Counted {
 #[derive(Debug, Default)]
 struct InUse {
     all: usize,
-    /// Only keys with open requests have an entry, which bounds the memory.
+    /// Only keys with open requests have an entry, which bounds the memory of the table.
     by_key: HashMap<Arc<str>, usize>,
 }
 
-/// The permit of one request, which counts until this is dropped.
+/// The permit of one request. The request counts until this value is dropped.
 #[derive(Debug)]
 pub(in crate::doors) struct Permit {
     quota: RequestQuota,
@@ -45,10 +45,11 @@ impl RequestQuota {
         RequestQuota(Arc::new(Counted { limits, taken: Mutex::default() }))
     }
 
-    /// Admits one more request with this key. Requests without a key have no share: they may use all of the quota.
+    /// Admits one more request with this key. Requests without a key have no share, and may use all of the quota.
     ///
     /// # Errors
-    /// When it is refused: the number of open requests of the key when its share is used up, of all when the quota is.
+    /// A refused request: the number of open requests of the key if its share is used up, or of all keys if the quota is used
+    /// up.
     pub(in crate::doors) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
         let QuotaLimits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
@@ -69,7 +70,7 @@ impl RequestQuota {
         Ok(Permit { quota: self.clone(), key })
     }
 
-    /// Whether no key is counted any more, which bounds the memory of the table.
+    /// Whether the table has no entries: its memory must not grow with the keys of the past.
     #[cfg(test)]
     pub(in crate::doors) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()
@@ -92,8 +93,8 @@ impl Drop for Permit {
     }
 }
 
-/// Limits of the open streams of the HTTP door, those of the console and of the interface together. A key may have a fourth of
-/// them, and an eighth is reserved for operators, who may connect later. Cheap to clone.
+/// Limits of the open streams of the HTTP door, for the console and the interface together. A key may have a fourth of all
+/// streams, and an eighth is reserved for operators, who may connect later. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct StreamQuota {
     all: RequestQuota,
@@ -124,8 +125,8 @@ impl StreamQuota {
     }
 }
 
-/// Limits of the results of MQTT commands that are not published yet. Operators and viewers have separate quotas. A key may have
-/// half of its quota, and a fourth is reserved for keys with fewer than eight results. Cheap to clone.
+/// Limits of the results of MQTT commands that are not published yet. Operators and viewers have separate quotas. A key may
+/// have half of its quota, and a fourth is reserved for keys with fewer than eight open results. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct ResultQuota {
     operators: RequestQuota,
@@ -138,10 +139,10 @@ impl ResultQuota {
         ResultQuota { operators: quota(operators), viewers: quota(viewers) }
     }
 
-    /// Admits the result of one more command with this key.
+    /// Admits one more command's result for this key.
     ///
     /// # Errors
-    /// When it is refused: the number of open results of the key when its share is used up, of all when the quota is.
+    /// A refused result: the number of open results of the key if its share is used up, or of all keys if the quota is used up.
     pub(in crate::doors) fn take(&self, is_viewer: bool, key: Option<Arc<str>>) -> Result<Permit, usize> {
         if is_viewer { &self.viewers } else { &self.operators }.take(key)
     }

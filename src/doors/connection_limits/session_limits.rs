@@ -1,10 +1,10 @@
 //! Limits of MQTT sessions. Each key has a share, and a part is reserved for operators, who may connect later. No newcomer is
-//! refused: beyond a limit one session of the key with most sessions is evicted, the one without progress for longest (safety
-//! S9). The same holds for the memory that unread messages of all sessions take. Clients without a session yet are in
-//! `pending_connections`.
+//! refused: beyond a limit, a session of the key with the most sessions is evicted, the one that has made no progress for
+//! longest (safety S9). The memory for unread messages of all sessions is limited likewise. Clients without a session yet are
+//! in `pending_connections`.
 //!
-//! Unlike at the slots of HTTP, a viewer's newcomer may evict an operator's session: when all 256 are taken, viewers have not
-//! filled their part, and the operator's key has most sessions.
+//! One rule differs from the slots of HTTP. When all 256 sessions are taken, an operator's key has the most, and viewers have
+//! not filled their part, a viewer's newcomer evicts a session of that operator.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -15,30 +15,30 @@ use tokio::sync::Notify;
 
 use super::connection_budget::ConnectionBudget;
 
-/// Maximum number of sessions: every screen, sensor and script of a site. Each costs a descriptor.
+/// Maximum number of sessions: every screen, sensor and script of a site. Each session costs descriptors.
 pub(in crate::doors) const CONNECTIONS: usize = 256;
 
-/// Maximum number of sessions of one key, every screen of a large site. As many sessions are reserved for operators, who may
+/// Maximum number of sessions of one key: every screen of a large site. The same number is reserved for operators, who may
 /// connect later.
 const SHARE: usize = CONNECTIONS / 4;
 
-/// Maximum size of what waits unread for the clients of all sessions, in bytes.
+/// Maximum size of the unread messages of all sessions, in bytes.
 const UNREAD: usize = 12 * 1024 * 1024;
 
-/// Maximum size of what waits unread for viewers, in bytes, so that there is room for operators' messages.
+/// Maximum size of the unread messages of viewers, in bytes, so that there is room for operators' messages.
 const VIEWERS_UNREAD: usize = UNREAD / 2;
 
-/// Unread bytes up to which a session is not evicted for what its client leaves unread.
+/// A session with at most this many unread bytes is not evicted because of them.
 const LITTLE_UNREAD: usize = 48 * 1024;
 
-/// Step in which the unread bytes of a session are noted, so that the table is not locked for every message.
+/// Step in which the unread bytes of a session are noted. A smaller step would lock the table for every message.
 const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct SessionOwner {
     pub(in crate::doors) who: Arc<str>,
     pub(in crate::doors) is_viewer: bool,
-    /// Whether the owner has shown a key. Without keys all owners are one, and none has a share.
+    /// Whether the owner has shown a key. Without keys all clients have the same owner, who has no share.
     pub(in crate::doors) has_share: bool,
 }
 
@@ -47,7 +47,7 @@ pub(in crate::doors) struct SessionLimits(Arc<Mutex<SessionTable>>);
 
 #[derive(Debug)]
 struct SessionTable {
-    /// Maximum number of all sessions. That of one key is `share`, and as many are reserved for operators.
+    /// Maximum number of all sessions. One key may have `share` of them, and `share` of them are reserved for operators.
     most: usize,
     share: usize,
     opened: u64,
@@ -60,20 +60,20 @@ struct Session {
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
     unread: UnreadBytes,
-    /// When the client last read much of what waited for it, or all of it, in milliseconds since the door was made.
+    /// When the client last read a large part of its waiting bytes, or all of them, in milliseconds since the door was made.
     read_ms: u64,
 }
 
-/// Bytes that wait in the memory of the program for a client that has not read them.
+/// Bytes in the memory of the program that a client has not read.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::doors) struct UnreadBytes {
-    /// Bytes that only this client needs.
+    /// Bytes that wait for this client alone.
     pub(in crate::doors) here: usize,
-    /// Bytes that may be shared with other clients.
+    /// Bytes that may wait for other clients too.
     pub(in crate::doors) shared: usize,
 }
 
-/// The permit of one session, which counts until this is dropped.
+/// The permit of one session. The session counts until this value is dropped.
 #[derive(Debug)]
 pub(in crate::doors) struct SessionPermit {
     limits: SessionLimits,
@@ -96,7 +96,7 @@ impl SessionLimits {
         SessionLimits(Arc::new(Mutex::new(SessionTable { most, share, opened: 0, sessions: HashMap::new() })))
     }
 
-    /// Opens a session; another one may be evicted for it. `now` is the time since the door was made.
+    /// Opens a session, and evicts another one if necessary. `now` is the time since the door was made.
     pub(in crate::doors) fn take(&self, owner: SessionOwner, now: Duration) -> SessionPermit {
         let (progress_ms, evict) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut table = self.table();
@@ -141,9 +141,9 @@ impl SessionTable {
         self.least_active(|owner| &*owner.who == evicted)
     }
 
-    /// The session that is evicted when more than `UNREAD` waits: the one that has read nothing for longest, of the key with
-    /// most unread bytes; a viewer's first when viewers exceed their part. `replaced` is the size of the messages that wait for
-    /// several clients and are no longer retained. Sessions with little unread are never evicted.
+    /// The session that is evicted when there are more than `UNREAD` unread bytes: the one that has read nothing for longest,
+    /// of the key with the most unread bytes. When viewers exceed their part, it is a viewer's session. `replaced` is the size
+    /// of the messages that wait for several clients and are no longer retained. A session with little unread is never evicted.
     fn reader_to_evict(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&SessionOwner) -> bool| {
             self.sessions.values().filter(|session| is_among(&session.owner)).map(|session| session.unread.here).sum::<usize>()
@@ -155,8 +155,8 @@ impl SessionTable {
         viewers.flatten().or_else(|| self.least_read(|_| true))
     }
 
-    /// Of the key with most unread bytes, the session that has read nothing for longest. Sessions with at most `LITTLE_UNREAD`
-    /// are not considered.
+    /// Of the key with the most unread bytes, the session that has read nothing for longest. Sessions with at most
+    /// `LITTLE_UNREAD` are not considered.
     fn least_read(&self, is_among: fn(&SessionOwner) -> bool) -> Option<u64> {
         let among = || {
             let all = self.sessions.iter().filter(|(_, session)| is_among(&session.owner));
@@ -186,8 +186,9 @@ impl SessionPermit {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
 
-    /// Notes how much waits for the client, and when it last read much of it, or all. `replaced` returns the size of the messages
-    /// that wait for several clients and are no longer retained. Evicts sessions when more waits in all than `UNREAD`.
+    /// Notes how many bytes wait for the client, and when it last read a large part of them, or all. `replaced` returns the
+    /// size of the messages that wait for several clients and are no longer retained. When the unread bytes of all sessions
+    /// exceed `UNREAD`, sessions are evicted.
     pub(in crate::doors) fn note_unread(&self, unread: UnreadBytes, read_at: Duration, replaced: impl FnOnce() -> usize) {
         let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
         if noted == before {
@@ -206,7 +207,7 @@ impl SessionPermit {
         }
     }
 
-    /// Stops counting the session, though its client is still being told why it ends.
+    /// Stops counting the session. Its client may still be reading why the session ends.
     pub(in crate::doors) fn release(&self) {
         self.limits.table().sessions.remove(&self.number);
     }

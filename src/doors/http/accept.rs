@@ -1,9 +1,10 @@
-//! Chooses the format of a response by the header `Accept` (RFC 9110, section 12.5.1), and its coding by `Accept-Encoding`.
+//! Chooses the format of a response by the header `Accept` (RFC 9110, section 12.5.1), and its content coding by
+//! `Accept-Encoding`.
 
 use axum::http::{HeaderMap, header};
 
-/// The offer that fits best, or `None` when the client accepts none of them. Among equals the more exactly named one wins, then
-/// the first one. Without the header the first one is used.
+/// The offer that the client prefers, or `None` when it accepts none of the offers. Among equals the one that is named more
+/// exactly wins, then the first. Without the header the first offer is used.
 pub(super) fn preferred<'a>(headers: &HeaderMap, offers: &[&'a str]) -> Option<&'a str> {
     let values = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
     let ranges: Vec<(&str, f32)> = values.flat_map(|value| value.split(',')).filter_map(range).collect();
@@ -25,7 +26,7 @@ pub(super) fn codings(headers: &HeaderMap) -> impl Iterator<Item = (&str, f32)> 
     values.flat_map(|value| value.split(',')).filter_map(range)
 }
 
-/// Parses `text/plain;q=0.5` into (`text/plain`, 0.5), and languages likewise; other parameters are ignored, and an invalid
+/// Parses `text/plain;q=0.5` into (`text/plain`, 0.5), and language ranges likewise. Other parameters are ignored. An invalid
 /// quality counts as 0.
 pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     let mut parts = text.split(';').map(str::trim);
@@ -34,7 +35,7 @@ pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     Some((media, quality.map_or(1.0, |q| q.parse::<f32>().unwrap_or(0.0).clamp(0.0, 1.0))))
 }
 
-/// The quality of an offer by the most exact matching range, and how exact that range is.
+/// The quality of an offer by the range that matches it most exactly, and how exact that range is.
 fn rank(offer: &str, ranges: &[(&str, f32)]) -> (f32, u8) {
     let family = offer.split('/').next().unwrap_or_default();
     let exactness = |media: &str| match media.strip_suffix("/*") {

@@ -1,6 +1,6 @@
-//! The commands of `/api/v1`, as in the table of commands: reads the body, sends the command with its sender (name, address, and
-//! command id), answers with its revision. The routes of the console send theirs by the same `CommandSender`, and decide
-//! themselves about the form of the answer.
+//! The commands of `/api/v1`, as in the table of commands: reads the body, sends the command with its sender (name,
+//! address, and command id), and answers with its revision. The routes of the console use the same `CommandSender`, and write
+//! their own answers.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -29,7 +29,8 @@ pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }
 
-/// Any other command; `number` is that of its subject. A move that was recognised as a STOP is one, whatever else it contains.
+/// Any command but STOP; `number` is that of its subject. A move that was recognised as a STOP is one, whatever else it
+/// contains.
 pub(super) async fn command(
     kind: CommandKind,
     sender: CommandSender,
@@ -43,7 +44,7 @@ pub(super) async fn command(
     give(&sender, command, epoch).await
 }
 
-/// Sends a command and answers in JSON; used by the old console's routes, too.
+/// Sends a command and answers in JSON. The old console's routes use this, too.
 pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> CommandAnswer {
     let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
@@ -78,8 +79,8 @@ impl CommandSender {
         self.pressed.as_ref().is_some_and(Pressed::is_there)
     }
 
-    /// Sends a command and waits for its answer. On every route all commands but STOP need an operator; no fault of a STOP
-    /// request prevents it from halting the robot.
+    /// Sends a command and waits for its answer. On every route all commands but STOP need an operator. A STOP request halts
+    /// the robot whatever is wrong with it.
     pub(super) async fn give(&self, door: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
         if let Some(given) = self.pressed.as_ref().filter(|_| is_stop).and_then(Pressed::take) {
@@ -96,13 +97,13 @@ impl CommandSender {
             Err(problem) => return Err(problem.clone()),
         };
         let request = Request { id, epoch, arrived: self.arrived, ..Request::new(command, issuer) };
-        // In a task of its own, so that an accepted command is carried out even when its sender disconnects.
+        // In a task of its own: an accepted command is carried out even if its sender disconnects.
         let carried_out = tokio::spawn(self.door.handle.carry_out(request));
         Ok(carried_out.await.map_err(|_| Problem::internal())??)
     }
 }
 
-/// The command id: bare, or quoted as in the header's draft (a structured string, RFC 9651).
+/// The command id: bare, or quoted as in the draft of the header (a structured string, RFC 9651).
 pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };

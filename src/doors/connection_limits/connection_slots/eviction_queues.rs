@@ -1,6 +1,6 @@
-//! The order in which connections are evicted, of all of them and of each key and network. It is kept sorted, so that the first
-//! is found at once: a crowd that comes and goes costs the hearing thread little. `connection_slots` decides from which queue one
-//! is evicted.
+//! The order in which connections are evicted: one queue for all of them, one for each key, one for each network. The queues
+//! are kept sorted, so that the first connection is found at once, and a crowd that comes and goes costs the hearing thread
+//! little. `connection_slots` decides which queue is used.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -18,7 +18,7 @@ pub(super) struct EvictionTurn {
     pub(super) number: u64,
 }
 
-/// How many connections of one kind there are, and which of them is evicted first; `None` when none of them yields.
+/// Number of connections of one kind, and the one that is evicted first; `None` when none may be evicted.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct QueueHead {
     pub(super) many: usize,
@@ -105,7 +105,8 @@ impl EvictionQueue {
     }
 }
 
-/// Removes the entry of a key or network with its last connection, which bounds the memory of the maps.
+/// Removes a connection from the queue of its key or network. With its last connection the queue is removed too, which bounds
+/// the memory of the maps.
 fn leave<K: Eq + Hash>(queues: &mut HashMap<K, EvictionQueue>, of: K, turn: EvictionTurn) {
     if let Entry::Occupied(mut queue) = queues.entry(of) {
         queue.get_mut().leave(turn);

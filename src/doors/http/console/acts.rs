@@ -9,7 +9,7 @@ use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
-/// One struct for all forms of the page: a field is missing when its form does not have it.
+/// One struct for all forms of the page: a field that a form does not have is missing.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     epoch: Option<String>,
@@ -37,7 +37,7 @@ impl TypedNote {
     }
 }
 
-/// Values of the buttons for a command: its name, except for the two verdicts.
+/// The values of a command's buttons: the name of the command, except for the two verdicts.
 pub(in crate::doors::http) fn buttons(command: &CommandRow) -> Vec<&'static str> {
     if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
 }
@@ -73,7 +73,7 @@ impl Fields {
             ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
-            // The message beside STOP belongs to the script.
+            // The place beside STOP is for the script's messages.
             ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
@@ -103,7 +103,7 @@ impl Fields {
     }
 }
 
-/// The typed note, with the line ends and tabs of a text field as blanks.
+/// The typed note. Line ends and tabs of the text field become blanks.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
     let line: Vec<&str> = typed.split_whitespace().collect();
     Ok(command::note(&line.join(" "))?)

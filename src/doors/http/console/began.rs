@@ -1,5 +1,5 @@
-//! When the present mission began, for the elapsed time; it is read from the record of missions. Looked up once for each mission,
-//! with a time limit: without it a page shows everything else.
+//! When the present mission began, from the record of missions: pages show the elapsed time. It is looked up once for each
+//! mission, with a time limit; while it is unknown, a page shows everything else.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::super::HttpDoor;
 use hallsweep_core::units::{MissionId, WallTime};
 
-/// Maximum wait for the record: the page is shown without it when the disk hangs.
+/// Maximum wait for the record. When the disk hangs, the page is shown without the elapsed time.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Pause before the record is read again after a failure.

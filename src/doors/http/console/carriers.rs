@@ -1,5 +1,5 @@
-//! The fetching robots in the picture of the hall: position, name, the arm that reaches to the piece, and the piece where it is
-//! now. The searching robot is drawn by `hall`, the area before the entrance by `entrance`.
+//! The fetching robots in the picture of the hall: position, name, the arm that reaches to the piece, and the place of the
+//! piece. `hall` draws the searching robot, `entrance` the area before the entrance.
 
 use super::drawing::{CELL, draw_luggage, larger, middle, turn, write};
 use super::entrance::{Column, Entrance};
@@ -41,7 +41,7 @@ pub(super) fn fetched(snapshot: &Snapshot) -> Option<&Luggage> {
     snapshot.luggage(retrieval.luggage).map(|piece| &**piece)
 }
 
-/// Where the piece being fetched lies in the hall; `None` while it is held, and once it is secured.
+/// Where a piece that is to be fetched lies in the hall; `None` while the piece is held, and once it is secured.
 pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
     if piece.secured.is_some() || held_at(snapshot, piece).is_some() {
         return None;
@@ -84,8 +84,8 @@ impl Scene {
         }
     }
 
-    /// Where a robot is drawn. The distance between a working robot and its piece is magnified like both, otherwise the robot
-    /// would cover the piece in a large hall.
+    /// Where a robot is drawn. In a large hall the robot and its piece are magnified, and so is the distance between them:
+    /// otherwise the robot would cover the piece.
     fn at(&self, waits: i32, robot: &RobotShown) -> (i32, i32) {
         let at_work = reaches(robot);
         if robot.view.outside > 0 {
@@ -99,7 +99,7 @@ impl Scene {
         }
     }
 
-    /// From the robot to the piece; it moves with the robot.
+    /// The arm from the robot to the piece; it moves with the robot.
     fn arm(&self, waits: i32, robot: &RobotShown) -> String {
         let Some(place) = reaches(robot) else { return String::new() };
         let ((x, y), (to_x, to_y)) = (self.at(waits, robot), self.place(place));
@@ -129,7 +129,7 @@ impl Scene {
         if let Some(piece) = fetched(snapshot)
             && let Some(place) = held_at(snapshot, piece)
         {
-            // It moves as the robots do, and leaves room for their names.
+            // The held piece moves as the robots do, and leaves room for their names.
             let (x, y) = self.place(place);
             write(
                 group,

@@ -1,4 +1,4 @@
-//! The console's sentences about the robots' activities, and about the searching one: its link and its parts.
+//! The console's sentences about the activities of the robots, and about the link and the parts of the searching one.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -14,7 +14,7 @@ use hallsweep_core::units::WallTime;
 const NAMED: usize = 8;
 
 impl View<'_> {
-    /// The activity shown in the bar, where a STOP is visible even on a screen without room for the other holds.
+    /// The activity shown in the bar. A STOP is visible there even on a screen that has no room for the other holds.
     pub(super) fn doing(&self) -> Phrase<'static> {
         let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
         let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
@@ -40,13 +40,13 @@ impl View<'_> {
         self.say_of("led", self.led())
     }
 
-    /// Whether the shown state of the searching robot is current, and not only its last report. In the past it is what was
-    /// recorded.
+    /// Whether the shown state of the searching robot is current. Without a link only its last report is shown. In the past the
+    /// shown state is the recorded one.
     pub(super) fn is_reached(&self) -> bool {
         self.then.is_some() || self.snapshot.robots.first().is_none_or(|robot| robot.parts.is_some())
     }
 
-    /// A robot's report; without a link also since when it is outdated.
+    /// A robot's report; if there is no link, also since when it is outdated.
     pub(super) fn as_known(&self, robot: &RobotShown, last: &impl Display) -> String {
         match robot.view.unreached_since {
             _ if self.then.is_some() || robot.parts.is_some() => last.to_string(),
@@ -97,12 +97,12 @@ impl View<'_> {
         self.does_itself(&robot.view)
     }
 
-    /// A robot that was told to halt and has not reported standing yet is halting.
+    /// The activity of a robot. A robot that was told to halt is halting until it reports that it stands.
     const fn does_itself(&self, robot: &RobotView) -> Phrase<'static> {
         if robot.halting { self.say("doing-halting") } else { self.say_of("doing", robot.state.name()) }
     }
 
-    /// The hall for screen reader users: the progress of the search, the robot's position, and what was found where.
+    /// The hall for screen reader users: the progress of the search, the robot's position, and which piece was found where.
     pub(super) fn hall_in_words(&self) -> String {
         let robot = &self.snapshot.robot;
         let stands = match robot.outside {

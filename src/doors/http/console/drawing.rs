@@ -1,4 +1,4 @@
-//! Shared by all drawings of the hall: measures, and the shape of a piece of luggage.
+//! Shared by all drawings of the hall: sizes, and the shape of a piece of luggage.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The side of a cell in the picture's units.
+/// The side of a cell, in the picture's units.
 pub(super) const CELL: i32 = 10;
 
 /// The picture grows by this many cells at a time, so that it does not jump with every step.
@@ -16,7 +16,7 @@ const GROWTH: i32 = 4;
 /// Minimum size of the picture, in cells.
 const LEAST: (i32, i32) = (16, 12);
 
-/// Up to this many cells the picture is drawn to scale; in a wider one important things are drawn larger than their cell.
+/// Up to this width, in cells, the picture is drawn to scale. In a wider one important things are drawn larger than their cell.
 const READABLE: i32 = 32;
 
 /// The visible part of the hall in cells: the known part, rounded outwards.
@@ -48,7 +48,7 @@ pub(super) const fn turn(heading: Heading) -> i32 {
     }
 }
 
-/// A piece that is not in its cell, or not alone there.
+/// Draws a piece that is not in its cell, or not alone there.
 pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
     let verdict = piece.verdict_name();
     let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));
@@ -65,7 +65,7 @@ pub(super) fn said(language: Language, piece: &Luggage) -> String {
     language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
 }
 
-/// The shape of a verdict, which also has a letter, for people who cannot tell the colours apart.
+/// The shape of a verdict. The piece also shows a letter, for people who cannot tell the colours apart.
 pub(super) fn shape(verdict: &str) -> &'static str {
     match verdict {
         "safe" => "<circle r=\"4.2\"/>",

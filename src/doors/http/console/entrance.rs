@@ -1,12 +1,12 @@
-//! The area before the entrance, beyond the northern edge of the picture: waiting robots, and the container with secured pieces.
-//! The cells of the hall are drawn by `hall`, the robots by `carriers`.
+//! The area before the entrance, beyond the northern edge of the hall's picture: waiting robots, and the container with secured
+//! pieces. `hall` draws the cells, `carriers` the robots.
 
 use super::drawing::{CELL, larger, middle, shown, write};
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::HallMap;
 
-/// Distance between rows, in tenths of a cell as drawn: robots and their names have room.
+/// Distance between rows, in tenths of a cell as drawn: enough for robots with their names.
 const ROW: i32 = 14;
 
 /// Number of steps from home between two rows.
@@ -15,21 +15,21 @@ const ROWS: i32 = 2;
 /// Distance between two waiting robots, in tenths of a cell.
 const COLUMN: i32 = 20;
 
-/// The middle of the container, and that of the first waiting robot, in tenths of a cell east of the way out.
+/// The middle of the container and the middle of the first waiting robot, in tenths of a cell east of the way out.
 const CONTAINER: i32 = 20;
 const FIRST: i32 = 42;
 
-/// End of the area in tenths of a cell: three robots wait in it at most.
+/// End of the area, in tenths of a cell: at most three robots wait in it.
 const END: i32 = FIRST + 2 * COLUMN + 12;
 
-/// Maximum number of pieces drawn in the container; of more only their number.
+/// Maximum number of pieces drawn in the container. When there are more, only their number is shown.
 const SEEN: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     /// On the way out, north of home.
     WayOut,
-    /// Beside the container, by its number from there.
+    /// Beside the container; the number counts the places from there.
     Waiting(i32),
 }
 
@@ -37,9 +37,9 @@ pub(super) enum Column {
 pub(super) struct Entrance {
     /// A tenth of a cell as drawn here, in the picture's units.
     tenth: i32,
-    /// Its southern edge, which is the northern edge of the hall's picture including labels.
+    /// The southern edge of the area, which is the northern edge of the hall's picture including labels.
     south: i32,
-    /// The middle of home's column.
+    /// The middle of the column in which home is.
     home: i32,
 }
 
@@ -54,7 +54,7 @@ impl Entrance {
         (ROWS * ROW + 4) * self.tenth
     }
 
-    /// Its eastern end, in the picture's units.
+    /// The eastern end of the area, in the picture's units.
     pub(super) const fn east(self) -> i32 {
         self.home + END * self.tenth
     }
@@ -87,7 +87,7 @@ impl Entrance {
 
     fn container(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let (x, y) = (self.home + CONTAINER * self.tenth, self.south - ROWS * ROW / 2 * self.tenth);
-        // It is drawn in a cell's units, ten to a cell.
+        // The container is drawn in a cell's units, ten to a cell.
         write(
             group,
             format_args!(

@@ -1,5 +1,5 @@
-//! Distances: from home to a piece in metres, and the evacuation circle round a bomb, which is drawn when the side of a cell is
-//! known. The settings give its radius; people decide whom to send away.
+//! Distances: from home to a piece in metres, and the evacuation circle round a bomb. The circle is drawn if the side of a cell
+//! is known. The settings give its radius; people decide whom to send away.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 
-/// The circles round all bombs in the hall; that of a bomb being fetched moves with it.
+/// The circles round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
     if let Some(cell_m) = v.hall.cell_m {

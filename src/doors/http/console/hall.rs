@@ -1,6 +1,6 @@
-//! The hall as a picture, in parts that can be sent separately: a group for each map tile, the labels, and the small layer of
-//! everything that moves; `pieces` draws the luggage. One cell is `CELL` units; a run of equal cells is one stroke of a path,
-//! which keeps a large hall small. Frames, legend and colours are in template and style sheet.
+//! The hall as a picture, in parts that can be sent separately: a group for each map tile, the labels, and a small layer with
+//! everything that moves. `pieces` draws the luggage. One cell is `CELL` units. A run of equal cells is one stroke of a path,
+//! which keeps a large hall small. Frames, legend and colours are in the template and the style sheet.
 
 use super::carriers::{fetched, fetched_lies_at, has_entrance, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
@@ -17,20 +17,20 @@ const TRAIL: usize = 48;
 
 const FADES: usize = 4;
 
-/// Maximum number of labels at an edge: each cell has one while they fit, then every fifth, tenth and so on.
+/// Maximum number of labels at an edge. Each cell has a label if they all fit, otherwise every fifth, tenth and so on.
 const LABELS: i32 = 24;
 
 /// Maximum length of the sonar's ray, in cells.
 const RAY: i32 = 8;
 
-/// Maximum number of frontier cells drawn: more would be most of what is sent with every step.
+/// Maximum number of frontier cells drawn: with more, they would be most of what is sent with every step.
 const FRONTIER: usize = 2000;
 
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
     view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)))
 }
 
-/// The `viewBox`, with a margin for the labels and the area before the entrance, if that is drawn.
+/// The `viewBox`, with a margin for the labels, and with the area before the entrance if that is drawn.
 pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>) -> String {
     let (shown, margin) = (shown(map), CELL * larger(map));
     let higher = entrance.map_or(0, Entrance::height);
@@ -99,7 +99,7 @@ pub(super) fn frontier(map: &HallMap) -> String {
     group
 }
 
-/// Everything that moves: trail, route, goal, the piece being fetched; and home.
+/// Everything that moves (trail, route, goal, the piece being fetched), and home.
 pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let far = if size > 1 { " class=\"far\"" } else { "" };
@@ -143,7 +143,7 @@ pub(super) fn found<'a>(
 pub(super) fn robot(snapshot: &Snapshot) -> String {
     let (x, y) = searcher_at(snapshot);
     let turn = turn(snapshot.robot.pose.heading);
-    // A robot alone in the hall needs no name. The name is never put ahead of the robot, where its target is.
+    // A robot alone in the hall needs no name. The name is never ahead of the robot, where its target is drawn.
     let name_y = if snapshot.robot.pose.heading == Heading::South { "-5.4" } else { "8.2" };
     let name = match snapshot.robots.first().filter(|_| snapshot.robots.len() > 1) {
         Some(robot) => {
@@ -216,7 +216,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
         write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
     }
-    // A piece in the goal's cell is more important than the cross of the goal, which would cover it.
+    // The cross of the goal would cover a piece in that cell, which is more important.
     let goal = snapshot.mission.goal.filter(|goal| snapshot.map.at(*goal) != Mark::Luggage);
     if let Some(goal) = goal {
         let ((x, y), said) = (middle(goal), language.say("goal-at").with("cell", goal));
@@ -230,7 +230,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
     }
 }
 
-/// From the robot's front over the free cells ahead; the exact distance is beside the picture.
+/// The sonar's ray from the robot's front over the free cells ahead. The exact distance is shown beside the picture.
 fn ray(group: &mut String, snapshot: &Snapshot) {
     let pose = snapshot.robot.pose;
     let (dx, dy) = pose.heading.vector();

@@ -1,5 +1,5 @@
-//! The incident, shown once a piece in the hall was found dangerous: the next step with its one button, the alarm, the evacuation
-//! distance, and the bombs with photo and place.
+//! The incident, shown when a piece in the hall is judged dangerous: the next step with its one button, the alarm, the
+//! evacuation distance, and the bombs with photo and place.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum number of bombs shown with photos; the rest is counted, and is in the gallery.
+/// Maximum number of bombs shown with photos. The others are counted, and are in the gallery.
 const BOMBS: usize = 8;
 
 /// The part `incident`; empty without a bomb in the hall.
@@ -26,7 +26,7 @@ pub(super) struct Incident<'a> {
     pub(super) v: &'a View<'a>,
 }
 
-/// Whether an alarm is about a bomb in the hall, and so belongs to the incident.
+/// Whether an alarm is about a bomb in the hall, and therefore belongs to the incident.
 pub(super) fn is_of_incident(v: &View<'_>, alarm: &AlarmView) -> bool {
     let is_left = |id: LuggageId| v.snapshot.luggage(id).is_some_and(|piece| piece.is_bomb_left());
     alarm.luggage.is_some_and(is_left)
@@ -117,7 +117,7 @@ impl Incident<'_> {
         }
     }
 
-    /// The command that goes on from here, for the button below the heading; an alarm has a button of its own.
+    /// The command that goes on from here, for the button below the heading. An alarm has its own button.
     fn act(&self) -> Option<&'static str> {
         let mission = &self.v.snapshot.mission;
         let goes_on = matches!(mission.phase, PhaseName::ReturningWithAlarm | PhaseName::Retrieving | PhaseName::Fault);

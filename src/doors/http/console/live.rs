@@ -1,5 +1,5 @@
-//! `GET /console/live`: the rendered parts of the page that changed, as server-sent events. The first message has all parts, so a
-//! page that was away catches up by opening the stream again. The contents of the parts are in `parts`.
+//! `GET /console/live`: the rendered parts of the page that changed, as server-sent events. The first message has all parts, so
+//! a page that was disconnected catches up by opening the stream again. The contents of the parts are in `parts`.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -26,7 +26,7 @@ use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// Minimum time between two messages: ten a second are as many as an eye can use.
+/// Minimum time between two messages: an eye cannot use more than ten a second.
 const PAUSE: Duration = Duration::from_millis(100);
 
 #[derive(Debug, Serialize)]
@@ -36,19 +36,19 @@ pub(in crate::doors::http) struct Message {
     /// The server's time in milliseconds since 1970, because the browser's clock may be wrong.
     now: i64,
     title: String,
-    /// Whether all parts are included: any other part of the page can be removed.
+    /// Whether all parts are included: then the page removes any part that the message does not name.
     whole: bool,
     view: String,
     then: Option<Then>,
     line: Option<Scale>,
-    /// Markup by element id; empty for a removed tile, group of luggage or section of the timeline.
+    /// Markup by element id. For a removed tile, group of luggage or section of the timeline it is empty.
     parts: BTreeMap<String, String>,
 }
 
 #[derive(Default)]
 pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
-    /// A fingerprint of each part's markup, so that a part whose resource changed but whose markup did not is not sent.
+    /// A fingerprint of each part's markup: a part is not sent when its resource changed and its markup did not.
     prints: BTreeMap<&'static str, u64>,
     /// Whether the simulator was paused, which is not part of a snapshot.
     is_paused: bool,
@@ -92,7 +92,7 @@ async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, wh
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }
 
-/// The state has not changed, but entries may have reached the record, which the timeline follows.
+/// The message when the state has not changed: the timeline follows the record, in which there may be new entries.
 async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>, language: Language) -> Event {
     let older = shown.older.clone();
     let message_of = async {
@@ -153,9 +153,10 @@ impl ShownLine {
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
-    /// New and changed sections by element id; those of another mission's timeline are removed by empty markup.
+    /// New and changed sections by element id. The remaining sections of another mission's timeline get empty markup, which
+    /// removes them.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
-        // A timeline that is being read again and is still incomplete removes nothing from the page.
+        // A timeline that is being read again removes nothing from the page while it is incomplete.
         if self.mission == line.mission().0 && line.full() < self.full {
             return Vec::new();
         }

@@ -1,5 +1,5 @@
-//! The pages of missions, past ones and the present one: their list, and one of them with its hall, its luggage and all its
-//! events, including commands with sender, address and outcome. They work without a script.
+//! The pages of missions, past and present: the list, and for each mission a page with its hall, its luggage and all its
+//! events, including commands with sender, address and outcome. The pages work without a script.
 
 use askama::Template;
 use axum::extract::State;
@@ -75,7 +75,7 @@ impl Show {
         }
     }
 
-    /// Query parameter of this view, after `?` or `&`; the main view is the default and has none.
+    /// Query parameter of this view, after `?` or `&`. The main view is the default, and has no parameter.
     fn address(self, joined_by: &str) -> String {
         match self {
             Show::Main => String::new(),
@@ -85,7 +85,7 @@ impl Show {
     }
 }
 
-/// Commands and findings, without the thousands of steps of the robot.
+/// Whether a fact is in the main view: commands and findings, without the thousands of steps of the robot.
 fn is_main(fact: &Fact) -> bool {
     let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_) | Fact::Secured(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
@@ -141,8 +141,8 @@ impl List {
         self.language.date(&self.zone.date_and_time(*wall))
     }
 
-    /// The list does not tell how many places were not searched, because counting them takes reading the whole mission; the
-    /// mission's own page does.
+    /// How the mission ended. Counting the places that were not searched takes reading the whole mission, so only the mission's
+    /// own page tells their number.
     fn came_to(&self, record: &MissionRecord) -> String {
         let came_to = came_to(self.language, record);
         let ends_the_search = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
@@ -164,7 +164,7 @@ impl One {
         self.language.team(self.state.as_ref().and_then(|state| state.conditions.as_ref()))
     }
 
-    /// By its phrase if this version knows the strategy.
+    /// The strategy, by its phrase if this version knows it.
     fn strategy(&self) -> String {
         let known = Strategy::named(&self.record.strategy);
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
@@ -175,7 +175,7 @@ impl One {
         Some(self.language.fact(&Fact::Conditions(conditions)))
     }
 
-    /// The report in every language, and the record as lists: labels and addresses.
+    /// The report in every language, and the record as lists: labels and addresses of the files.
     fn files(&self) -> Vec<(String, String)> {
         let at = |file: &str| format!("/missions/{}/{file}", self.record.id);
         let report = |language: Language| (language.name().to_owned(), at(&format!("report?language={}", language.tag())));
@@ -222,7 +222,7 @@ impl One {
         self.after > Seq(0)
     }
 
-    /// The views of the events: labels, addresses, and whether each is the present one.
+    /// The views of the events: labels, addresses, and which is the present one.
     fn views(&self) -> [(Phrase<'static>, String, bool); 3] {
         let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
         [("main", Show::Main), ("commands", Show::Commands), ("all", Show::All)]

@@ -1,5 +1,5 @@
-//! The operator's console: one page, rendered here and kept up to date by `live`, whose every button is a plain form. It works
-//! without a script, which only avoids reloading. The core decides what is allowed: the page shows its refusals.
+//! The operator's console: one page, rendered here and kept up to date by `live`. Every button is a plain form, so the page
+//! works without a script; the script only avoids reloading. The core decides what is allowed, and the page shows its refusals.
 
 mod acts;
 mod began;
@@ -60,14 +60,15 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<S
     whole(&door, &to, None).await
 }
 
-/// `GET console/bar`: what all other pages show of the hall; the console's own bar comes with its stream.
+/// `GET console/bar`: the bar with the state of the hall that all other pages show. The console gets its own bar by its stream.
 pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
     let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
     html(&parts::Elsewhere { v: &view })
 }
 
-/// `POST console/start` and every other form but STOP's. A move that was recognised as a STOP is one, whatever else it contains.
+/// `POST console/start`, and every other form except that of STOP. A move that was recognised as a STOP is one, whatever else
+/// it contains.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
         _ if sender.has_pressed_stop() => stop(sender, headers).await,
@@ -81,7 +82,7 @@ fn is_by_script(headers: &HeaderMap) -> bool {
     preferred(headers, &["text/html", "application/json"]) == Some("application/json")
 }
 
-/// `POST console/stop`. The body is not read: no fault in it may prevent it from halting the robot.
+/// `POST console/stop`. The body is not read: nothing wrong in it may keep it from halting the robot.
 pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response {
     answered(&sender, &headers, "stop", &Fields::default()).await
 }

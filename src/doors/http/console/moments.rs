@@ -1,5 +1,5 @@
-//! The console at a moment of the past: the same page from the same parts, made of the record of that moment. Only STOP works
-//! there. The script asks for the differences from the moment it shows, in the same message as the live stream.
+//! The console at a moment of the past: the same page from the same parts, made from the record of that moment. Only STOP works
+//! there. The script asks for the differences from the moment that it shows, and gets them as a message of the live stream.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// `GET missions/{id}/moment`: the page at the last entry up to `at`; without it at the first.
+/// `GET missions/{id}/moment`: the page at the last entry up to `at`, or at the first entry without `at`.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -39,8 +39,8 @@ pub(in crate::doors::http) async fn page(
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
-/// `GET console/missions/{id}/moment`: the differences between the last moment up to `at` or up to `time`, and the one that the
-/// page shows: after the entry `from`, at the time `shown`.
+/// `GET console/missions/{id}/moment`: the differences between the moment that the page shows and the last moment up to `at` or
+/// `time`. The page shows the moment after the entry `from`, at the time `shown`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -80,7 +80,7 @@ async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Res
         let looked = about.looked_at(moment, wanted);
         shown.update(&looked.snapshot, &about.view(&looked))
     };
-    // Drawing a large hall takes time: it is done where nothing waits for it (safety S7), a few at once.
+    // Drawing a large hall takes time, so it is done on a thread that nothing else waits for (safety S7), a few at once.
     Ok(door.archive.look_up(move |_| Ok(message())).await?)
 }
 
@@ -100,7 +100,7 @@ impl About {
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
-    /// Time goes on between two entries: a moment that was asked for by its time is later than its entry.
+    /// Time goes on between two entries: a moment that is requested by its time may be later than its entry.
     fn looked_at(&self, moment: PastMoment, at: At) -> Looked {
         let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {

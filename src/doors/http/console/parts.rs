@@ -1,5 +1,5 @@
-//! The parts of the page. Each is rendered by the same template for a whole page and for the stream, and knows which resources it
-//! shows, so that a change renders only the affected parts.
+//! The parts of the page. The same template renders a part for a whole page and for the stream. Each part knows which resources
+//! it shows, so that a change renders only the affected parts.
 
 use std::borrow::Cow;
 
@@ -31,13 +31,13 @@ use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Lines of the log on the page; the interface has more.
+/// Maximum number of log lines on the page; the interface has more.
 const LINES: usize = 40;
 
-/// Pieces in the gallery, the latest ones; the page of the mission has all.
+/// Maximum number of pieces in the gallery, the latest ones. The page of the mission has all.
 const PIECES: usize = 24;
 
-/// A part that the stream can replace; `id` is that of its element.
+/// A part that the stream can replace; `id` is the id of its element.
 pub(super) struct PagePart {
     pub(super) id: &'static str,
     pub(super) shows: &'static [Resource],
@@ -290,7 +290,7 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
-    /// Newest first; the incident shows the alarms about its bombs.
+    /// Newest first, without the alarms about bombs, which the incident shows.
     fn unseen(&self) -> Vec<&AlarmView> {
         let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
@@ -319,7 +319,7 @@ impl Retrieval<'_> {
         self.v.say_of("fetcher", fetcher.name())
     }
 
-    /// Always with two decimals, so that changing figures do not jump.
+    /// A figure with two decimals, always, so that changing figures do not jump.
     fn figure(&self, value: &f64) -> String {
         self.v.language.number(&format!("{value:.2}"))
     }

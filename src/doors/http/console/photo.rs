@@ -21,7 +21,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum number of photos of one piece shown side by side, the latest ones. An older one can be asked for by its number.
+/// Maximum number of photos of one piece shown side by side, the latest ones. An older photo can be requested by its number.
 const SHOWN: u32 = 12;
 
 /// `GET luggage/{id}` and `GET luggage/{id}?take=1`

@@ -1,7 +1,7 @@
-//! The luggage in the picture of the hall. Each piece is drawn in its own cell, in groups by numbers, so that a change sends only
-//! a few pieces. Where cells are too small to see, pins stand for all pieces in a square of cells, in groups by rows of squares.
-//! None covers another: each is no larger than its cell or square. A piece being fetched moves, and is drawn by `hall::layer`;
-//! secured pieces are drawn by `carriers`.
+//! The luggage in the picture of the hall. Each piece is drawn in its own cell, in groups by numbers, so that a change sends
+//! only a few pieces. When cells are too small to see, pins stand for all pieces in a square of cells, in groups by rows of
+//! squares. No piece covers another, and no pin: each is no larger than its cell or square. `hall::layer` draws a piece that is
+//! being fetched, because it moves; `carriers` draws secured pieces.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub(super) fn all_pins(language: Language, snapshot: &Snapshot) -> String {
     pins(language, snapshot).into_values().collect()
 }
 
-/// The groups and rows that differ from an older snapshot, by their ids; a removed one is empty.
+/// The groups and rows that differ from an older snapshot, by their ids. A removed group or row is empty.
 pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let Some(older) = older else { return groups(language, snapshot).chain(pins(language, snapshot)).collect() };
     let looks = |snapshot: &Snapshot| (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
@@ -49,7 +49,7 @@ pub(super) fn in_their_cells<'a>(language: Language, pieces: impl Iterator<Item 
     group
 }
 
-/// Pins for squares of this many cells a side, for a picture that is too large for single pieces.
+/// Pins for squares with sides of this many cells, for a picture that is too large for single pieces.
 pub(super) fn pinned<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
     rows(language, pieces, size).into_values().collect()
 }

@@ -1,5 +1,5 @@
-//! The page of a recorded retrieval: its trees at one of its moments, and its events. Its script moves through the moments;
-//! without a script there are links between them. The record comes from `missions`.
+//! The page of a recorded retrieval: its trees at one of its moments, and its events. Its script moves through the moments.
+//! Without a script there are links between the moments. The record comes from `missions`.
 
 use askama::Template;
 use axum::extract::State;
@@ -68,7 +68,7 @@ impl ReplayPage {
         sign(*status)
     }
 
-    /// Links to other moments with their labels; none to the shown one.
+    /// Links to other moments, with their labels; the shown moment has no link.
     fn ways(&self) -> [(Phrase<'static>, Option<usize>); 4] {
         let other = |moment: usize| Some(moment).filter(|moment| (1..=self.last).contains(moment) && *moment != self.moment);
         [

@@ -1,5 +1,5 @@
 //! The retrieval on the page: its stages and arms in an operator's words, and its trees as nested rows. The markup is in the
-//! templates; the robots in the hall are drawn by `carriers`.
+//! templates. `carriers` draws the robots in the hall.
 
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
@@ -11,8 +11,8 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use crate::api::retrieval::ArmJson;
 use crate::phrases::{Language, Phrase};
 
-/// The stages in order, by fetcher, with their names on the wire. The searching robot needs no room made, and is at home when the
-/// piece is in the container.
+/// The stages in order, by fetcher, with their names on the wire. If the searching robot fetches, nobody makes room for it, and
+/// it is at home when the piece is in the container.
 pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     match fetcher {
         Fetcher::Pair => &["makingRoom", "fetching", "goingOut", "comingHome"],
@@ -27,9 +27,9 @@ pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase
 
 pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
-    /// Whether its children follow.
+    /// Whether the node's children follow.
     pub(in crate::doors::http) opens: bool,
-    /// Number of nodes above it whose last descendant it is.
+    /// Number of ancestors whose last descendant this node is.
     pub(in crate::doors::http) closes: usize,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJso
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
-/// What the operator has to press for the halted robots, as the id of its phrase; `None` when no button helps yet.
+/// What the operator has to press for the halted robots, as the id of a phrase; `None` when no button helps yet.
 pub(super) fn wanted_of_the_operator(holds: &[Hold]) -> Option<&'static str> {
     if let Some((_, press)) =
         [(Hold::Alarm, "acknowledge"), (Hold::TooHigh, "ok")].into_iter().find(|(hold, _)| holds.contains(hold))

@@ -37,14 +37,14 @@ pub(super) struct View<'a> {
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
     pub(super) line: Option<&'a Timeline>,
-    /// The shown moment of the past; `None` for now.
+    /// The shown moment of the past; `None` for the present.
     pub(super) then: Option<Then>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Then {
     pub(super) mission: u64,
-    /// The entry after which the shown state held, its time in milliseconds since 1970, and the entries beside it.
+    /// The entry after which the shown state held, its time in milliseconds since 1970, and the entries before and after it.
     pub(super) seq: u64,
     pub(super) time: i64,
     pub(super) earlier: Option<u64>,
@@ -56,7 +56,7 @@ pub(super) struct HallInfo {
     pub(super) name: Arc<str>,
     /// The side of a cell in metres, if it is known.
     pub(super) cell_m: Option<f64>,
-    /// Whether its map is reckoned from driving times alone.
+    /// Whether the hall's map is reckoned from driving times alone.
     pub(super) is_reckoned: bool,
     /// Distance from a bomb that people must keep, in metres.
     pub(super) evacuation_m: f64,
@@ -72,7 +72,7 @@ impl HallInfo {
         HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
     }
 
-    /// The hall under these conditions; without recorded conditions it is the present one, without the robot.
+    /// The hall under recorded conditions. Without recorded conditions it is the present hall without the robot.
     pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
         let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
@@ -91,7 +91,7 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// The reason of a refusal, and its button; without text it is the place into which the script puts a reason.
+/// The reason of a refusal, and its button. Without text it marks where the script puts a reason.
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
 pub(super) struct Why {
@@ -109,7 +109,7 @@ impl Why {
 pub(super) enum Mood {
     Calm,
     Working,
-    /// It stands, or waits for somebody.
+    /// The robot stands, or waits for somebody.
     Held,
     /// A bomb, or a fault.
     Alarm,
@@ -139,7 +139,7 @@ impl View<'_> {
         self.language.place(cell)
     }
 
-    /// The pieces in the container, such as `luggage #1 is in the container`.
+    /// The pieces in the container, as in `luggage #1 is in the container`.
     fn secured(&self) -> Option<String> {
         let ids: Vec<LuggageId> = self.snapshot.luggage.secured().map(|piece| piece.id).collect();
         match ids.as_slice() {
@@ -156,7 +156,7 @@ impl View<'_> {
         self.hall.robot.as_ref().is_some_and(|robot| &*robot.kind == "sim")
     }
 
-    /// Kind of the searching robot; in the past also that it is not on record.
+    /// Kind of the searching robot. In the past it may say that the kind is not on record.
     pub(super) fn engine(&self) -> Option<Phrase<'_>> {
         let is_known = self.hall.robot.is_some() || self.then.is_some();
         is_known.then(|| self.language.engine(self.hall.robot.as_ref()))
@@ -166,12 +166,12 @@ impl View<'_> {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
     }
 
-    /// Why a button is disabled: its own reason, or that the reader may only look.
+    /// Why a button is disabled: the refusal of its command, or that the reader may only look.
     pub(super) fn bar(&self, refusal: &Option<Refused>) -> Option<String> {
         self.looks_only().or_else(|| refusal.as_ref().map(|refused| self.language.refused(refused)))
     }
 
-    /// Why every button but STOP is disabled: in the past, and for viewers.
+    /// Why every button but STOP is disabled: the page shows the past, or the reader is a viewer.
     pub(super) fn looks_only(&self) -> Option<String> {
         if self.then.is_some() {
             return Some(self.say("dead-past").to_string());
@@ -201,7 +201,7 @@ impl View<'_> {
         self.snapshot.robots.len() > 1
     }
 
-    /// Whether the mission would go on without its holds.
+    /// Whether the mission would go on if nothing held it.
     pub(super) fn is_halted(&self) -> bool {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
@@ -248,12 +248,12 @@ impl View<'_> {
         self.snapshot.mission.holds.iter().map(words).collect()
     }
 
-    /// Why nothing can be recorded, if so; without a full stop.
+    /// Why nothing can be recorded, without a full stop; `None` when entries are recorded.
     pub(super) fn unrecorded(&self) -> Option<&str> {
         self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
     }
 
-    /// What to do next, in phases in which the robot waits for it and no button tells. `None` in the past.
+    /// What to do next, if the robot waits for it and no button tells. `None` in the past.
     pub(super) fn next_step(&self) -> Option<String> {
         if self.then.is_some() {
             return None;
@@ -301,7 +301,7 @@ impl View<'_> {
         if is_held && mood != Mood::Alarm { Mood::Held } else { mood }
     }
 
-    /// The title of the window, so that important news is visible when another window hides this one.
+    /// The title of the window. It shows important news even when another window hides this one.
     pub(super) fn title(&self) -> String {
         let sign = match self.mood() {
             _ if self.then.is_some() => "",
@@ -335,7 +335,7 @@ impl View<'_> {
         self.bar(&mission.refusals.back_home).or_else(|| already.map(|id| self.say(id).to_string()))
     }
 
-    /// Why OK of the temperature is disabled: it only revokes TOO HIGH.
+    /// Why OK of the temperature is disabled: OK only revokes TOO HIGH.
     pub(super) fn bar_of_ok(&self) -> Option<String> {
         let is_over = !self.declared_too_high();
         self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))

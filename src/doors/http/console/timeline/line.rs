@@ -1,6 +1,6 @@
-//! The timeline of one mission: which of its entries are shown, and where. It grows at its end: it is divided into sections of
-//! `SECTION` entries, and only the last one changes. One unit to the right is `UNIT_MS` of the mission's time; no time passes
-//! while the program is off. Sections are drawn by `section`.
+//! The timeline of one mission: which of its entries are shown, and where. It grows at its end. It is divided into sections of
+//! `SECTION` entries, of which only the last one changes. One unit to the right is `UNIT_MS` of the mission's time, but a time
+//! in which the program was off is drawn as `OFF_MS` at most. `section` draws the sections.
 
 use std::sync::Arc;
 
@@ -28,12 +28,12 @@ pub(in super::super) const MOST: usize = 20_000;
 /// Minimum length of a mission in the picture, in milliseconds.
 const LEAST_MS: i64 = 60_000;
 
-/// Time that passes in the picture while the program is off, in milliseconds.
+/// Maximum length in the picture of a time in which the program was off, in milliseconds.
 const OFF_MS: i64 = 5_000;
 
 pub(in super::super) const LAST: Seq = Seq(u64::MAX);
 
-/// What a page must know to move along a timeline.
+/// What a page needs to know to move along a timeline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in super::super) struct Scale {
     mission: u64,
@@ -42,8 +42,8 @@ pub(in super::super) struct Scale {
     /// When the last entry was written, in milliseconds since 1970, and its position.
     end: i64,
     last: u64,
-    /// Jumps of the clock beside the timeline, each from when, to when, and its length in the picture. It jumps while the program
-    /// is off, and when somebody sets it.
+    /// Jumps of the clock: from when, to when, and the length in the picture. The clock jumps while the program is off, and
+    /// when somebody sets it.
     breaks: Vec<[i64; 3]>,
     /// Milliseconds per unit.
     unit: i64,
@@ -149,9 +149,9 @@ impl Timeline {
         At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
     }
 
-    /// Returns the stretch between two jumps of the clock that contains `unix_ms`, the time at which that moment is
-    /// drawn, and how far the clock is ahead of the timeline there, in milliseconds. When the clock was set back, a
-    /// time that it showed twice means the later one; a time that it jumped over is drawn at the jump.
+    /// Returns the stretch between two jumps of the clock that contains `unix_ms`, the time at which that moment is drawn, and
+    /// how far the clock is ahead of the timeline there, in milliseconds. After the clock was set back, a time that it showed
+    /// twice means the later one. A time that it jumped over is drawn at the jump.
     fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
         let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
         let mut stretch = (0, from, 0);
@@ -171,12 +171,12 @@ impl Timeline {
         stretch
     }
 
-    /// Number of sections that do not change any more.
+    /// Number of sections that cannot change any more.
     pub(in super::super) fn full(&self) -> usize {
         self.full.len()
     }
 
-    /// The sections from this one on, each in a group of its own; the last one grows.
+    /// The sections from this one on, each as a group. The last one still grows.
     pub(in super::super) fn sections(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
         let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading));
         let sections = self.full.iter().skip(from).cloned().chain([growing]);
@@ -209,7 +209,7 @@ impl Timeline {
         } else if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS {
             self.leaps.push((self.last, [self.end, wall.unix_ms, OFF_MS]));
         }
-        // In journals from before clock changes were recorded, a clock that was set back does not move the timeline back.
+        // Old journals do not record clock changes. In them a clock that was set back does not move the timeline back.
         self.end = self.end.max(wall.unix_ms);
         self.entries += 1;
         self.is_over = matches!(fact, Fact::MissionArchived(..));
@@ -223,7 +223,7 @@ impl Timeline {
             self.holds(x, wall, fact, !holds.is_empty());
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
-            // The last reading is judged again by the new threshold.
+            // The last reading is judged again, by the new threshold.
             if let Some(TemperaturePoint { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
@@ -266,7 +266,7 @@ impl Timeline {
     }
 }
 
-/// CSS class of a fact's mark; `None` when it has no mark.
+/// CSS class of a fact's mark; `None` if the fact has no mark.
 fn class(fact: &Fact) -> Option<&'static str> {
     Some(match fact {
         Fact::Luggage { .. } => "found",
@@ -275,7 +275,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Secured(_) => "secured",
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
-        // The effect of a verdict is shown with the verdicts.
+        // The effect of a verdict has its mark with the verdicts.
         Fact::Command { asked: Asked::Command(Command::Verdict { .. }), refused: None, .. } => return None,
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { asked: Asked::Command(Command::Stop) | Asked::Stops { .. }, .. } => "stop",
@@ -296,7 +296,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
             return None;
         }
         Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::MapEmptied(_) => return None,
-        // Part of the curve.
+        // These facts are part of the curve.
         Fact::Temperature(..) | Fact::ThermometerSilent(_) => return None,
     })
 }

@@ -1,5 +1,5 @@
-//! The timelines of the missions being viewed: read once from the archive, continued while a mission goes on, and shared by all
-//! pages. `line` decides what is shown, `section` draws it.
+//! The timelines of the missions that somebody views. Each is read once from the archive, continued while its mission goes
+//! on, and shared by all pages. `line` decides what is shown, `section` draws it.
 
 mod line;
 mod section;
@@ -17,13 +17,13 @@ use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{LAST, MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
-/// Maximum wait for a timeline; a page shows an incomplete one when the disk hangs.
+/// Maximum wait for a timeline. When the disk hangs, a page shows an incomplete one.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Pause before the archive is read again.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// Number of cached timelines, including the present one, counted for each language.
+/// Number of cached timelines, including the present one. Each language counts separately.
 const LINES: usize = 8;
 
 /// Number of entries read at a time.
@@ -45,12 +45,12 @@ impl Default for Timelines {
 }
 
 impl Timelines {
-    /// As much of the timeline as can be read within `PATIENCE`; the next call continues.
+    /// The timeline as far as it can be read within `PATIENCE`; the next call continues.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
         let present = door.handle.snapshot().mission.id;
         let (mut line, is_due) = door.timelines.with(|lines| {
-            // Keeps the timelines of the present mission, which every page shows, from being evicted by old ones.
+            // Old timelines must not evict those of the present mission, which every page shows.
             for language in Language::ALL {
                 lines.get(&(present, language));
             }
@@ -95,14 +95,14 @@ impl Timelines {
     }
 }
 
-/// The timeline extended by a page of entries; `None` at its end, and when that cannot be read.
+/// The timeline extended by a page of entries; `None` at its end, and when the archive cannot be read.
 async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -> Option<Arc<Timeline>> {
     if line.is_complete() {
         return None;
     }
     let after = line.last();
     let look = move |archive: &dyn Archive| {
-        // The threshold at its beginning may have been recorded before the mission.
+        // The threshold at the beginning of the timeline may have been recorded before the mission.
         let begin = (after == Seq(0)).then(|| archive.moments(mission, &[At::Time(i64::MIN)]).ok()?.pop()).flatten();
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
         Ok((conditions, archive.timeline(mission, Span::after(after), PAGE)?))

@@ -14,7 +14,7 @@ use askama::filters::{Html, escape};
 use super::super::drawing::write;
 use hallsweep_core::units::Celsius;
 
-/// To the right of every possible moment.
+/// A position to the right of every moment.
 pub(super) const FAR: i64 = 1_000_000_000;
 
 /// Range of the temperatures drawn below and above the threshold, in °C.
@@ -57,7 +57,7 @@ impl Section {
         write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
     }
 
-    /// The line continues level to the next reading, which raises or lowers it.
+    /// The line continues level to the next reading, and steps up or down there.
     pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<TemperaturePoint>) {
         let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
         let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
@@ -75,7 +75,7 @@ impl Section {
         *at = Some(TemperaturePoint { x, celsius, height, is_hot });
     }
 
-    /// The line ends: the last reading is not valid any more.
+    /// The line ends when the last reading is not valid any more.
     pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<TemperaturePoint>) {
         if let Some(TemperaturePoint { x: from, height, is_hot, .. }) = at.take() {
             write(&mut self.temperature, format_args!("H{x}"));
@@ -91,7 +91,7 @@ impl Section {
         }
     }
 
-    /// Markup of its group. A reading that is still valid is drawn on to the far end.
+    /// Markup of the section's group. A reading that is still valid is drawn on to the far end.
     pub(super) fn drawn(&self, place: usize, lasting: Option<TemperaturePoint>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
         if let Some(TemperaturePoint { x, height, is_hot, .. }) = lasting {

@@ -28,7 +28,8 @@ impl View<'_> {
     }
 }
 
-/// The last of 10, 20, 50, 100 and so on that a number has reached: progress is announced at these, and not at every step.
+/// The largest of 10, 20, 50, 100 and so on that a number has reached. Progress is announced at these numbers, and not at every
+/// step.
 fn round(number: usize) -> Option<usize> {
     let power = 10_usize.checked_pow(number.checked_ilog10().filter(|digits| *digits > 0)?)?;
     [5, 2, 1].into_iter().map(|times| times * power).find(|round| *round <= number)

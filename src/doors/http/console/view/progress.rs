@@ -24,13 +24,13 @@ impl View<'_> {
         self.say("cells-and-area").with("cells", cells).with("area", area).to_string()
     }
 
-    /// What is still open, in words; how much lies behind it is not known.
+    /// What is still open, in words. How much lies behind it is not known.
     pub(in super::super) fn open(&self) -> Phrase<'static> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
-    /// What was not searched, shown at equal size beside a phase that sounds like an end. How much lies behind known places is
-    /// not known.
+    /// What was not searched. It is shown as large as a phase that sounds like an end. How much lies behind known places is not
+    /// known.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =
@@ -67,7 +67,7 @@ impl View<'_> {
         })
     }
 
-    /// The beginning of a mission that goes on, for its elapsed time; `None` for a past one.
+    /// When the mission began, if it goes on, for its elapsed time; `None` for a past mission.
     pub(in super::super) fn counts_since(&self) -> Option<WallTime> {
         let is_over = matches!(
             self.snapshot.mission.phase,
@@ -77,7 +77,7 @@ impl View<'_> {
     }
 }
 
-/// Rounding of times below two minutes.
+/// Times below two minutes are rounded to this.
 const ROUGHLY: Duration = Duration::from_secs(10);
 
 fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {

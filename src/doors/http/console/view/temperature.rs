@@ -24,14 +24,14 @@ impl View<'_> {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// The important reading: the hottest of those that are too hot, otherwise the last.
+    /// The reading to show: the hottest of those that are too hot, or the last if none is.
     fn shown(&self) -> Option<SourceReading> {
         let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
         let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
         hottest.or_else(|| Some(SourceReading { celsius: celsius?, read, silent_since }))
     }
 
-    /// The important reading, or that there is none, or none that is still valid.
+    /// The reading to show, or that there is none, or that none is valid any more.
     pub(in super::super) fn celsius(&self) -> String {
         match self.shown() {
             Some(SourceReading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
@@ -44,15 +44,15 @@ impl View<'_> {
         self.shown().is_some_and(|shown| shown.silent_since.is_some())
     }
 
-    /// Its class: an unknown temperature is not shown as a good one.
+    /// The CSS class of the temperature: an unknown temperature is not shown as a good one.
     pub(in super::super) fn temperature_class(&self) -> &'static str {
         let status = self.snapshot.temperature.status;
         let is_unknown = status == TemperatureStatus::Ok && self.is_silent();
         if is_unknown { TemperatureStatus::Stale } else { status }.name()
     }
 
-    /// Age of the last reading, or since when it is not valid any more. In the past it counts from the recorded entry: a repeated
-    /// equal reading is not recorded.
+    /// Age of the last reading, or since when it is not valid any more. In the past the age counts from the recorded entry,
+    /// because a repeated equal reading is not recorded.
     pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
         let SourceReading { celsius, read, silent_since } = self.shown()?;
         let time = |wall: &WallTime| self.zone().clock_time(*wall);
@@ -109,7 +109,7 @@ impl View<'_> {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
     }
 
-    /// Whether a reading, and not a button, says that it is not too hot.
+    /// Whether it is a reading, and not a button, that says the hall is not too hot.
     pub(in super::super) fn reads_ok(&self) -> bool {
         let TemperatureView { celsius, status, silent_since, .. } = &self.snapshot.temperature;
         *status == TemperatureStatus::Ok && celsius.is_some() && silent_since.is_none()
