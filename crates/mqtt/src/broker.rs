@@ -21,35 +21,36 @@ use crate::routed_delivery::{RoutedDelivery, Router};
 use crate::subscriber::{Delivery, Subscriber, TopicReader};
 use crate::subscription::Subscription;
 
-/// What all connections share: rights, retained messages and readers. Every method takes `&self`, so they share it by
-/// an `Arc`.
+/// What all connections share: rights, retained messages and readers. Connections hold it in an `Arc`, as every method
+/// takes `&self`.
 #[derive(Debug)]
 pub struct Broker {
     pub(crate) rights: Box<dyn Rights>,
     pub(crate) retained: Retained,
     pub(crate) readers: Arc<Readers>,
-    /// Total size in bytes of all messages that anybody still holds.
+    /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,
-    /// Bounds the log lines about refusals of all clients together, since any of them may reconnect for ever.
+    /// Bounds the log lines about refusals of all clients together, since each client may reconnect for ever.
     pub(crate) lines: Lines,
-    /// Randomly seeded, so that nobody outside can construct two texts with the same fingerprint.
+    /// Randomly seeded, so that no client can construct two texts with the same fingerprint.
     hasher: RandomState,
 }
 
-/// A message of the program itself: no [`Rights`] are asked, and what it retains has its own room.
+/// A message of the program itself, which may use any topic and has its own room for retained messages.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement<'a> {
     /// Any topic, even one that begins with `$`; the caller must see that it has no wildcards.
     pub topic: &'a str,
     /// May be empty: with `retain`, it then removes what the topic retained.
     pub payload: &'a [u8],
-    /// It is retained only while there is room, and never on a topic of commands.
+    /// Whether to retain the message. It is retained only if there is room, and never on a topic of commands.
     pub retain: bool,
-    /// For readers of MQTT 5. Only those that MQTT forwards are sent (section 3.3.2.3), such as the content type.
+    /// Properties for readers of MQTT 5. Only properties that MQTT forwards are sent (section 3.3.2.3), such as the
+    /// content type.
     pub properties: &'a [Property<'a>],
 }
 
-/// The program's own subscription, at QoS 1. Dropping it ends it.
+/// The program's own subscription, at QoS 1. Dropping the value ends the subscription.
 #[derive(Debug)]
 pub struct OwnSubscription(Subscription);
 
@@ -68,7 +69,8 @@ impl Broker {
         Broker::of(rights, None)
     }
 
-    /// A broker whose messages this router delivers, except to shared subscriptions, of which no router knows.
+    /// A broker whose messages this router delivers. The broker itself delivers to shared subscriptions, which no
+    /// router knows.
     #[must_use]
     pub fn with_router(rights: impl Rights + 'static, router: impl Router + 'static) -> Broker {
         Broker::of(rights, Some(Box::new(router)))
@@ -95,8 +97,8 @@ impl Broker {
         self.rights.may_share(who, filter)
     }
 
-    /// Publishes a message of the program at QoS 1, without waiting for any subscriber. Returns whether there was room
-    /// to retain it, if it is to be retained.
+    /// Publishes a message of the program at QoS 1, without waiting for any subscriber. Returns false only if the
+    /// message was to be retained and there was no room.
     pub fn publish(&self, announcement: &Announcement<'_>) -> bool {
         let Announcement { topic, payload, retain, properties } = *announcement;
         let properties = that_go_on(properties.iter().copied());
@@ -112,12 +114,12 @@ impl Broker {
         let message = self.message(draft);
         let is_kept =
             !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message, Duration::ZERO);
-        // Retained first, so that a subscriber who arrives between the two steps finds it there.
+        // The message is retained first, so that a subscriber who arrives between the two steps finds it there.
         self.send(&message, &self.readers.of(topic, None));
         is_kept
     }
 
-    /// Publishes the will of a client that may leave it; `now` is on the clock of all connections.
+    /// Publishes the will of a client, whose right to leave it was checked. `now` is on the clock of all connections.
     pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) {
         let message = self.message(Draft {
             topic: Arc::from(will.topic.as_str()),
@@ -134,7 +136,7 @@ impl Broker {
         self.send(&message, &self.readers.of(&will.topic, None));
     }
 
-    /// Subscribes the program itself at QoS 1. The filters are not checked here and have to be valid.
+    /// Subscribes the program itself at QoS 1. The filters must be valid: they are not checked here.
     #[must_use]
     pub fn subscribe(&self, filters: &[&str]) -> OwnSubscription {
         let mut subscription = Subscription::new(&self.readers);
@@ -155,8 +157,8 @@ impl Broker {
         Arc::new(Message::new(draft, self.retained.stamp(), &self.alive))
     }
 
-    /// Sends a message to each of its readers, and to one of each group. Groups are the gate's alone: no router knows
-    /// of them.
+    /// Sends a message to each of its readers, and to one reader of each group. The broker itself delivers to groups:
+    /// no router knows them.
     pub(crate) fn send(&self, message: &Arc<Message>, readers: &TopicReaders) {
         let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
@@ -166,7 +168,8 @@ impl Broker {
         self.readers.in_turn(&readers.groups).for_each(put);
     }
 
-    /// Whether messages may wait for a client that is away: it cannot read them, and there may be many such clients.
+    /// Whether there is room for messages that wait for clients that are away: such clients cannot read, and there may
+    /// be many.
     pub(crate) fn has_room_for_away(&self) -> bool {
         self.beside() <= AWAY
     }

@@ -1,9 +1,9 @@
-//! Topics and filters (section 4.7): which are valid, and which topics a filter matches. Who may use them is not
-//! decided here.
+//! Topics and filters (section 4.7): which of them are valid, and which topics a filter matches. Who may use them is
+//! not decided here.
 
 use super::limits::{LEVELS, TOPIC};
 
-/// The character after the slash in the order of bytes.
+/// The character that follows the slash in the order of bytes.
 const AFTER_SLASH: char = '0';
 
 /// Why the gate refuses a topic or a filter, though the standard may allow it.
@@ -12,16 +12,16 @@ pub enum Unfit {
     /// Longer than `limits::TOPIC` bytes; the standard allows 65,535.
     #[error("it is longer than {TOPIC} bytes")]
     Long,
-    /// More than `limits::LEVELS` levels, which every search goes through one by one.
+    /// More than `limits::LEVELS` levels, through which every search goes one by one.
     #[error("it has more than {LEVELS} levels")]
     Deep,
-    /// It begins with `$`. Such topics are the server's own (section 4.7.2), and this one has none.
+    /// It begins with `$`. Such topics belong to the server (section 4.7.2), and this server has none.
     #[error("it begins with `$`, and there is nothing like that here")]
     Dollar,
     /// `#` or `+` in a place where section 4.7.1 forbids it.
     #[error("it has `#` or `+` where they cannot be")]
     Wildcards,
-    /// `$share/…` without a name, or with nothing behind it (MQTT 5, section 4.8.2).
+    /// `$share/…` without a name, or without a filter behind the name (MQTT 5, section 4.8.2).
     #[error("a shared subscription is `$share/NAME/FILTER`, the name without `+` and `#`")]
     Share,
 }
@@ -66,8 +66,8 @@ pub fn overlap(one: &str, other: &str) -> bool {
     }
 }
 
-/// Checks the length, the levels and the first character of a topic. The caller knows that it is not empty and has no
-/// wildcards.
+/// Checks the length, the levels and the first character of a topic. The topic must not be empty or have wildcards:
+/// this is not checked here.
 ///
 /// # Errors
 /// `Unfit::Long`, `Unfit::Deep` or `Unfit::Dollar`.
@@ -76,7 +76,7 @@ pub fn topic(topic: &str) -> Result<(), Unfit> {
     if topic.starts_with('$') { Err(Unfit::Dollar) } else { Ok(()) }
 }
 
-/// Checks a filter, which the caller knows not to be empty. A shared one is refused for its `$`.
+/// Checks a filter, which must not be empty. A shared filter is refused for its `$`.
 ///
 /// # Errors
 /// `Unfit::Long`, `Unfit::Deep`, `Unfit::Dollar` or `Unfit::Wildcards`.
@@ -108,7 +108,7 @@ pub(crate) fn matches(filter: &str, topic: &str) -> bool {
     levels.next().is_none()
 }
 
-/// The levels before the filter's first wildcard, with which every topic that it matches begins.
+/// The levels before the filter's first wildcard. Every topic that the filter matches begins with them.
 pub(crate) fn stem(filter: &str) -> &str {
     match filter.find(['+', '#']) {
         Some(wildcard) => filter[..wildcard].strip_suffix('/').unwrap_or(""),
@@ -116,7 +116,7 @@ pub(crate) fn stem(filter: &str) -> &str {
     }
 }
 
-/// Where to look next among topics in the order of their bytes.
+/// Where to look next when topics are searched in the order of their bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Next {
     /// This topic matches.
@@ -127,8 +127,8 @@ pub(crate) enum Next {
     Nowhere,
 }
 
-/// Whether a filter matches this topic; if not, where the next topic can be that it matches. A search thus goes level
-/// by level, as in a tree, and skips what lies between.
+/// Whether a filter matches this topic. If not, where the next matching topic can be: a search goes level by level, as
+/// in a tree, and skips the topics between.
 pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
         // A place after all topics that begin with `$`.

@@ -1,5 +1,5 @@
-//! Where packets begin and end in a stream of bytes (MQTT 3.1.1, section 2.2, and MQTT 5, section 2.1.1), and what can
-//! be wrong with one. The contents of packets are read in `packet`.
+//! Where packets begin and end in a stream of bytes (MQTT 3.1.1, section 2.2, and MQTT 5, section 2.1.1), and the
+//! errors that a packet can have. The contents of packets are read in `packet`.
 
 use super::limits::{ALIASES, PACKET_FILTERS};
 use super::packet::reason::Reason;
@@ -27,71 +27,72 @@ pub enum PacketKind {
     Auth,
 }
 
-/// The packet at the head of a stream, all of which has arrived: its kind, and where its parts are.
+/// The packet at the head of a stream, when it has arrived completely: its kind, and where its parts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// From the upper half of the first byte, where 0 is malformed.
+    /// The kind, from the upper half of the first byte, where 0 is malformed.
     pub kind: PacketKind,
-    /// The four flag bits beside the kind. Those of all kinds but PUBLISH have been checked.
+    /// The four flag bits beside the kind. They have been checked, except in a PUBLISH.
     pub flags: u8,
-    /// Length of the fixed header in bytes, 2 to 5: the body begins there.
+    /// Length of the fixed header in bytes, 2 to 5. The body begins behind it.
     pub head: usize,
     /// Length of the whole packet in bytes, the fixed header included.
     pub length: usize,
 }
 
-/// What is wrong with a packet; any of these ends the connection (MQTT 5, section 4.13).
+/// Why a packet is malformed. Each of these errors ends the connection (MQTT 5, section 4.13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Malformed {
-    /// The first byte has no known kind, or flags that its kind must not have (MQTT 3.1.1, section 2.2.2).
+    /// The first byte has an unknown kind, or flags that its kind must not have (MQTT 3.1.1, section 2.2.2).
     #[error("no packet begins with the byte {0:#04x}")]
     Kind(u8),
-    /// The length goes on behind its fourth byte, which has to be the last (MQTT 3.1.1, section 2.2.3).
+    /// The length has more than four bytes (MQTT 3.1.1, section 2.2.3).
     #[error("the length of a packet has more than four bytes")]
     Length,
-    /// The packet, or the properties of a will, are longer than the gate takes; see `limits`.
+    /// The packet, or the properties of a will, are longer than the gate accepts: see `limits`.
     #[error("a packet of {length} bytes is longer than the {limit} that are taken")]
     TooLong {
-        /// Its length in bytes.
+        /// The length of the packet or of the properties, in bytes.
         length: usize,
         /// The limit in bytes.
         limit: usize,
     },
-    /// The bytes of the packet are used up before those that this field should have.
+    /// The name of a field before whose end the packet ends.
     #[error("a packet ends within its {0}")]
     Short(&'static str),
-    /// The number of bytes behind the last field; those behind a PUBLISH's fields are its payload.
+    /// The number of bytes behind the last field. In a PUBLISH such bytes are the payload, and no error.
     #[error("{0} bytes follow the end of a packet")]
     Trailing(usize),
-    /// The name of a field that is no text by MQTT 5, section 1.5.4.
+    /// The name of a field that is not a valid text by MQTT 5, section 1.5.4.
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
-    /// The byte with a QoS of 3, or, in a SUBSCRIBE of MQTT 3.1.1, with any bits beside the QoS.
+    /// The byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bits beside the QoS.
     #[error("{0:#04x} is no QoS")]
     Qos(u8),
-    /// The DUP flag at QoS 0, at which nothing is sent twice (section 3.3.1.1).
+    /// The DUP flag at QoS 0, at which no message is sent twice (section 3.3.1.1).
     #[error("a PUBLISH of QoS 0 is marked as a duplicate")]
     Duplicate,
-    /// The packet id 0, which stands for none (MQTT 3.1.1, section 2.3.1).
+    /// The packet id 0, which means that there is no id (MQTT 3.1.1, section 2.3.1).
     #[error("a packet has the id 0")]
     Id,
     /// The topic of a PUBLISH or of a will is empty or has wildcards (section 3.3.2.1).
     #[error("a PUBLISH has an empty topic, or one with wildcards")]
     Topic,
-    /// No filter, or an empty one: a SUBSCRIBE or UNSUBSCRIBE has to name one at least (sections 3.8.3 and 3.10.3).
+    /// No filter, or an empty one: a SUBSCRIBE or UNSUBSCRIBE has to name at least one filter (sections 3.8.3 and
+    /// 3.10.3).
     #[error("a packet names no filter, or an empty one")]
     Filters,
-    /// More filters than the gate answers in one turn; the standard sets no limit.
+    /// More filters than the gate accepts in one packet; the standard sets no limit.
     #[error("a packet names more than {PACKET_FILTERS} filters")]
     ManyFilters,
-    /// The reserved bit, a QoS of 3, parts of a will without a will, or in MQTT 3.1.1 a password without a name
+    /// The reserved bit, a QoS of 3, or parts of a will without a will; in MQTT 3.1.1 also a password without a name
     /// (section 3.1.2).
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
-    /// The identifier of an unknown property, or of one that this packet must not have (MQTT 5, table 2-4).
+    /// The identifier of an unknown property, or of a property that this packet must not have (MQTT 5, table 2-4).
     #[error("the property {0:#04x} is not known, or cannot stand where it does")]
     Property(u8),
-    /// The identifier of a property that occurs twice, which only the user property may (MQTT 5, section 2.2.2.2).
+    /// The identifier of a property that occurs twice. Only the user property may do so (MQTT 5, section 2.2.2.2).
     #[error("the property {0:#04x} stands in a packet twice")]
     PropertyTwice(u8),
     /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a Method.
@@ -106,10 +107,10 @@ pub enum Malformed {
     /// A topic alias of 0, or above the Topic Alias Maximum that the CONNACK announced.
     #[error("a PUBLISH has the topic alias {0}, and at most {ALIASES} are taken, from 1 on")]
     Alias(u16),
-    /// An empty topic without an alias, or with one that was not set in this connection.
+    /// An empty topic without an alias, or with an alias that was not set in this connection.
     #[error("a PUBLISH has no topic, and its topic alias stands for none")]
     NoTopic,
-    /// A DISCONNECT asks for a session, and its CONNECT has asked for none (MQTT 5, section 3.14.2.2.2).
+    /// A DISCONNECT asks for a session although its CONNECT asked for none (MQTT 5, section 3.14.2.2.2).
     #[error("a DISCONNECT asks for a session that its CONNECT has not asked for")]
     SessionExpiry,
     /// A reason code that packets of this kind do not have (MQTT 5, table 2-6).
@@ -121,7 +122,8 @@ pub enum Malformed {
 }
 
 impl Malformed {
-    /// The reason code for a client of MQTT 5: whether the form of the packet is wrong or what it says (section 4.13).
+    /// The reason code for a client of MQTT 5. It says whether the form of the packet is wrong or its contents (section
+    /// 4.13).
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -177,7 +179,7 @@ impl PacketKind {
             .filter(|kind| kind.flags().is_none_or(|flags| flags == first & 15))
     }
 
-    /// The flags that this kind must have; `None`: they carry information.
+    /// The flags that a packet of this kind must have; `None` for a PUBLISH, whose flags carry information.
     const fn flags(self) -> Option<u8> {
         if matches!(self, PacketKind::Publish) {
             return None;
@@ -185,7 +187,7 @@ impl PacketKind {
         Some(if matches!(self, PacketKind::Pubrel | PacketKind::Subscribe | PacketKind::Unsubscribe) { 2 } else { 0 })
     }
 
-    /// The first byte of such a packet, with the flags that it must have; those of a PUBLISH are all clear.
+    /// The first byte of a packet of this kind, with the flags that it must have. The flags of a PUBLISH are all clear.
     #[must_use]
     pub const fn first_byte(self) -> u8 {
         let flags = match self.flags() {
@@ -196,11 +198,11 @@ impl PacketKind {
     }
 }
 
-/// Finds the packet at the head of a stream, once all of it has arrived; `limit` is the maximum length of the whole
-/// packet in bytes.
+/// Finds the packet at the head of a stream; `None` until all of it has arrived. `limit` is the maximum length of the
+/// whole packet in bytes.
 ///
 /// # Errors
-/// As soon as the first bytes show that they begin no packet, or one that would be too long.
+/// As soon as the first bytes begin no valid packet, or a packet that is too long.
 pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     let Some(&first) = stream.first() else { return Ok(None) };
     let kind = PacketKind::of(first).ok_or(Malformed::Kind(first))?;
@@ -213,8 +215,8 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     Ok((stream.len() >= length).then_some(Frame { kind, flags: first & 15, head, length }))
 }
 
-/// The remaining length at the head of these bytes, and how many bytes it occupies, 4 at most; `None`: it has not
-/// arrived as a whole.
+/// The remaining length at the head of these bytes, and the number of bytes that encode it, 4 at most; `None` if the
+/// length has not arrived completely.
 pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {

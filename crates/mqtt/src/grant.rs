@@ -1,11 +1,11 @@
-//! The terms of one granted subscription: those that its SUBSCRIBE asked for, since no QoS is lowered.
+//! The terms of one granted subscription. They are the terms that its SUBSCRIBE asked for, since no QoS is lowered.
 
 use std::sync::Arc;
 
 use super::packet::Qos;
 use super::packet::filters::Options;
 
-/// Subscription ids; most messages have none.
+/// Subscription ids of a message; most messages have none.
 pub(crate) type Ids = Option<Arc<[u32]>>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub(crate) struct Grant {
 }
 
 impl Grant {
-    /// This QoS, and otherwise the terms of MQTT 3.1.1.
+    /// A grant of this QoS, and otherwise on the terms of MQTT 3.1.1.
     pub(crate) const fn at(qos: Qos) -> Grant {
         Grant { options: Options::at(qos), id: None }
     }

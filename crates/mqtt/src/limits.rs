@@ -1,9 +1,9 @@
-//! Every bound of the gate, each with its reason. How many clients may connect at once is limited by the program's
+//! All limits of the gate, each with its reason. The number of clients connected at once is limited by the program's
 //! accept loop.
 
 use std::time::Duration;
 
-/// Longest CONNECT, in bytes: names and a will, which is a short message.
+/// Longest CONNECT, in bytes: the names and a will, which is a short message.
 pub const CONNECT: usize = 64 * 1024;
 
 /// Longest packet of a client, in bytes: a scaled-down photo of a phone fits.
@@ -18,29 +18,29 @@ pub(crate) const TOPIC: usize = 512;
 /// Most levels of a topic or filter: searches go through them level by level.
 pub(crate) const LEVELS: usize = 32;
 
-/// Topic aliases that a client of MQTT 5 may set, and most that are set for it.
+/// Maximum number of topic aliases that a client of MQTT 5 may set, and of those that the broker sets for a client.
 pub const ALIASES: u16 = 10;
 
-/// A client that accepts no packets longer than this, in bytes, gets no reasons in words: no packet with such a reason
-/// is longer.
+/// A client that accepts no packets longer than this, in bytes, gets no reasons in words. Packets with such a reason
+/// are never longer.
 pub(crate) const WITH_WORDS: u32 = 1024;
 
-/// Longest keep alive granted to a client of MQTT 5, in seconds: one and a half times this is `SILENCE`.
+/// Longest keep alive granted to a client of MQTT 5, in seconds. `SILENCE` is one and a half times as long.
 pub const KEEP_ALIVE_S: u16 = 57_600;
 
-/// Most bytes of properties that go on with a message, user properties included.
+/// Maximum size of the properties that are forwarded with a message, in bytes, user properties included.
 pub(crate) const PROPERTIES: usize = 16 * 1024;
 
-/// Filters held by one connection: Home Assistant makes one for each topic of each of its devices.
+/// Filters held by one connection. Home Assistant subscribes to one filter for each topic of each of its devices.
 pub const FILTERS: usize = 1024;
 
 /// Total size of the filters held by one connection, in bytes.
 pub(crate) const FILTER_BYTES: usize = 64 * 1024;
 
-/// Filters in one packet, since a packet is answered in one turn. Home Assistant sends up to 500.
+/// Maximum number of filters in one packet, which is answered in one turn. Home Assistant sends up to 500.
 pub(crate) const PACKET_FILTERS: usize = 512;
 
-/// Most retained messages of all clients together; the program has room of its own (`PROGRAM_KEPT`).
+/// Most retained messages of all clients together. The program's own messages have separate room (`PROGRAM_KEPT`).
 pub(crate) const KEPT: usize = 10 * 1024;
 
 /// Size of the retained messages of all clients, in bytes, topics included.
@@ -67,101 +67,103 @@ pub(crate) const KEPT_SHARE_BYTES: usize = 8 * 1024 * 1024;
 /// Retained messages of the program itself, which has a dozen topics.
 pub(crate) const PROGRAM_KEPT: usize = 256;
 
-/// Size of the program's retained messages, in bytes: a large map, a photo, and what stands on the other topics.
+/// Size of the program's retained messages, in bytes: a large map, a photo, and the messages on the other topics.
 pub(crate) const PROGRAM_KEPT_BYTES: usize = 8 * 1024 * 1024;
 
 /// Retained messages examined for one client before other clients get a turn.
 pub(crate) const KEPT_STEPS: usize = 512;
 
-/// Unacknowledged retained messages of one client. Mosquitto allows as many.
+/// Unacknowledged retained messages of one client, as many as Mosquitto allows.
 pub(crate) const KEPT_UNDER_WAY: usize = 20;
 
-/// Approximate memory that a message takes beside its topic and payload, in bytes.
+/// Approximate memory that a message takes in addition to its topic and payload, in bytes.
 pub(crate) const MESSAGE_COST: usize = 128;
 
-/// Most that a message weighs while it waits for one of its readers, in bytes: a long one is in memory once for all of
-/// them.
+/// Maximum weight of a message that waits for a reader, in bytes: a long message is in memory only once for all its
+/// readers.
 pub(crate) const HEAVIEST: usize = 16 * 1024;
 
-/// Most that may wait for one subscriber, by weight: what it gets at once when it has not read for a moment. Beyond
-/// this the oldest message is lost.
+/// Maximum weight of the messages that wait for one subscriber, which may not have read for a moment. Beyond this the
+/// oldest message is lost.
 pub(crate) const QUEUE: usize = 256 * 1024;
 
-/// Most memory of the messages that wait for one subscriber, in bytes, whoever shares them. Beyond this the oldest of
-/// those that weigh less than they take is lost.
+/// Maximum memory of the messages that wait for one subscriber, in bytes, including memory shared with other
+/// subscribers. Beyond this the oldest message longer than `HEAVIEST` is lost.
 pub(crate) const QUEUE_BYTES: usize = 2 * 1024 * 1024;
 
 /// Messages wait for a subscriber that is away only while all waiting messages together take at most this many bytes.
-/// One that goes away when they take more loses its queue.
+/// When they take more, a subscriber that goes away loses its queue.
 pub(crate) const AWAY: usize = 8 * 1024 * 1024;
 
-/// Weight of the messages waiting for a subscriber from which on flooding publishers wait for it: a part of the queue,
-/// since several may publish at once, and large enough that neither side idles.
+/// Flooding publishers wait for a subscriber when messages of more than this weight wait for it. This is only a part of
+/// the queue, since several publishers may send at once, and enough that neither side idles.
 pub(crate) const LAG: usize = QUEUE / 4;
 
-/// Bytes of the messages waiting for a subscriber from which on flooding publishers wait for it.
+/// Flooding publishers wait for a subscriber when messages of more than this many bytes wait for it.
 pub(crate) const LAG_BYTES: usize = QUEUE_BYTES / 4;
 
-/// Weight of a client's messages passed on before lagging readers are looked for: others may publish at the same time.
+/// Weight of a client's messages that are passed on before lagging readers are looked for. It is a part of `LAG`, since
+/// other clients may publish at the same time.
 pub(crate) const PIECE: usize = LAG / 4;
 
-/// A publisher waits until at most this weight waits for the subscriber.
+/// A waiting publisher goes on when messages of at most this weight wait for the subscriber.
 pub(crate) const RELIEF: usize = LAG / 2;
 
-/// A publisher waits until at most this many bytes wait for the subscriber.
+/// A waiting publisher goes on when messages of at most this many bytes wait for the subscriber.
 pub(crate) const RELIEF_BYTES: usize = LAG_BYTES / 2;
 
-/// Longest wait of a publisher for a subscriber that reads, though too slowly.
+/// Longest wait of a publisher for a subscriber that reads too slowly.
 pub(crate) const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Longest wait of a publisher for the first subscriber that does not read, as something urgent may stand behind what
-/// the publisher has sent. When several stop reading one after the other, each is waited for half as long as the one
+/// Longest wait of a publisher for the first subscriber that does not read: an urgent message may come behind the
+/// messages that the publisher has sent. When several subscribers stop reading, each wait is half as long as the one
 /// before.
 pub(crate) const STILL: Duration = Duration::from_millis(40);
 
-/// A wait that would be shorter than this is left out.
+/// A wait shorter than this is left out.
 pub(crate) const STILL_SHORTEST: Duration = Duration::from_millis(1);
 
-/// How long nobody waits for a subscriber that was waited for in vain. Each time it is twice as long as the last time.
+/// Time for which no publisher waits for a subscriber that was waited for in vain. It doubles each time.
 pub(crate) const FORGIVEN: Duration = Duration::from_secs(10);
 
-/// Upper bound of the doubling of `FORGIVEN`.
+/// Upper bound of the doubled `FORGIVEN`.
 pub(crate) const FORGIVEN_LONGEST: Duration = Duration::from_secs(640);
 
-/// After this time without a new offence, `FORGIVEN` starts from its first value again.
+/// After this time without another wait in vain, `FORGIVEN` starts from its first value again.
 pub(crate) const MENDED: Duration = Duration::from_secs(60);
 
-/// In a flood, a message counts once more for each of this many bytes in it.
+/// When messages are counted to recognise a flood, a message counts once more for each of this many bytes in it.
 pub(crate) const LONG: usize = 512;
 
-/// Messages per second that are no flood: a client that publishes no more never waits for anybody, so that urgent
+/// Messages per second that are no flood. A client that publishes no more never waits for a subscriber, so its urgent
 /// messages are read at once.
 pub(crate) const NO_FLOOD: u64 = 256;
 
-/// A payload of at least this many bytes is shared by all its readers; shorter ones are copied for each, which is
-/// cheaper.
+/// A payload of at least this many bytes is shared by all its readers. A shorter payload is copied for each reader,
+/// which is cheaper.
 pub(crate) const SHARED: usize = 1024;
 
-/// No further retained message is sent to a client while more bytes than this wait for it.
+/// No further retained message is sent to a client while at least this many bytes wait for it.
 pub(crate) const KEPT_ROOM: usize = 32 * 1024;
 
-/// No further message is sent to a client while more bytes than this wait for it.
+/// No further message is sent to a client while at least this many bytes wait for it.
 pub const CLIENT_ROOM: usize = 64 * 1024;
 
-/// No more packets are handled for a client while more bytes than this wait for it. Urgent messages are heard all the
-/// same; a client that goes on sending and reads nothing is disconnected.
+/// No more packets of a client are handled while at least this many bytes wait for it. Its urgent messages are heard
+/// even then. A client that goes on sending and reads nothing is disconnected.
 pub const ANSWER_ROOM: usize = 512 * 1024;
 
-/// Unacknowledged messages of a client beyond which it gets no more messages that need an acknowledgement.
+/// A client with this many unacknowledged messages gets no more messages that need an acknowledgement.
 pub(crate) const WINDOW: usize = 100;
 
-/// Bytes of unacknowledged messages of a client beyond which it gets no more messages that need an acknowledgement.
+/// A client whose unacknowledged messages take this many bytes gets no more messages that need an acknowledgement.
 pub(crate) const WINDOW_BYTES: usize = 512 * 1024;
 
-/// Most messages of QoS 2 that a client leaves unreleased. Clients of MQTT 5 are told it as Receive Maximum.
+/// Most messages of QoS 2 that a client may leave unreleased. The gate sends this number to clients of MQTT 5 as
+/// Receive Maximum.
 pub const UNRELEASED: usize = 4096;
 
-/// Number of latest commands of a client that are compared to recognise a duplicate.
+/// Number of a client's latest commands with which a new command is compared to recognise a duplicate.
 pub(crate) const HANDLED: usize = 256;
 
 /// Longest silence of a client, whatever keep alive it announced.

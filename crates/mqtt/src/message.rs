@@ -1,4 +1,4 @@
-//! One message, shared by all who receive it and counted for as long as anybody holds it.
+//! One message, shared by all its receivers and counted while it is in memory.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,11 +9,11 @@ use bytes::Bytes;
 use crate::limits::MESSAGE_COST;
 use crate::packet::Qos;
 
-/// Not used again while the program runs: a message may outlive its publisher.
+/// An id that is never used again while the program runs, since a message may outlive its publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SubscriberId(pub(crate) u64);
 
-/// A message as it was published. It never changes, and all its readers share it.
+/// A message as it was published. It never changes, and is shared by all its readers.
 #[derive(Debug)]
 pub struct Message {
     topic: Arc<str>,
@@ -23,12 +23,12 @@ pub struct Message {
     /// Its publisher's properties, in the encoding of MQTT 5.
     properties: Box<[u8]>,
     expires_at: Option<Duration>,
-    /// `None`: the program, or a client that left it as its will.
+    /// `None` for a message of the program, and for a client's will.
     publisher: Option<SubscriberId>,
-    /// Position in the order of retained messages: whatever is retained with a higher stamp was retained no earlier
-    /// than this was published.
+    /// Position in the order of retained messages: a message with a higher stamp was retained no earlier than this one
+    /// was published.
     pub(crate) stamp: u64,
-    /// Total size in bytes of all messages that anybody holds.
+    /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Draft<'a> {
     pub(crate) publisher: Option<SubscriberId>,
 }
 
-/// Shares a message's payload without a copy, and holds the message for that long.
+/// Shares a message's payload without a copy; the message stays in memory for as long.
 struct Payload(Arc<Message>);
 
 #[cfg(test)]
@@ -63,7 +63,7 @@ impl Message {
         message
     }
 
-    /// The topic on which it was published, in place of any topic alias.
+    /// The topic on which the message was published, never a topic alias.
     #[must_use]
     pub fn topic(&self) -> &str {
         &self.topic
@@ -89,7 +89,8 @@ impl Message {
         &self.properties
     }
 
-    /// The seconds until it expires; `None`: it never does, `Some(0)`: it has expired (MQTT 5, section 3.3.2.3.3).
+    /// The seconds until the message expires; `None` if it never does, `Some(0)` if it has expired (MQTT 5, section
+    /// 3.3.2.3.3).
     pub(crate) fn good_for_s(&self, now: Duration) -> Option<u32> {
         let left = self.expires_at?.saturating_sub(now);
         // Rounded up, so that 0 stands for expired messages only.
@@ -108,7 +109,7 @@ impl Message {
         self.expires_at
     }
 
-    /// Approximate memory that it takes, in bytes.
+    /// Approximate memory that the message takes, in bytes.
     pub(crate) fn cost(&self) -> usize {
         MESSAGE_COST + self.topic.len() + self.payload.len() + self.properties.len()
     }
@@ -117,7 +118,7 @@ impl Message {
         Arc::clone(&self.topic)
     }
 
-    /// Its payload without a copy; the whole message lives as long.
+    /// Its payload without a copy. The whole message stays in memory for as long as the payload.
     pub(crate) fn shared_payload(self: &Arc<Message>) -> Bytes {
         Bytes::from_owner(Payload(Arc::clone(self)))
     }

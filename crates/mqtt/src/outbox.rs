@@ -1,5 +1,6 @@
-//! What waits to be sent to one client, in order: bytes of its own, and payloads of long messages, which all receivers
-//! share. Buffers that grew large are released when their bytes have been sent. How much may wait is not decided here.
+//! The bytes that wait to be sent to one client, in order: its own bytes, and payloads of long messages, which all
+//! receivers share. Buffers that grew large are released when their bytes have been sent. The limits of the outbox are
+//! not decided here.
 
 use std::collections::VecDeque;
 use std::io::IoSlice;
@@ -9,8 +10,8 @@ use bytes::{Buf, Bytes, BytesMut};
 /// Most empty buffer space retained for later use, in bytes.
 const ROOM: usize = 16 * 1024;
 
-/// Size of the pieces in which small messages wait, in bytes, approximately: one buffer for all of them would grow by
-/// doubling, and most of it would be empty.
+/// Approximate size of the pieces in which small messages wait, in bytes. A single buffer would grow by doubling, and
+/// most of it would be empty.
 const CHUNK: usize = 16 * 1024;
 
 /// A piece with less free space than this, in bytes, is not written to any more.
@@ -36,8 +37,8 @@ struct Piece {
 }
 
 impl Outbox {
-    /// The buffer to append to: what is in it is sent last. A full one is put behind the others first, so none grows
-    /// large.
+    /// The buffer to append to; its contents are sent last. A full buffer is first put behind the complete pieces, so
+    /// no buffer grows large.
     pub fn end(&mut self) -> &mut BytesMut {
         if self.last.len() > CHUNK - SPARE {
             self.seal();
@@ -64,7 +65,7 @@ impl Outbox {
         }
     }
 
-    /// Number of bytes that wait, those included that other clients share.
+    /// Number of waiting bytes, including bytes that other clients share.
     #[must_use]
     pub fn len(&self) -> usize {
         self.length + self.last.len()
@@ -81,7 +82,7 @@ impl Outbox {
         self.len() == 0
     }
 
-    /// Drops everything that waits. If a part of a packet was sent before, no other packet can follow it.
+    /// Drops all waiting bytes. If a part of a packet was sent before, no other packet can follow it.
     pub fn clear(&mut self) {
         *self = Outbox::default();
     }
@@ -118,7 +119,8 @@ impl Buf for Outbox {
             }
         }
         self.last.advance(count);
-        // Releases a large buffer that has been sent. Its capacity does not tell, since sent bytes are no part of it.
+        // Releases a large buffer that has been sent. `capacity` does not tell its size, since it leaves out the sent
+        // bytes.
         if self.last.is_empty() && self.last.try_reclaim(ROOM + 1) {
             self.last = BytesMut::new();
         }

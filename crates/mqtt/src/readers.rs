@@ -1,5 +1,5 @@
-//! Who reads what: the filters of all subscribers, sorted, so that those that match a topic are found level by level
-//! without looking at others. What waits for each subscriber stands in `subscriber`.
+//! The filters of all subscribers, sorted: the filters that match a topic are found level by level, without looking at
+//! others. The messages that wait for each subscriber stand in `subscriber`.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -13,7 +13,7 @@ use super::subscriber::{Subscriber, TopicReader};
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TopicReaders {
-    /// Readers that each get the message.
+    /// Readers that all get the message.
     pub(crate) each: Vec<TopicReader>,
     /// Groups with a shared subscription; one reader of each group gets the message.
     pub(crate) groups: Vec<Vec<TopicReader>>,
@@ -21,12 +21,12 @@ pub(crate) struct TopicReaders {
 
 #[derive(Debug, Default)]
 pub(crate) struct Readers {
-    /// Raised by every change, so that cached results are looked up again.
+    /// Increased by every change, so that cached results are looked up again.
     generation: AtomicU64,
     held: Mutex<Held>,
-    /// Raised with each message for groups, so that their members take turns.
+    /// Increased with each message for groups, so that their members take turns.
     turns: AtomicUsize,
-    /// Delivers messages to the readers; `None`: the broker itself does.
+    /// Delivers messages to the readers; `None` if the broker delivers them itself.
     router: Option<Box<dyn Router>>,
 }
 
@@ -75,8 +75,8 @@ impl Readers {
         self.generation.load(Ordering::Acquire)
     }
 
-    /// The readers of a topic. Each occurs once, on the best terms of its matching filters (section 3.3.5). The
-    /// publisher is left out where its filter says No Local.
+    /// The readers of a topic. Each reader occurs once, on the best terms of its matching filters (section 3.3.5). A
+    /// filter with No Local does not match messages of its own subscriber.
     pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> TopicReaders {
         let levels: Vec<&str> = topic.split('/').collect();
         let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
@@ -99,8 +99,8 @@ impl Readers {
         found
     }
 
-    /// One reader of each group, in turns: one that keeps up, if any does, else one that is connected, since others
-    /// cannot read.
+    /// One reader of each group, in turns: a connected reader that keeps up, else any connected reader, else any
+    /// reader.
     pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<TopicReader>]) -> impl Iterator<Item = &'a TopicReader> {
         let turn = if groups.is_empty() { 0 } else { self.turns.fetch_add(1, Ordering::Relaxed) };
         groups.iter().filter_map(move |group| {
@@ -144,8 +144,8 @@ impl Readers {
     }
 }
 
-/// Leaves one entry of a reader that holds several matching filters: the highest QoS, and all subscription ids (MQTT 5,
-/// section 3.3.4).
+/// Merges the entries of a reader with several matching filters into one: the highest QoS, and all subscription ids
+/// (MQTT 5, section 3.3.4).
 fn merge(readers: &mut Vec<TopicReader>) {
     readers.sort_unstable_by_key(|reader| Arc::as_ptr(&reader.subscriber));
     readers.dedup_by(|other, one| {
@@ -160,8 +160,8 @@ fn merge(readers: &mut Vec<TopicReader>) {
     });
 }
 
-/// Finds the holders of filters that begin with the levels of `above`, which end with a slash, and match the remaining
-/// `levels` of a topic.
+/// Finds the holders of matching filters. Such a filter begins with the levels of `above`, which ends with a slash, and
+/// its other levels match the remaining `levels` of a topic.
 fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut dyn FnMut(&[Holder])) {
     let Some((level, below)) = levels.split_first() else { return };
     let length = above.len();

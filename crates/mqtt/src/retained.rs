@@ -1,5 +1,5 @@
 //! The retained messages of the broker: the latest one of each topic, bounded in number and bytes, in total and for
-//! each key. Who may put one here, and how they reach a subscriber, stands in `connection`.
+//! each key. Who may retain a message, and how it reaches a subscriber, stands in `connection`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
@@ -18,17 +18,17 @@ use super::rights::Payer;
 #[derive(Debug, Default)]
 pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
-    /// The stamp of the message that was retained last; 0: none was.
+    /// The stamp of the message that was retained last; 0 if none was.
     stamp: AtomicU64,
 }
 
-/// Progress through what is retained for one filter. Topics may come and go meanwhile.
+/// Progress through the retained messages that match one filter. Topics may be added and removed meanwhile.
 #[derive(Debug)]
 pub(crate) struct Walk {
     filter: Arc<str>,
     /// Only messages with a higher stamp are found.
     since: u64,
-    /// The first topic that was not looked at yet; `None`: all were.
+    /// The first topic that was not examined yet; `None` if all were.
     from: Option<String>,
 }
 
@@ -38,7 +38,7 @@ const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 #[derive(Debug, Default)]
 struct Shelf {
     kept: BTreeMap<Arc<str>, RetainedEntry>,
-    /// What each key has retained; keys without messages have no entry.
+    /// The use of each key's share; keys without messages have no entry.
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
     program: Used,
@@ -51,7 +51,7 @@ struct Shelf {
 #[derive(Debug)]
 struct RetainedEntry {
     message: Arc<Message>,
-    /// Later messages have higher stamps.
+    /// The position of this message: later messages have higher stamps.
     stamp: u64,
     payer: Payer,
 }
@@ -63,16 +63,17 @@ struct Used {
 }
 
 impl Retained {
-    /// Retains a message in place of the topic's earlier one, or removes that one if the payload is empty. Returns
-    /// whether there was room; without room the topic retains nothing, since the earlier message is no longer true.
+    /// Retains a message in place of the topic's earlier one, or only removes the earlier one if the payload is empty.
+    /// Returns whether there was room. Without room the topic retains nothing, since the earlier message is no longer
+    /// true.
     pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>, now: Duration) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(message.topic());
         if message.payload().is_empty() || message.is_over(now) {
             return true;
         }
-        // Those who read the stamp without the lock want to know what came later, and anything later has a higher stamp
-        // in any case.
+        // Readers without the lock look for messages that were retained later than the stamp that they read. Such
+        // messages have a higher stamp in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
         let entry = RetainedEntry { message: Arc::clone(message), stamp, payer: payer.clone() };
         match shelf.put(entry) {
@@ -81,7 +82,7 @@ impl Retained {
         }
     }
 
-    /// The next message of a walk, within this many steps. `None`: the walk is over, or no steps are left.
+    /// The next message of a walk; it examines at most `steps` topics. `None` if the walk is over or no steps are left.
     pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize, now: Duration) -> Option<Arc<Message>> {
         let shelf = self.shelf();
         while *steps > 0 {
@@ -102,7 +103,7 @@ impl Retained {
         None
     }
 
-    /// A stamp that is lower than that of anything retained from now on.
+    /// A stamp that is lower than the stamp of any message retained from now on.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp.load(Ordering::Acquire)
     }
@@ -124,7 +125,7 @@ impl Retained {
 }
 
 impl Walk {
-    /// A walk from the first message on, through those with a higher stamp than `since`.
+    /// A walk over the messages that match the filter and have a higher stamp than `since`.
     pub(crate) fn new(filter: Arc<str>, since: u64) -> Walk {
         let from = Some(stem(&filter).to_owned());
         Walk { filter, since, from }
@@ -154,7 +155,7 @@ impl Shelf {
         }
     }
 
-    /// Removes expired messages, at most once in `BETWEEN_LOOKS`, and returns whether there were any.
+    /// Removes expired messages, at most once in `BETWEEN_LOOKS`. Returns whether there were any.
     fn clear(&mut self, now: Duration) -> bool {
         if now < self.looks_at || self.first_over.is_none_or(|first| first > now) {
             return false;
@@ -168,7 +169,7 @@ impl Shelf {
         !over.is_empty()
     }
 
-    /// Stores a message when the pool and its payer's share have room; otherwise returns it.
+    /// Stores a message if the pool and its payer's share have room; otherwise returns it.
     fn put(&mut self, entry: RetainedEntry) -> Result<(), RetainedEntry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {

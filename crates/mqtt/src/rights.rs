@@ -1,16 +1,17 @@
-//! What clients may do: who may publish, leave a will or share a filter where, and where commands are accepted. Whether
-//! a command is allowed is decided by the listener that hears it.
+//! The rights of clients: who may publish, leave a will or share a filter on which topic, and on which topics commands
+//! are accepted. The listener that hears a command decides whether it is allowed.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// How far a client is trusted. The [`Rights`] are asked with it, and a program may bound its share of resources by it.
+/// How far a client is trusted. The [`Rights`] depend on it, and a program may limit the client's share of resources by
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
-    /// All rights, and a full share. Only its commands go on to subscribers with their properties.
+    /// All rights, and a full share. Only commands of these clients are forwarded with their properties.
     Full,
-    /// Few rights, and a small share of a part that all such clients have in common. Clients that only watch are an
-    /// example.
+    /// Few rights, and a small share of resources that all such clients have in common, for example for clients that
+    /// only watch.
     Limited,
 }
 
@@ -19,23 +20,25 @@ pub enum Tier {
 pub(crate) enum Payer {
     /// The program that runs the broker, which has its own room.
     Program,
-    /// Clients of a broker without authentication, which cannot be told apart.
+    /// Clients of a broker without authentication, which cannot be distinguished.
     Anybody,
-    /// All clients with this key together: they have one share (`limits::KEPT_SHARE`).
+    /// All clients with this key together, which have one share (`limits::KEPT_SHARE`).
     Key(Arc<str>),
 }
 
-/// The program's rules about topics. They are asked once for each topic that a client changes to, must not block, and
-/// do not apply to the program itself.
+/// The program's rules about topics. The answer for a topic is cached until the client publishes on another topic. The
+/// rules must not block. The program itself may publish anywhere.
 pub trait Rights: Debug + Send + Sync {
-    /// Whether commands are accepted on this topic. Messages there are heard before they go on, and are never retained.
+    /// Whether commands are accepted on this topic. Messages on such a topic are heard before they go on, and are never
+    /// retained.
     fn is_for_commands(&self, topic: &str) -> bool;
 
-    /// Whether a client may publish on this topic. Not asked for topics of commands, where the listener decides.
+    /// Whether a client may publish on this topic. This is not called for topics of commands, where the listener
+    /// decides.
     fn may_publish(&self, who: Tier, topic: &str) -> bool;
 
-    /// Whether a client may leave a will on this topic: wherever it may publish, but never a command, since nobody
-    /// stands behind it when it is published.
+    /// Whether a client may leave a will on this topic. By default this is allowed wherever the client may publish, but
+    /// never for commands, since nobody is responsible for a command that is published later.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         !self.is_for_commands(topic) && self.may_publish(who, topic)
     }

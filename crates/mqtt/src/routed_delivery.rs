@@ -1,5 +1,5 @@
-//! Delivery of a message by a router other than the gate itself. Readers whom the router has not reached get the
-//! message when its delivery is dropped, so that nobody misses one: a router may be slow, lose messages or die.
+//! Delivery of a message by a router outside the gate. A router may be slow, lose messages or fail. So when a delivery
+//! is dropped, all readers that it has not reached get the message, and no reader misses one.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -9,30 +9,33 @@ use crate::subscriber::{Delivery, Subscriber, TopicReader};
 
 /// Carries messages to subscribers. No method may block.
 pub trait Router: Debug + Send + Sync {
-    /// From now on, delivers messages on topics that this filter matches to this subscriber. Not called for shared
+    /// From now on, deliver messages on topics that this filter matches to this subscriber. Not called for shared
     /// filters.
     fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// Ends what `subscribe` began for this pair. Messages that are on their way may still arrive.
+    /// End the deliveries that `subscribe` began for this filter and subscriber. Messages on their way may still
+    /// arrive.
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// Takes over a message: [`RoutedDelivery::arrive`] hands it to one reader, and dropping it to those that are left.
+    /// Deliver a message: [`RoutedDelivery::arrive`] passes it to one reader, and dropping the delivery passes it to
+    /// all remaining readers.
     fn carry(&self, delivery: RoutedDelivery);
 }
 
-/// A message on its way to its readers. When it is dropped, those that it has not reached get it.
+/// A message on its way to its readers. When the delivery is dropped, all readers that it has not reached get the
+/// message.
 #[derive(Debug)]
 pub struct RoutedDelivery {
     message: Arc<Message>,
-    /// Readers whom it has not reached yet.
+    /// Readers that the message has not reached yet.
     readers: Vec<TopicReader>,
-    /// Whether it may wait for a subscriber that is away.
+    /// Whether the message may wait for a subscriber that is away.
     has_room: bool,
 }
 
 impl RoutedDelivery {
     /// Begins the delivery. The message counts as waiting for its readers at once, since flooding publishers wait for
-    /// those.
+    /// readers that are behind.
     pub(crate) fn begin(message: Arc<Message>, readers: &[TopicReader], has_room: bool) -> RoutedDelivery {
         for reader in readers {
             reader.subscriber.expect(&message);
@@ -40,13 +43,14 @@ impl RoutedDelivery {
         RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
-    /// The topic, by which a router finds the subscribers whose filters match.
+    /// The topic, with which a router finds the subscribers whose filters match.
     #[must_use]
     pub fn topic(&self) -> &str {
         self.message.topic()
     }
 
-    /// Delivers the message to this subscriber. Nothing happens if it had it already, or is not among its readers.
+    /// Delivers the message to this subscriber. Does nothing if the subscriber already has the message or is not one of
+    /// its readers.
     pub fn arrive(&mut self, subscriber: &Arc<Subscriber>) {
         let place = self.readers.iter().position(|reader| Arc::ptr_eq(&reader.subscriber, subscriber));
         if let Some(place) = place {

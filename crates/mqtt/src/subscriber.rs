@@ -1,7 +1,7 @@
-//! The queue of one subscriber: messages that were published for it and have not gone out to its client, which may be
-//! away, and how far it is behind. Flooding publishers wait for subscribers that read. One that does not read is waited
-//! for only briefly, and then not at all for a while: it alone loses messages, the oldest first, and the loss is noted.
-//! Who reads what stands in `readers`.
+//! The queue of one subscriber: the messages that were published for it and have not gone out to its client, which may
+//! be away. Flooding publishers wait for subscribers that are behind but read. For a subscriber that does not read they
+//! wait only briefly, and then not at all for a while. Such a subscriber loses messages, the oldest first, and the loss
+//! is noted. Which subscriber reads which topics stands in `readers`.
 //!
 //! ```text
 //!   publisher ─ put(message) for each matching reader ─► Subscriber ─ next() ─► its connection
@@ -22,42 +22,44 @@ use super::message::Message;
 use super::message::SubscriberId;
 use super::packet::Qos;
 
-/// Empty places kept in the queue when nothing waits.
+/// Capacity retained by an empty queue, in messages.
 const ROOM: usize = 256;
 
-/// Stands for nothing missed: any stamp is lower, and the lowest is the one that counts.
+/// The value of `missed` when no message was missed. It is higher than any stamp, since the lowest stamp counts.
 const NOTHING: u64 = u64::MAX;
 
 /// A subscriber with the terms of all its filters that match one topic.
 #[derive(Clone, Debug)]
 pub(crate) struct TopicReader {
     pub(crate) subscriber: Arc<Subscriber>,
-    /// The highest QoS at which it is sent messages.
+    /// The highest QoS at which messages are sent to the subscriber.
     pub(crate) qos: Qos,
-    /// Whether its messages carry the RETAIN flag with which they were published.
+    /// Whether messages keep the RETAIN flag with which they were published.
     pub(crate) as_published: bool,
     pub(crate) ids: Ids,
 }
 
-/// What waits for one subscriber, within bounds: beyond them the oldest messages are lost, and the loss is noted.
+/// The messages that wait for one subscriber, within limits. Beyond the limits the oldest messages are lost, and the
+/// loss is noted.
 #[derive(Debug)]
 pub struct Subscriber {
     id: SubscriberId,
     queue: Mutex<Queue>,
-    /// Weight of the messages in the queue, and of those that a router has on their way to it.
+    /// Weight of the messages in the queue, and of messages for this subscriber that a router has on their way.
     lag: AtomicUsize,
     waiting: Mutex<Vec<Waker>>,
-    /// Since when every check found it behind, in milliseconds on the clock of all connections; 0: it is not behind.
+    /// The time since which every check found the subscriber behind, in milliseconds on the clock of all connections;
+    /// 0: it is not behind.
     behind_since_ms: AtomicU64,
-    /// Since when its client has read nothing, on the same clock; 0: it reads.
+    /// The time since which the client has read nothing, on the same clock; 0: it reads.
     still_since_ms: AtomicU64,
-    /// Until when nobody waits for it, on the same clock.
+    /// The time until which no publisher waits for the subscriber, on the same clock.
     forgiven_until_ms: AtomicU64,
-    /// How long nobody waits for it once it is forgiven, in milliseconds; twice as long each time.
+    /// How long no publisher waits for the subscriber after it is forgiven, in milliseconds. It doubles each time.
     forgiven_for_ms: AtomicU64,
-    /// When it was last forgiven, on the same clock.
+    /// The time when the subscriber was last forgiven, on the same clock.
     forgiven_at_ms: AtomicU64,
-    /// Stamp after which retained messages may be new to it, since it missed some.
+    /// The stamp after which retained messages may be new to the subscriber, since it missed a message.
     missed: AtomicU64,
 }
 
@@ -75,24 +77,24 @@ struct Queue {
 enum Presence {
     #[default]
     Here,
-    /// No connection does now, but one may later: its session is stored.
+    /// No connection takes messages now, but a later one may: the session is stored.
     Away,
-    /// None ever will again: the subscription was dropped.
+    /// No connection will take messages again: the subscription was dropped.
     Gone,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Delivery {
     pub(crate) message: Arc<Message>,
-    /// The lesser of the message's QoS and the subscription's.
+    /// The lower of the message's QoS and the subscription's QoS.
     pub(crate) qos: Qos,
-    /// The RETAIN flag that it is sent with, which a subscriber gets as published only on request.
+    /// The RETAIN flag to send. A subscriber gets the published flag only on request (Retain As Published).
     pub(crate) retain: bool,
     pub(crate) ids: Ids,
 }
 
 impl Queue {
-    /// The index of the message to drop, if the queue exceeds its limits. The newest one always stays.
+    /// The index of a message to drop; `None` if the queue is within its limits. The newest message is never dropped.
     fn too_much(&self, lag: usize) -> Option<usize> {
         let older = self.waiting.len().checked_sub(1).filter(|older| *older > 0)?;
         if lag > QUEUE {
@@ -104,7 +106,7 @@ impl Queue {
 }
 
 impl Delivery {
-    /// At the lesser of the message's QoS and the subscription's (section 3.8.4).
+    /// A delivery at the lower of the message's QoS and the subscription's QoS (section 3.8.4).
     pub(crate) fn of(message: &Arc<Message>, reader: &TopicReader) -> Delivery {
         Delivery {
             message: Arc::clone(message),
@@ -143,7 +145,7 @@ impl Subscriber {
         self.id
     }
 
-    /// Its client is away and may come back. Without room the queue is emptied.
+    /// Notes that the client is away and may come back. The queue is emptied unless `has_room` is set.
     pub(crate) fn go_away(&self, has_room: bool) {
         let mut queue = self.queue();
         (queue.presence, queue.taker) = (Presence::Away, None);
@@ -160,31 +162,31 @@ impl Subscriber {
         self.queue().presence = Presence::Here;
     }
 
-    /// Its client will never come back, so nobody needs to wait for it.
+    /// Notes that the client will never come back, so no publisher needs to wait for it.
     pub(crate) fn go(&self) {
         *self.queue() = Queue { presence: Presence::Gone, ..Queue::default() };
         self.lag.store(0, Ordering::Relaxed);
         self.wake_all();
     }
 
-    /// Counts a message that is on its way to it as if it had arrived.
+    /// Counts a message on its way to this subscriber as if it had arrived.
     pub(crate) fn expect(&self, message: &Message) {
         self.lag.fetch_add(weight(message), Ordering::Relaxed);
     }
 
-    /// Ends the count of `expect`, as the message arrives now.
+    /// Ends the count that `expect` began, because the message now arrives.
     pub(crate) fn unexpect(&self, message: &Message) {
         self.lag.fetch_sub(weight(message), Ordering::Relaxed);
     }
 
-    /// Queues a message, and drops the oldest beyond the limits; `has_room` says whether messages may wait for
-    /// subscribers that are away.
+    /// Queues a message, and drops the oldest messages beyond the limits. `has_room` says whether there is room for
+    /// messages to subscribers that are away.
     pub(crate) fn put(&self, delivery: Delivery, has_room: impl FnOnce() -> bool) {
         let stamp = delivery.message.stamp;
         let mut queue = self.queue();
         match queue.presence {
             Presence::Here => {}
-            // A subscriber that is away cannot read, and there may be many of them.
+            // A subscriber that is away cannot read, and there may be many such subscribers.
             Presence::Away if delivery.qos > Qos::Zero && has_room() => {}
             Presence::Away => {
                 self.miss(stamp);
@@ -207,8 +209,8 @@ impl Subscriber {
         }
     }
 
-    /// The next message to send, if there is one. Without a window, messages that have to be acknowledged stay: the
-    /// client has acknowledged too little.
+    /// Removes and returns the next message to send, if any. Without a window, no message that needs an acknowledgement
+    /// is returned: the client has to acknowledge earlier messages first.
     pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
         let mut queue = self.queue();
         queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
@@ -227,13 +229,13 @@ impl Subscriber {
         Some(delivery)
     }
 
-    /// Whether publishers that wait for it go on waiting, with this many bytes in its queue.
+    /// Whether publishers that wait for this subscriber have to wait longer, with this many bytes in its queue.
     fn is_unrelieved(&self, bytes: usize) -> bool {
         self.lag.load(Ordering::Relaxed) > RELIEF || bytes > RELIEF_BYTES
     }
 
-    /// Ready when a message waits that can be sent; `has_window` says whether that may be one that has to be
-    /// acknowledged. Otherwise wakes the caller when one does.
+    /// Ready when the next message can be sent. `has_window` says whether messages that need an acknowledgement can be.
+    /// If not ready, wakes the caller when a message arrives.
     pub fn poll_come(&self, has_window: bool, cx: &Context<'_>) -> Poll<()> {
         let mut queue = self.queue();
         if queue.waiting.front().is_some_and(|next| has_window || next.qos == Qos::Zero) {
@@ -245,7 +247,7 @@ impl Subscriber {
         Poll::Pending
     }
 
-    /// Size in bytes of the messages that wait for it, which other subscribers may share.
+    /// Size in bytes of the queued messages, which other subscribers may share.
     pub(crate) fn bytes(&self) -> usize {
         self.queue().bytes
     }
@@ -259,19 +261,20 @@ impl Subscriber {
         self.queue().presence == Presence::Here
     }
 
-    /// Whether its queue is empty; messages that a router has on their way are not in it.
+    /// Whether the queue is empty. Messages that a router has on their way are not in the queue.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.queue().waiting.is_empty()
     }
 
-    /// Notes that it misses a message; whatever was retained up to this stamp came before that message.
+    /// Notes that the subscriber misses a message with this stamp. Messages retained up to this stamp came before the
+    /// missed one.
     pub(crate) fn miss(&self, stamp: u64) {
         self.missed.fetch_min(stamp, Ordering::Relaxed);
     }
 
-    /// The stamp after which retained messages may be new to it, since it missed some; `None`: nothing was missed since
-    /// the last call.
+    /// The stamp after which retained messages may be new to the subscriber, since it missed a message; `None` if it
+    /// has missed none since the last call.
     pub(crate) fn take_missed(&self) -> Option<u64> {
         let missed = self.missed.swap(NOTHING, Ordering::Relaxed);
         (missed != NOTHING).then_some(missed)
@@ -285,16 +288,17 @@ impl Subscriber {
         is_behind
     }
 
-    /// Whether it is connected and more than `LAG` or `LAG_BYTES` behind.
+    /// Whether the subscriber is connected and more than `LAG` or `LAG_BYTES` behind.
     pub(crate) fn lags(&self) -> bool {
         let queue = self.queue();
         queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
     }
 
-    /// Ready when it has caught up. Otherwise wakes the caller when it has, or when nobody waits for it any more.
+    /// Ready when the subscriber has caught up. Otherwise wakes the caller when it has, or when publishers need not
+    /// wait for it any more.
     pub fn poll_relieved(&self, cx: &Context<'_>) -> Poll<()> {
         let mut waiting = self.waiting();
-        // Checked under the lock, so that whoever takes a message meanwhile finds the waker.
+        // Checked under the lock, so that a thread that takes a message meanwhile finds the waker.
         if !self.is_unrelieved(self.bytes()) {
             return Poll::Ready(());
         }
@@ -317,8 +321,8 @@ impl Subscriber {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes whether its client has stopped reading: its queue is full, however little it takes now and then, or it has
-    /// acknowledged nothing since the window was first found full.
+    /// Notes whether the client has stopped reading. It has if its outbox is full, even if it reads a little now and
+    /// then, or while it acknowledges nothing after its window was found full.
     pub(crate) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
         match (is_full, is_unacknowledged) {
             (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
@@ -329,9 +333,10 @@ impl Subscriber {
         }
     }
 
-    /// A publisher has waited for it; `still` is how long it waits for subscribers that do not read. If this one was
-    /// behind for so long and did not read, or was behind for `PATIENCE`, nobody waits for it during a while, longer
-    /// each time. One that caught up in between is waited for again. Returns whether nobody waits for it now.
+    /// Ends a publisher's wait for this subscriber. `still` is how long the publisher waits for a subscriber that does
+    /// not read. If this one was behind for `still` without reading, or behind for `PATIENCE`, publishers do not wait
+    /// for it for a while, which grows each time. Returns false if publishers have to go on waiting, for example
+    /// because it caught up in between.
     pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
         let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
         let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
@@ -349,8 +354,8 @@ impl Subscriber {
         true
     }
 
-    /// Notes that it has caught up. Publishers wait for it again at once if it was forgiven once, and later if it was
-    /// forgiven repeatedly: nobody is to slow others down by reading now and then.
+    /// Notes that the subscriber has caught up. A subscriber that was forgiven only once is waited for again at once.
+    /// One that was forgiven repeatedly is not, so that it cannot slow others down by reading now and then.
     fn relieve(&self) {
         self.behind_since_ms.store(0, Ordering::Relaxed);
         if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {
@@ -360,7 +365,8 @@ impl Subscriber {
     }
 }
 
-/// The weight of a message in a queue: a long one is in memory once for all its readers.
+/// The weight of a message in a queue. A long message is in memory only once for all its readers, so its weight is
+/// bounded.
 fn weight(message: &Message) -> usize {
     message.cost().min(HEAVIEST)
 }

@@ -1,5 +1,5 @@
-//! The filters of one subscriber, with the terms granted for each. Who reads what by them stands in `readers`, and what
-//! waits for the subscriber in `subscriber`.
+//! The filters of one subscriber, with the terms granted for each. Which topics they match stands in `readers`, and the
+//! messages that wait for the subscriber stand in `subscriber`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::limits::{FILTER_BYTES, FILTERS};
 use super::readers::Readers;
 use super::subscriber::Subscriber;
 
-/// A subscriber and its filters, which end when this is dropped.
+/// A subscriber and its filters. Dropping the value removes the filters.
 #[derive(Debug)]
 pub(crate) struct Subscription {
     subscriber: Arc<Subscriber>,
@@ -33,14 +33,15 @@ impl Subscription {
         &self.held
     }
 
-    /// Whether it may hold this filter: it does already, or there is room within `FILTERS` and `FILTER_BYTES`.
+    /// Whether the subscriber may hold this filter: it already does, or there is room within `FILTERS` and
+    /// `FILTER_BYTES`.
     pub(crate) fn has_room(&self, filter: &str) -> bool {
         let (count, bytes) = (self.held.len() + 1, self.bytes + filter.len());
         self.held.contains_key(filter) || (count <= FILTERS && bytes <= FILTER_BYTES)
     }
 
-    /// Adds a filter; its messages reach this subscriber from now on, or another of the group when the filter is
-    /// shared.
+    /// Adds a filter. From now on this subscriber gets the matching messages. If the filter is shared, each message
+    /// goes to one member of the group.
     pub(crate) fn hold(&mut self, filter: &str, grant: Grant) -> Arc<str> {
         let name: Arc<str> = Arc::from(filter);
         if self.held.insert(Arc::clone(&name), grant).is_none() {

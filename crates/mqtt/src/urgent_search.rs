@@ -1,6 +1,6 @@
-//! Finds urgent messages in a client's bytes before anything else is read or checked: they are to be heard although
-//! much stands before them, and whatever is wrong with them. Only the part of a packet that names the command is
-//! needed, in whatever pieces it arrives. Errors in packets are found later, in `frame`, `packet` and `connection`.
+//! Finds urgent messages in a client's bytes before anything else is read or checked. They are found behind any amount
+//! of other data, and even in malformed packets. Only the part of a packet that names the command has to arrive, in any
+//! pieces. Errors in packets are found later, in `frame`, `packet` and `connection`.
 
 use std::collections::HashMap;
 
@@ -10,29 +10,29 @@ use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
 use super::packet::{PacketFields, Version};
 
-/// Bytes of a packet that are searched when it comes in pieces: an urgent payload stands at its beginning, behind the
-/// topic and, in MQTT 5, the properties, and is at most some KiB long.
+/// Number of bytes searched in a packet that arrives in pieces. An urgent payload stands at the beginning, behind the
+/// topic and the properties of MQTT 5, and is at most a few KiB long.
 const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 
-/// A part of a packet is searched again when it has grown by the fraction 1/`MORE`.
+/// An incomplete packet is searched again when the part that has arrived has grown by the fraction 1/`MORE`.
 const MORE: usize = 16;
 
-/// Topics by their aliases. Nobody has checked yet whether these bytes are text.
+/// Topics by their aliases. The bytes may not be valid text.
 type Aliases = HashMap<u16, Box<[u8]>>;
 
-/// The search through everything that one client sends after its CONNECT.
+/// The search through all bytes that one client sends after its CONNECT.
 #[derive(Debug, Default)]
 pub struct UrgentSearch {
     /// Where the current packet begins, in bytes since the CONNECT.
     begins: u64,
-    /// The beginning of the current packet, when it has not arrived as a whole.
+    /// The beginning of the current packet while it is incomplete.
     beginning: Vec<u8>,
-    /// How many bytes of the current packet were searched or skipped.
+    /// Number of bytes of the current packet that were searched or skipped.
     seen: usize,
-    /// Length of `beginning` at the last time that the listener was asked.
+    /// Length of `beginning` when the listener was last asked.
     asked: usize,
     is_found: bool,
-    /// Set when the ends of packets cannot be found any more.
+    /// Set when the ends of packets can no longer be found.
     is_lost: bool,
     /// Topic aliases in MQTT 5; `None` in MQTT 3.1.1.
     aliases: Option<Aliases>,
@@ -46,15 +46,15 @@ struct Head {
 }
 
 impl UrgentSearch {
-    /// A search from the first byte behind the CONNECT. The version says whether packets have properties and aliases.
+    /// A search from the first byte after the CONNECT. The version says whether packets have properties and aliases.
     #[must_use]
     pub fn new(version: Version) -> UrgentSearch {
         UrgentSearch { aliases: (version == Version::Five).then(Aliases::new), ..UrgentSearch::default() }
     }
 
-    /// Continues with `bytes`, which follow those of the last call, up to the next urgent message, and returns where in
-    /// the stream its packet begins. Searched bytes are removed from `bytes`; `None` when all were searched. `hear`
-    /// decides what is urgent, and thereby hears it.
+    /// Searches `bytes`, which follow the bytes of the last call, up to the next urgent message. Returns where in the
+    /// stream the packet of that message begins, or `None` when all bytes were searched. Searched bytes are removed
+    /// from `bytes`. `hear` decides which messages are urgent, and acts on them.
     pub fn next(&mut self, bytes: &mut &[u8], mut hear: impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         while !bytes.is_empty() && !self.is_lost {
             if self.seen == 0
@@ -82,7 +82,7 @@ impl UrgentSearch {
         None
     }
 
-    /// Takes a piece of a packet that has not arrived as a whole, and asks `hear` again when it has grown enough.
+    /// Takes a piece of an incomplete packet, and asks `hear` again when the packet has grown enough.
     fn piece(&mut self, bytes: &mut &[u8], hear: &mut impl FnMut(Said<'_>) -> bool) -> Option<u64> {
         let wanted = match Head::of(&self.beginning) {
             Ok(Some(head)) => head.length,
@@ -102,7 +102,7 @@ impl UrgentSearch {
             }
         };
         let (begins, is_whole) = (self.begins, self.seen >= head.length);
-        // Asking for each byte of a long packet would cost the more the longer it is.
+        // Asking at each byte would take quadratic time for a long packet.
         let has_grown = self.beginning.len() >= self.asked + (self.asked / MORE).max(1) || self.asked < TOPIC * 2;
         let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty() && has_grown);
         if is_asked {
@@ -120,15 +120,15 @@ impl UrgentSearch {
 }
 
 impl Head {
-    /// `None` when too little has arrived; an error for a length field without end, behind which nobody knows where the
-    /// next packet begins.
+    /// The head of a packet; `None` if too little has arrived. An error if the length field does not end: nobody knows
+    /// where the next packet begins then.
     fn of(bytes: &[u8]) -> Result<Option<Head>, Malformed> {
         let Some((&first, rest)) = bytes.split_first() else { return Ok(None) };
         Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))
     }
 
-    /// Whether a PUBLISH whose topic has arrived is urgent, read without the properties of MQTT 5 and, in that version,
-    /// with them as well.
+    /// Whether a PUBLISH is urgent, once its topic has arrived. It is read without properties and, in MQTT 5, also with
+    /// them.
     fn is_urgent(self, packet: &[u8], aliases: Option<&Aliases>, hear: &mut impl FnMut(Said<'_>) -> bool) -> bool {
         self.readings(packet).into_iter().flatten().any(|(topic, rest)| {
             let plain = Said { topic, payload: rest, answer_to: None };
@@ -142,7 +142,7 @@ impl Head {
         })
     }
 
-    /// Stores the topic aliases that a PUBLISH may set, in whichever way it is read.
+    /// Stores the topic aliases that a PUBLISH sets in any possible reading.
     fn learn(self, packet: &[u8], aliases: Option<&mut Aliases>) {
         let Some(aliases) = aliases else { return };
         for (topic, rest) in self.readings(packet).into_iter().flatten().filter(|(topic, _)| !topic.is_empty()) {
@@ -155,8 +155,8 @@ impl Head {
         }
     }
 
-    /// The topic of a PUBLISH, and what follows it, with and without an id: QoS 3 does not exist, so nobody knows
-    /// whether an id follows there, and both are tried.
+    /// The topic of a PUBLISH and the bytes behind it, in each possible reading. QoS 3 does not exist, so there may or
+    /// may not be an id, and both readings are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
         if self.first >> 4 != PacketKind::Publish as u8 {
@@ -174,20 +174,20 @@ impl Head {
     }
 }
 
-/// The part of a PUBLISH of MQTT 5 behind its topic, as far as it has arrived.
+/// The part of a PUBLISH of MQTT 5 behind its topic and id, as far as it has arrived.
 #[derive(Default)]
 struct Five<'a> {
     /// A bit for each topic alias that the properties name; a valid packet names at most one.
     aliases: u16,
     answer_to: Option<AnswerTo<'a>>,
-    /// `None`: the properties have not arrived as a whole.
+    /// The payload; `None` if the properties have not arrived completely.
     payload: Option<&'a [u8]>,
 }
 
 /// The property Topic Alias (MQTT 5, section 3.3.2.3.4).
 const ALIAS: u8 = 0x23;
 
-/// The bit of a topic alias; 0 for one that is out of range.
+/// The bit of a topic alias; 0 for an alias out of range.
 const fn bit(alias: u16) -> u16 {
     if alias >= 1 && alias <= ALIASES { 1 << alias } else { 0 }
 }
@@ -216,8 +216,8 @@ impl<'a> Five<'a> {
                 correlation = Some(data);
             }
         }
-        // Behind an invalid property nobody knows where the next one begins, so anything that looks like an alias may
-        // be one.
+        // Behind an invalid property it is unknown where the next property begins. So any three bytes that look like an
+        // alias may be one.
         for said in fields.rest().windows(3) {
             if let [ALIAS, high, low] = said {
                 aliases |= bit(u16::from_be_bytes([*high, *low]));

@@ -1,5 +1,5 @@
-//! Writes packets for one client: in its version of MQTT, no longer than it accepts, and with topic aliases, if it
-//! wants them.
+//! Writes packets for one client: in its version of MQTT, no longer than it accepts, and with topic aliases if it
+//! accepts aliases.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -63,8 +63,8 @@ impl ClientWriter {
         true
     }
 
-    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP. The reason is left out where it is success without words, and in
-    /// MQTT 3.1.1, which has none.
+    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP. The reason code is left out in MQTT 3.1.1, which has none, and for a
+    /// success without words.
     pub(super) fn ack(&self, kind: PacketKind, id: u16, reason: Reason, words: &str, out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);
@@ -78,7 +78,7 @@ impl ClientWriter {
         }
     }
 
-    /// The reason in words, for a client that asked for such and accepts packets that are long enough.
+    /// The reason in words; `None` unless the client asked for reasons in words and accepts packets of that length.
     pub(super) fn words<'a>(&self, words: &'a str) -> Option<&'a str> {
         let is_wanted = self.reception.wants_words && self.reception.largest > WITH_WORDS;
         (is_wanted && !words.is_empty()).then_some(words)

@@ -1,5 +1,5 @@
-//! Which messages of a client were handled before. A command counts as a duplicate only when its sender marks it so and
-//! every byte is the same, so that an urgent command is never lost here.
+//! Which messages of a client were handled before. A command counts as a duplicate only if its sender marks it as
+//! one and every byte is the same, so that no urgent command is lost here.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -8,13 +8,13 @@ use crate::limits::{HANDLED, UNRELEASED};
 use crate::packet::Qos;
 use crate::packet::publish::Publish;
 
-/// Stands for the fingerprint of a message that is no command.
+/// The fingerprint stored for a message that is no command.
 const NO_COMMAND: u64 = 0;
 
 #[derive(Debug, Default)]
 pub(super) struct Duplicates {
-    /// Ids of the messages of QoS 2 that the client has not released, with the fingerprints of those that were
-    /// commands.
+    /// Ids of the messages of QoS 2 that the client has not released, each with the fingerprint of its command or
+    /// `NO_COMMAND`.
     unreleased: BTreeMap<u16, u64>,
     /// Ids and fingerprints of the latest commands of QoS 1.
     commands: VecDeque<(u16, u64)>,
@@ -34,7 +34,8 @@ impl Duplicates {
         publish.qos == Qos::Two && self.unreleased.contains_key(&publish.id)
     }
 
-    /// Whether a command with this fingerprint was heard before; only one that its sender marks as a duplicate can be.
+    /// Whether a command with this fingerprint was heard before. False unless its sender marks the message as a
+    /// duplicate.
     pub(super) fn was_heard(&self, publish: &Publish<'_>, print: u64) -> bool {
         publish.is_duplicate
             && (self.commands.contains(&(publish.id, print))

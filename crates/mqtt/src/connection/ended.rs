@@ -1,5 +1,4 @@
-//! Why a connection ends. Reasons that only the owner of the socket can know are here too, so that there is one list of
-//! them.
+//! Why a connection ends. The list includes the reasons that only the owner of the socket can know.
 
 use crate::frame::{Malformed, PacketKind};
 use crate::limits::UNRELEASED;
@@ -17,33 +16,33 @@ pub enum Ended {
     /// The socket was closed or broke without a DISCONNECT, so the will is published.
     #[error("the connection is gone")]
     Gone,
-    /// A packet breaks the rules of MQTT; those before it were handled.
+    /// A packet breaks the rules of MQTT; the packets before it were handled.
     #[error("the client sent nonsense: {0}")]
     Malformed(#[from] Malformed),
     /// The client sent a packet that no client sends, or a second CONNECT.
     #[error("the client sent a {0:?}, which is not for it to send")]
     Unexpected(PacketKind),
-    /// Nothing came for one and a half times the keep alive (section 3.1.2.10), or for a day.
+    /// No packet came for one and a half times the keep alive (section 3.1.2.10), or for a day.
     #[error("the client was silent for too long")]
     Idle,
     /// More than `limits::UNRELEASED` messages of QoS 2 wait for the client's PUBREL.
     #[error("the client has more than {UNRELEASED} messages of QoS 2 that it has not released")]
     Unreleased,
-    /// The client used more than its share of something, such as bytes of answers that it does not read.
+    /// The client used more than its share of something, such as the room for answers that it does not read.
     #[error("the client has more than {most} {what}")]
     TooMuch {
-        /// What there is too much of, in the plural.
+        /// The thing that the client has too much of, in the plural.
         what: &'static str,
-        /// How many the client may have.
+        /// The largest number that the client may have.
         most: usize,
     },
-    /// Another connection came with the same client id, and the older one has to go (section 3.1.4).
+    /// Another connection came with the same client id, so the older one ends (section 3.1.4).
     #[error("another connection came with the same client id")]
     TakenOver,
-    /// The connection had to make room for others; what waited to be sent is dropped.
+    /// The connection had to make room for others; data that waited to be sent is dropped.
     #[error("there were too many connections, or too much waited to be read, and it gave way to others")]
     GaveWay,
-    /// Its key was removed or is no longer valid, so its session ends as well.
+    /// The client's key was removed or is no longer valid, so the client's session ends as well.
     #[error("its key is not known any more")]
     NotKnown,
     /// The program ends; wills are not published.

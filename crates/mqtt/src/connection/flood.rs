@@ -1,5 +1,5 @@
-//! Whether a client publishes in a flood, and how long it then waits for a subscriber that does not read. Clients that
-//! publish at an ordinary rate never wait.
+//! Whether a client publishes in a flood, and how long a flooding client waits for a subscriber that does not read.
+//! Clients that publish at an ordinary rate never wait.
 
 use std::time::Duration;
 
@@ -10,9 +10,9 @@ use crate::limits::{CLIENT_ROOM, NO_FLOOD, STILL, STILL_SHORTEST};
 pub(super) struct Flood {
     since: Duration,
     passed: u64,
-    /// How often in succession it waited in vain, with less than a second in between.
+    /// Number of waits in vain in succession, each less than a second after the one before.
     in_vain: u32,
-    /// When it last waited in vain.
+    /// Time of the last wait in vain.
     waited_at: Duration,
 }
 
@@ -31,9 +31,9 @@ impl Flood {
         self.waited_at = now;
     }
 
-    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before:
-    /// however many subscribers stop reading one after the other, all waits together are less than twice the first. An
-    /// urgent message of this client may stand behind them.
+    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before, so all
+    /// waits together are less than twice the first, however many subscribers stop reading. They have to be short, since
+    /// an urgent message of this client may come next.
     pub(super) fn still(&mut self, now: Duration) -> Duration {
         if now.saturating_sub(self.waited_at) >= Duration::from_secs(1) {
             self.in_vain = 0;
@@ -44,26 +44,26 @@ impl Flood {
 }
 
 impl ClientConnection {
-    /// Call this whenever something has happened. It tells publishers whether this client takes nothing, so that they
-    /// wait for it only briefly.
+    /// Call this after every event. It notes whether this client reads nothing, in which case publishers wait for it
+    /// only briefly.
     pub fn note_room(&self, now: Duration) {
         let is_full = self.to_client.len() >= CLIENT_ROOM;
         self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);
     }
 
-    /// Until when to wait for the subscribers of [`ClientConnection::poll_behind`], unless they catch up before. Ask
-    /// again then.
+    /// The end of the wait for the subscribers of [`ClientConnection::poll_behind`], unless they catch up before. Ask
+    /// again at that time.
     #[must_use]
     pub fn waits_until(&mut self, now: Duration) -> Duration {
         now + self.flood.still(now).max(STILL_SHORTEST)
     }
 
-    /// Ends a wait for those that are still behind. A subscriber that was waited for long enough is not waited for
-    /// during a while.
+    /// Ends a wait for subscribers that are still behind. A subscriber that was waited for long enough is not waited
+    /// for again for a while.
     pub fn handle_waited(&mut self, now: Duration) {
         let still = self.flood.still(now);
         let behind = self.routes.behind(now);
-        // All of them together count as one wait.
+        // All these subscribers together count as one wait.
         if behind.iter().filter(|reader| reader.forgive(now, still)).count() > 0 {
             self.flood.handle_waited(now);
         }

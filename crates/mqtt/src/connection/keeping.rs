@@ -1,6 +1,6 @@
 //! Retained messages on their way to one client: one filter after the other, and no more at once than the client takes.
-//! They are looked up as they go out, so that the client gets the newest, and nothing is held in memory for a client
-//! that does not read.
+//! Each message is looked up just before it is sent. So the client gets the newest one, and nothing is stored for a
+//! client that does not read.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -32,13 +32,15 @@ struct Delivery {
 }
 
 impl Deliveries {
-    /// Starts to send all retained messages that match a filter. A delivery for it that was under way is given up.
+    /// Starts to send all retained messages that match a filter. An unfinished delivery for the same filter is given
+    /// up.
     pub(super) fn start(&mut self, filter: Arc<str>, grant: Grant) {
         self.stop(&filter);
         self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), grant, is_missed: false });
     }
 
-    /// Sends again what was retained for a filter after this stamp, unless all of it is on its way anyhow.
+    /// Sends the messages again that were retained for a filter after this stamp. Does nothing if a delivery for the
+    /// filter is under way.
     pub(super) fn repeat(&mut self, filter: Arc<str>, grant: Grant, since: u64) {
         if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
             self.waiting.push_back(Delivery { walk: Walk::new(filter, since), grant, is_missed: true });
@@ -49,12 +51,12 @@ impl Deliveries {
         self.waiting.retain(|delivery| delivery.walk.filter() != filter);
     }
 
-    /// Whether `fill` may have more for a client that has room.
+    /// Whether `fill` may have more messages for a client that has room.
     pub(super) fn goes_on(&self) -> bool {
         !self.waiting.is_empty() && !self.is_held_up
     }
 
-    /// Hands the client as many messages as it has room for, and examines `KEPT_STEPS` at most.
+    /// Sends the client as many messages as it has room for, and examines `KEPT_STEPS` at most.
     pub(super) fn fill(
         &mut self,
         retained: &Retained,
@@ -64,7 +66,7 @@ impl Deliveries {
         whose: SubscriberId,
         now: Duration,
     ) {
-        // Refills when half of them are acknowledged, so that there is not one look-up for each.
+        // Refills only when half of the messages are acknowledged, which saves a look-up for each acknowledgement.
         self.is_held_up &= unacknowledged.kept() > KEPT_UNDER_WAY / 2 || !unacknowledged.has_window();
         let mut steps = KEPT_STEPS;
         while steps > 0 && out.len() < KEPT_ROOM {

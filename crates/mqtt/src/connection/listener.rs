@@ -1,17 +1,18 @@
-//! The program's side of commands: who hears them, and what is known of a packet before the gate comes to it. What
-//! becomes of a message afterwards stands in `publishing`.
+//! The program's interface for commands: the listener that hears them, and what is known of a packet before the gate
+//! handles it. What becomes of a message afterwards stands in `publishing`.
 
-/// A counter that the listener stamps on incoming packets, to tell those before an urgent message from those after it.
-/// The gate does not interpret it.
+/// A counter with which the listener stamps incoming packets, to tell packets before an urgent message from packets
+/// after it. The gate does not interpret the counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Epoch(pub u64);
 
-/// What a PUBLISH says, as far as it can be read.
+/// The contents of a PUBLISH, as far as they can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Said<'a> {
-    /// The bytes of its topic, which need not be UTF-8; that of an alias, where the packet has one instead.
+    /// The bytes of its topic, which need not be UTF-8. For a packet with only a topic alias, the topic that the
+    /// alias stands for.
     pub topic: &'a [u8],
-    /// As much of its payload as has arrived.
+    /// The part of its payload that has arrived.
     pub payload: &'a [u8],
     /// `None`: MQTT 3.1.1, no response topic, or one that has not arrived yet.
     pub answer_to: Option<AnswerTo<'a>>,
@@ -26,37 +27,38 @@ pub struct AnswerTo<'a> {
     pub correlation: Option<&'a [u8]>,
 }
 
-/// Hears the commands of one connection, and knows whose they are.
+/// Hears the commands of one connection, and knows their sender.
 pub trait Listener: Send + Sync {
-    /// Acts at once if this message is urgent, whatever else is wrong with it, ahead of everything that waits. Returns
-    /// whether it is urgent. Only the part of the packet that names the command need have arrived.
+    /// Acts at once if this message is urgent, ahead of all waiting messages and whatever else is wrong with it.
+    /// Returns whether it is urgent. The packet need not have arrived beyond the part that names the command.
     fn hear_urgent(&self, said: Said<'_>) -> bool;
 
-    /// Hears any other message on the topic of a command, once, in the order in which it was sent, before any
-    /// subscriber gets it. `arrived` is the epoch in which it arrived, and `is_again` says whether it was sent before.
+    /// Hears a message on a topic of commands that is not urgent: once, in the order of sending, before any subscriber
+    /// gets it. `arrived` is the epoch in which it arrived, and `is_again` says whether it was sent before.
     fn hear(&self, topic: &str, said: Said<'_>, arrived: Option<Epoch>, is_again: bool) -> CommandDecision;
 
     /// The epoch that began with the latest urgent message.
     fn epoch(&self) -> Epoch;
 }
 
-/// Whether a message that was heard goes on to subscribers. Urgent ones always do.
+/// Whether a message that was heard goes on to subscribers. Urgent messages always do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandDecision {
-    /// It goes on to its subscribers, and is not retained.
+    /// The message goes on to its subscribers, and is not retained.
     Pass,
-    /// Its sender may not say this; nobody gets it, and in MQTT 5 the sender is told so.
+    /// The sender may not send this command. No subscriber gets it, and a sender that uses MQTT 5 is told so.
     Forbidden,
 }
 
-/// What is known of a packet before its turn comes.
+/// What is known of a packet before it is handled.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     /// Where the packet begins, in bytes since the CONNECT.
     pub begins: u64,
-    /// The epoch in which this packet and those behind it came, up to the next mark. An urgent message has the one that
-    /// it began.
+    /// The epoch in which this packet arrived, and all packets after it up to the next mark. For an urgent message, the
+    /// epoch that the message began.
     pub epoch: Epoch,
-    /// Whether it was urgent and was heard on arrival; if so, it is not heard again when its turn comes.
+    /// Whether the message was urgent and was heard on arrival. If so, it is not heard again when its packet is
+    /// handled.
     pub heard_ahead: bool,
 }

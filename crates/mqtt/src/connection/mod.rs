@@ -1,5 +1,5 @@
-//! One connection after its CONNECT was accepted: the client's bytes go in, and bytes for the client come out. It reads
-//! no clock and no socket; whoever moves the bytes does, and keeps them from piling up.
+//! One connection after its CONNECT was accepted: the client's bytes go in, and bytes for the client come out. The
+//! connection reads no clock and no socket. The program moves the bytes, and keeps them from piling up.
 
 mod client_writer;
 mod duplicates;
@@ -48,24 +48,23 @@ use crate::subscription::Subscription;
 
 /// What the program has decided about a client before it accepts the CONNECT.
 pub struct Terms {
-    /// The broker's `Rights` are asked with it.
+    /// The tier for which the broker's `Rights` are checked.
     pub tier: Tier,
-    /// Its name in the log, and the account for what it retains, if it has a key.
+    /// The client's name in the log. If the client has a key, also the account for its retained messages.
     pub name: Arc<str>,
-    /// Whether `name` is the name of a key, which has its own share of what is retained.
+    /// Whether `name` is the name of a key, which has its own share of the retained messages.
     pub has_key: bool,
-    /// Hears its commands before any subscriber gets them.
+    /// Hears the client's commands before any subscriber gets them.
     pub listener: Arc<dyn Listener>,
-    /// Its CONNECT. Leave the will in it only when [`Broker::may_leave_will`] allows it.
+    /// The client's CONNECT. Remove the will unless [`Broker::may_leave_will`] allows it.
     pub connect: Connect,
-    /// Its session from earlier connections; the default one, if there is none or it is not to be continued.
+    /// The client's session from earlier connections; the default if there is none or it is not to be continued.
     pub session: Session,
-    /// The bytes that it is sent first: the CONNACK, or the rest of it.
+    /// The bytes to send to the client first: the CONNACK, or the rest of it.
     pub greeting: Bytes,
 }
 
-/// One client's connection. Whoever owns the socket calls a `handle_…` when something happens, and then asks each
-/// `poll_…`.
+/// One client's connection. The owner of the socket calls a `handle_…` after each event, and then each `poll_…`.
 pub struct ClientConnection {
     tier: Tier,
     payer: Payer,
@@ -76,7 +75,7 @@ pub struct ClientConnection {
     session_expiry_s: u32,
     silence: Duration,
     heard_at: Duration,
-    /// The time that it was told last; it reads no clock.
+    /// The time at the last call: the connection reads no clock.
     now: Duration,
     writer: ClientWriter,
     to_client: Outbox,
@@ -85,9 +84,9 @@ pub struct ClientConnection {
     flood: Flood,
     /// Bytes of the client that were handled since its CONNECT.
     taken: u64,
-    /// Marks of packets to come, in their order.
+    /// Marks of later packets, in the order of these packets.
     marks: VecDeque<Mark>,
-    /// The epoch in which the packet being handled arrived; `None`: no mark has come.
+    /// The epoch in which the packet being handled arrived; `None`: there was no mark yet.
     arrived: Option<Epoch>,
     duplicates: Duplicates,
     subscription: Subscription,
@@ -97,8 +96,8 @@ pub struct ClientConnection {
 }
 
 impl ClientConnection {
-    /// A connection that was just accepted; `now` is on the clock of all later calls. Messages that waited for its
-    /// session go out at once.
+    /// A connection that was just accepted. `now` is on the clock of all later calls. Messages that waited for the
+    /// client's session go out at once.
     #[must_use]
     pub fn new(terms: Terms, broker: Arc<Broker>, now: Duration) -> ClientConnection {
         let version = terms.connect.version();
@@ -140,28 +139,29 @@ impl ClientConnection {
         }
     }
 
-    /// Tells what is known of a packet. Call it in the order of the packets, before the marked packet is handled.
+    /// Stores what is known of a packet. Call it in the order of the packets, before the marked packet is handled.
     pub fn handle_mark(&mut self, mark: Mark) {
-        // Marks of handled packets are dropped: a client could send packets for ever that nobody looks them up for.
+        // Marks of handled packets are dropped, since a client could send for ever packets whose marks are never looked
+        // up.
         while self.next_mark(|begins, taken| begins < taken).is_some() {}
         self.marks.push_back(mark);
     }
 
-    /// Handles all complete packets at the head of what the client sent, however many;
-    /// [`ClientConnection::handle_turn`] is fair to others.
+    /// Handles all complete packets at the head of the client's bytes, however many. Use
+    /// [`ClientConnection::handle_turn`] to be fair to other clients.
     ///
     /// # Errors
-    /// When the connection has ended; everything before that is done.
+    /// When the connection has ended; the packets before the error were handled.
     pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
         while self.handle_turn(bytes, now)? {}
         Ok(())
     }
 
-    /// Handles a limited number of complete packets at the head of what the client sent. Returns whether there may be
-    /// more.
+    /// Handles a limited number of complete packets at the head of the client's bytes. Returns whether there may be
+    /// more packets.
     ///
     /// # Errors
-    /// When the connection has ended; everything before that is done.
+    /// When the connection has ended; the packets before the error were handled.
     pub fn handle_turn(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<bool, Ended> {
         self.now = now;
         let (mut read, mut packets) = (0, 0);
@@ -204,7 +204,7 @@ impl ClientConnection {
         self.deliver();
     }
 
-    /// Whether [`ClientConnection::handle_drained`] has more to do now, although nothing was sent, because its turn was
+    /// Whether [`ClientConnection::handle_drained`] has more to do now, although nothing was sent: its last turn was
     /// used up.
     #[must_use]
     pub fn wants_turn(&self) -> bool {
@@ -219,8 +219,8 @@ impl ClientConnection {
         if now >= self.heard_at + self.silence { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// Ends the connection: tells a client of MQTT 5 why, and publishes its will, at once or after its delay. When the
-    /// program ends, no will is published: nobody is there to read it, and the client is not the one who has gone.
+    /// Ends the connection: tells a client of MQTT 5 why, and publishes the client's will, at once or after its delay.
+    /// When the program ends, no will is published: no client would receive it, and the client has not gone.
     pub fn handle_end(&mut self, why: Ended, now: Duration) {
         self.now = now;
         if why == Ended::NotKnown {
@@ -228,7 +228,7 @@ impl ClientConnection {
             self.session_expiry_s = 0;
         }
         if why == Ended::GaveWay && !self.to_client.is_empty() {
-            // What waited may be the reason for the end, and no packet can follow half a message.
+            // The waiting bytes may be the reason for the end, and no packet can follow half a message.
             self.to_client.clear();
         } else if let Some(reason) = why.reason() {
             self.writer.disconnect(reason, &why.to_string(), &mut self.to_client);
@@ -248,13 +248,13 @@ impl ClientConnection {
         }
     }
 
-    /// The bytes for the client. After each time that some were sent, call [`ClientConnection::handle_drained`].
+    /// The bytes for the client. Call [`ClientConnection::handle_drained`] each time that some of them were sent.
     pub const fn to_client(&mut self) -> &mut Outbox {
         &mut self.to_client
     }
 
-    /// The subscribers that this client has to wait for before more of it is handled; none, unless it publishes in a
-    /// flood. Ask whenever something has happened.
+    /// The subscribers for which to wait before more packets of this client are handled. Empty unless the client
+    /// publishes in a flood. Call this after every event.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Subscriber>> {
         self.note_room(now);
         let passed = self.routes.take_passed();
@@ -269,21 +269,21 @@ impl ClientConnection {
         behind
     }
 
-    /// The queue of what was published for this client and has not gone out yet. Call `handle_come` when its
-    /// `poll_come` is ready.
+    /// The queue of messages for this client that have not gone out yet. Call `handle_come` when its `poll_come` is
+    /// ready.
     #[must_use]
     pub fn subscriber(&self) -> Arc<Subscriber> {
         Arc::clone(self.subscription.subscriber())
     }
 
-    /// When the client will have been silent for too long, if it stays silent.
+    /// The time at which the client will have been silent for too long, if nothing arrives before.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
         self.heard_at + self.silence
     }
 
-    /// The session to store; `None`: it ends with the connection. Call it after [`ClientConnection::handle_end`], which
-    /// leaves a late will in it.
+    /// The session to store; `None` if it ends with the connection. Call this after [`ClientConnection::handle_end`],
+    /// which may add a delayed will to the session.
     #[must_use]
     pub fn into_session(mut self) -> Option<Session> {
         if self.session_expiry_s == 0 {
@@ -336,7 +336,7 @@ impl ClientConnection {
         ack::read(body, kind, self.writer.version())
     }
 
-    /// Handles a DISCONNECT, which may change how long the session lasts but not begin one (MQTT 5, section
+    /// Handles a DISCONNECT. It may change how long the session lasts, but cannot begin one (MQTT 5, section
     /// 3.14.2.2.2).
     fn leave(&mut self, body: &[u8]) -> Ended {
         let disconnect = match disconnect::read(body, self.writer.version()) {
@@ -354,16 +354,16 @@ impl ClientConnection {
 
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
-        // A client that reads none of many answers would not notice one that is missing.
+        // A client that leaves many answers unread would not notice a missing one.
         if self.to_client.len() < CLIENT_ROOM {
             self.to_client.end().extend_from_slice(&write::PINGRESP);
         }
         Ok(())
     }
 
-    /// Fills the outbox as far as there is room: first with messages that were sent and not acknowledged, and retained
-    /// ones that were asked for, then with what was published, and after that with the newest retained messages on
-    /// topics where the client missed something.
+    /// Fills the outbox while there is room. First come messages of earlier connections without acknowledgement, and
+    /// retained messages for new subscriptions; then the queue; then the newest retained messages on topics where the
+    /// client missed something.
     fn deliver(&mut self) {
         self.unacknowledged.resend(&mut self.writer, &mut self.to_client, self.now);
         self.fill();
@@ -382,8 +382,8 @@ impl ClientConnection {
         self.deliveries.fill(&self.broker.retained, &mut self.unacknowledged, writer, out, whose, self.now);
     }
 
-    /// Sends a client that has emptied its queue the newest retained message of each topic on which it missed
-    /// something, as to one that was subscribed all the time.
+    /// Sends the newest retained message of each topic on which the client missed something, once its queue is empty.
+    /// These messages are sent as to a client that was subscribed all the time.
     fn catch_up(&mut self) {
         let subscriber = self.subscription.subscriber();
         if !subscriber.is_empty() {

@@ -1,4 +1,5 @@
-//! PUBLISH packets of a client, its will, and its acknowledgements. What becomes of a topic stands in `routes`.
+//! PUBLISH packets of a client, its will, and its acknowledgements. What becomes of a message on each topic stands in
+//! `routes`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,7 +17,7 @@ use crate::packet::reason::Reason;
 use crate::packet::{Qos, Version, text};
 use crate::rights::Tier;
 
-/// What became of a message, as its sender is told in MQTT 5: a reason code, and words.
+/// What became of a message, as a reason code and words for a sender that uses MQTT 5.
 #[derive(Clone, Debug)]
 struct Told {
     reason: Reason,
@@ -28,8 +29,8 @@ const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
 const NOT_KEPT: &str = "it cannot be kept, there being too many kept messages; it was passed on";
 
 impl ClientConnection {
-    /// Handles a PUBLISH, of which `packet` is the whole. Its arrival is acknowledged whatever becomes of it (section
-    /// 3.3.5), in MQTT 5 with what became of it.
+    /// Handles a PUBLISH; `packet` is the whole packet. The acknowledgement is sent whatever becomes of the message
+    /// (section 3.3.5); in MQTT 5 it says what became of it.
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let publish = publish::read(frame, packet, self.writer.version())?;
         let named = self.named(publish)?;
@@ -49,8 +50,8 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// Puts the topic in place of the topic alias (MQTT 5, section 3.3.2.3.4); `None`: the packet names its topic
-    /// itself.
+    /// The topic that the topic alias stands for (MQTT 5, section 3.3.2.3.4); `None` if the packet itself names its
+    /// topic.
     fn named(&mut self, mut publish: Publish<'_>) -> Result<Option<Arc<[u8]>>, Malformed> {
         // A message with larger properties is refused, so it sets no alias.
         let is_taken = publish.properties.bytes().len() <= PROPERTIES;
@@ -78,7 +79,7 @@ impl ClientConnection {
         self.writer.ack(PacketKind::Pubcomp, id, reason, "", &mut self.to_client);
     }
 
-    /// Whether this will may be published on its topic; notes a refusal.
+    /// Whether this will may be published on its topic. A refusal is logged.
     pub(super) fn may_publish(&mut self, will: &Will) -> bool {
         let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
         let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
@@ -96,8 +97,8 @@ impl ClientConnection {
         Ok(self.forward(publish, publish.retain))
     }
 
-    /// Passes a message on to the readers of the last route's topic, and retains it, if it is to be retained. Retained
-    /// first, so that a subscriber who arrives between the two steps finds it there.
+    /// Passes a message on to the readers of the last route's topic, and first retains it if `retain` is set: so a
+    /// subscriber who arrives between the two steps finds it there.
     fn forward(&mut self, publish: &Publish<'_>, retain: bool) -> Told {
         let publisher = self.subscription.subscriber().id();
         let is_read = self.routes.is_read(publisher, &self.broker);
@@ -125,8 +126,8 @@ impl ClientConnection {
         Told { reason, words: NOT_KEPT.to_owned() }
     }
 
-    /// Hears a possible command before anything else can fail, so that an urgent one is heard even when there is no
-    /// room left.
+    /// Hears a message on a topic of commands. Checks that could fail for lack of room come later, so an urgent command
+    /// is always heard.
     fn hear(&mut self, publish: &Publish<'_>) -> Result<Told, Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.broker.print((publish.topic, publish.payload));
@@ -151,20 +152,20 @@ impl ClientConnection {
         Ok(told)
     }
 
-    /// Passes a heard message on to its readers. A failure does not concern the command, which has been heard.
+    /// Passes a heard message on to its readers. A failure does not affect the command, which was heard before.
     fn pass_on(&mut self, publish: &Publish<'_>, topic: &str) -> Result<(), Dropped> {
         filter::topic(topic).map_err(Dropped::Unfit)?;
         if publish.properties.bytes().len() > PROPERTIES {
             return Err(Dropped::Properties);
         }
-        // A client that may only stop sends no properties to others: nobody needs them.
+        // Only commands of `Tier::Full` keep their properties: the commands of other clients need none.
         let properties = if self.tier == Tier::Full { publish.properties } else { Properties::default() };
         self.forward(&Publish { properties, ..*publish }, false);
         Ok(())
     }
 
-    /// Returns whether the packet being handled was heard on arrival, in which case it is not heard again, and notes
-    /// its epoch.
+    /// Returns whether the packet being handled was heard on arrival, so that it is not heard again. Notes the packet's
+    /// epoch.
     fn heard_ahead(&mut self) -> bool {
         let mut heard_ahead = false;
         while let Some(mark) = self.next_mark(|begins, taken| begins <= taken) {
@@ -192,7 +193,8 @@ impl ClientConnection {
         Ok(why.told())
     }
 
-    /// A refused message of QoS 2 is over at once in MQTT 5, since its sender is told (section 4.3.3).
+    /// Whether a message need not be released: in MQTT 5 a refused message of QoS 2 ends at once, since its sender is
+    /// told (section 4.3.3).
     fn need_not_be_released(&self, publish: &Publish<'_>, is_refused: bool) -> bool {
         is_refused && publish.qos == Qos::Two && self.writer.version() == Version::Five
     }

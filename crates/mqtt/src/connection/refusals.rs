@@ -1,5 +1,5 @@
-//! Logs what a client was refused: the first refusal, and then ever fewer, since a client may go on for ever and
-//! reconnect as often as it likes.
+//! Logs what a client was refused: the first refusal, and then the second, fourth, eighth and so on. A client may go on
+//! for ever, and reconnect at will.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,10 +11,10 @@ const SHOWN: usize = 80;
 /// Maximum number of lines about refusals of all clients in one `PERIOD`.
 const LINES: u32 = 20;
 
-/// The time over which `LINES` are counted.
+/// The period for which `LINES` are counted.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// When the period ends, and how many lines were asked for in it for all clients.
+/// The end of the current period, and the number of lines requested in it for all clients.
 #[derive(Debug, Default)]
 pub(crate) struct Lines(Mutex<(Duration, u32)>);
 

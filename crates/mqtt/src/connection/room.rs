@@ -1,5 +1,5 @@
-//! How much waits for a client, and whether there is room for more. What happens when there is none is decided by
-//! whoever moves the bytes.
+//! How much waits for a client, and whether there is room for more. The program decides what to do when there is no
+//! room.
 
 use super::{ClientConnection, Mark};
 use crate::limits::{ANSWER_ROOM, CLIENT_ROOM};
@@ -12,32 +12,32 @@ impl ClientConnection {
         self.to_client.own() + queue + size_of::<Mark>() * self.marks.len()
     }
 
-    /// Size in bytes of what waits for this client, or for its answers, and may be shared with other clients.
+    /// Size in bytes of messages that wait for this client or for its acknowledgement, and that other clients may
+    /// share.
     #[must_use]
     pub fn shared(&self) -> usize {
         self.to_client.len() - self.to_client.own() + self.subscription.subscriber().bytes() + self.unacknowledged.bytes()
     }
 
-    /// Size in bytes of what waits for clients and is neither one client's alone nor retained.
+    /// Size in bytes of all messages in memory that are not retained.
     #[must_use]
     pub fn beside(&self) -> usize {
         self.broker.beside()
     }
 
-    /// Whether `limits::ANSWER_ROOM` bytes or more wait for the client, so that no more of its packets are to be
-    /// handled.
+    /// Whether `limits::ANSWER_ROOM` bytes or more wait for the client. If so, do not handle more of its packets.
     #[must_use]
     pub fn is_unread(&self) -> bool {
         self.to_client.len() >= ANSWER_ROOM
     }
 
-    /// Whether the client takes what comes for it: fewer than `limits::CLIENT_ROOM` bytes wait.
+    /// Whether the client reads what is sent to it: fewer than `limits::CLIENT_ROOM` bytes wait.
     #[must_use]
     pub fn reads(&self) -> bool {
         self.to_client.len() < CLIENT_ROOM
     }
 
-    /// Whether a message may go out that the client has to acknowledge, as `Subscriber::poll_come` needs to know.
+    /// Whether a message that needs an acknowledgement may go out. Pass this to `Subscriber::poll_come`.
     #[must_use]
     pub fn has_window(&self) -> bool {
         self.unacknowledged.has_window()

@@ -1,4 +1,4 @@
-//! What becomes of a message by its topic, and who receives it.
+//! What becomes of a message on each topic, and who receives it.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -52,12 +52,12 @@ pub(super) struct Routes {
     /// The topic's readers, as of `generation`.
     readers: TopicReaders,
     generation: Option<u64>,
-    /// Whether messages were sent and it was not checked yet which readers are behind.
+    /// Whether messages were sent since the last check which readers are behind.
     is_unsettled: bool,
-    /// Messages for readers since `take_passed` was last called, where a long message counts more than once ([`LONG`]).
+    /// Messages for readers since the last `take_passed`. A long message counts more than once ([`LONG`]).
     passed: u64,
     piece: usize,
-    /// Readers that were behind when something was published for them.
+    /// Readers that were found behind after something was published for them.
     behind: Vec<Arc<Subscriber>>,
 }
 
@@ -111,7 +111,7 @@ impl Routes {
         self.is_unsettled = true;
     }
 
-    /// Checks which of the readers that were sent something are behind: once per topic or turn, since it takes their
+    /// Checks which readers of the last messages are behind: only once per topic or turn, since this takes the readers'
     /// locks.
     pub(super) fn settle(&mut self) {
         if !std::mem::take(&mut self.is_unsettled) {
@@ -124,7 +124,7 @@ impl Routes {
         }
     }
 
-    /// Whether so much was passed on since the last `true` that lagging readers have to be looked for.
+    /// Whether at least `PIECE` was passed on since the last `true`, so that lagging readers have to be looked for.
     pub(super) const fn take_piece(&mut self) -> bool {
         let is_piece = self.piece >= PIECE;
         if is_piece {

@@ -1,6 +1,6 @@
-//! Messages on their way to one client, and those that it has not acknowledged, which go out again in the next
-//! connection of its session (section 4.4). How they are written stands in `client_writer`; which go out, and when, is
-//! decided elsewhere.
+//! Messages on their way to one client, and messages that it has not acknowledged, which go out again in the next
+//! connection of its session (section 4.4). `client_writer` writes them. Which messages go out, and when, is not
+//! decided here.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -16,15 +16,15 @@ use crate::subscriber::Delivery;
 /// Messages that a client has not acknowledged, the oldest first: they go out again in this order (section 4.6).
 #[derive(Debug, Default)]
 pub(super) struct Unacknowledged {
-    /// Sent in an earlier connection, and not yet in this one.
+    /// Messages sent in an earlier connection, and not yet in this one.
     unsent: VecDeque<Sent>,
     sent: VecDeque<Sent>,
     /// Maximum number of messages in `sent`.
     window: usize,
     last_id: u16,
-    /// How many of them were sent because they were retained.
+    /// Number of unacknowledged messages that were sent because they were retained.
     kept: usize,
-    /// Size in bytes of their messages.
+    /// Size in bytes of the unacknowledged messages.
     bytes: usize,
 }
 
@@ -40,21 +40,21 @@ struct Sent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     Published,
-    /// It was retained. Such messages have a smaller window, `KEPT_UNDER_WAY`.
+    /// The message was retained. Such messages have a smaller window, `KEPT_UNDER_WAY`.
     Kept,
 }
 
 impl Unacknowledged {
-    /// Begins a new connection, in which the client leaves at most `receive_maximum` messages unacknowledged:
-    /// everything is to go out again.
+    /// Begins a new connection, in which at most `receive_maximum` messages may be unacknowledged. All unacknowledged
+    /// messages are to go out again.
     pub(super) fn begin(&mut self, receive_maximum: u16) {
         self.window = WINDOW.min(usize::from(receive_maximum));
-        // What was sent again already is older than what was not yet.
+        // Messages that were already sent again are older than messages that were not.
         self.sent.append(&mut self.unsent);
         std::mem::swap(&mut self.sent, &mut self.unsent);
     }
 
-    /// Whether more may go out that has to be acknowledged; messages of earlier connections come first.
+    /// Whether another message that needs an acknowledgement may go out. Messages of earlier connections come first.
     pub(super) fn has_window(&self) -> bool {
         self.unsent.is_empty() && self.sent.len() < self.window && self.bytes < WINDOW_BYTES
     }
@@ -64,7 +64,7 @@ impl Unacknowledged {
         self.bytes
     }
 
-    /// Drops them all, and returns the stamp of the oldest, if there was one.
+    /// Drops all messages, and returns the stamp of the oldest one; `None` if there was none.
     pub(super) fn clear(&mut self) -> Option<u64> {
         let given_up = std::mem::take(self);
         let all = given_up.unsent.iter().chain(&given_up.sent);
@@ -75,7 +75,7 @@ impl Unacknowledged {
         self.kept
     }
 
-    /// Sends a message. One that is longer than the client accepts counts as sent (MQTT 5, section 3.1.2.11.4).
+    /// Sends a message. A message that is longer than the client accepts counts as sent (MQTT 5, section 3.1.2.11.4).
     pub(super) fn send(&mut self, delivery: Delivery, cause: Cause, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
         let id = if delivery.qos == Qos::Zero { 0 } else { self.next_id() };
         let is_said = writer.publish(&delivery, id, false, now, out);
@@ -86,7 +86,7 @@ impl Unacknowledged {
         }
     }
 
-    /// Sends again what was sent in an earlier connection, as far as the client's window allows.
+    /// Sends messages of earlier connections again, as far as the client's window allows.
     pub(super) fn resend(&mut self, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
         while let Some(next) = self.unsent.front() {
             match &next.delivery {
@@ -104,7 +104,8 @@ impl Unacknowledged {
         }
     }
 
-    /// Handles a PUBACK or PUBCOMP, whichever ends a message of this QoS. An unknown id is ignored.
+    /// Handles a PUBACK, which ends a message of QoS 1, or a PUBCOMP, which ends one of QoS 2. An unknown id is
+    /// ignored.
     pub(super) fn acknowledged(&mut self, id: u16, kind: PacketKind) {
         let is_meant = |sent: &Sent| sent.id == id && (kind == PacketKind::Puback) == (sent.qos == Qos::One);
         if let Some(sent) = self.sent.iter().position(is_meant).and_then(|place| self.sent.remove(place)) {
@@ -112,7 +113,7 @@ impl Unacknowledged {
         }
     }
 
-    /// Handles a PUBREC: answers with PUBREL, unless the client refused the message, which is then over.
+    /// Handles a PUBREC: answers with PUBREL, unless the client refused the message. A refused message is over.
     pub(super) fn received(&mut self, id: u16, is_refused: bool, writer: &mut ClientWriter, out: &mut Outbox) {
         if is_refused {
             return self.acknowledged(id, PacketKind::Pubcomp);
@@ -130,7 +131,7 @@ impl Unacknowledged {
         self.bytes -= sent.delivery.map_or(0, |delivery| delivery.message.cost());
     }
 
-    /// The next id that no other message uses. Ids count from 1, and begin again after 65,535.
+    /// The next id that no unacknowledged message has. Ids count from 1, and begin again after 65,535.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id % u16::MAX + 1;

@@ -1,5 +1,5 @@
-//! The session of a client between its connections, how long it lasts, and the will that waits until the session ends
-//! or the client has been away for its delay.
+//! The session of a client between its connections, how long the session lasts, and a delayed will. Such a will is
+//! published when the session ends or when the client has been away for the will's delay.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,9 +15,9 @@ use crate::subscription::Subscription;
 /// for it here.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// Its filters and its queue; `None`: it was never here.
+    /// The client's filters and its queue; `None`: the client was never connected.
     pub(crate) subscription: Option<Subscription>,
-    /// Ids of its messages of QoS 2 that it has not released, with the fingerprints by which such a message is
+    /// Ids of the client's messages of QoS 2 that it has not released, each with a fingerprint by which the message is
     /// recognised.
     pub(crate) unreleased: BTreeMap<u16, u64>,
     pub(super) unacknowledged: Unacknowledged,
@@ -26,18 +26,18 @@ pub struct Session {
     pub(super) will: Option<LateWill>,
 }
 
-/// A will that waits for its client to come back (MQTT 5, section 3.1.3.2.2).
+/// A will with a delay, in which its client may come back (MQTT 5, section 3.1.3.2.2).
 #[derive(Debug)]
 pub struct LateWill {
     pub(super) will: Will,
-    /// When the will is published, unless the client is back.
+    /// The time at which the will is published, unless the client is back before.
     pub(super) due: Duration,
     pub(super) payer: Payer,
     pub(super) broker: Arc<Broker>,
 }
 
 impl Session {
-    /// The filters that the client holds, shared ones with their `$share/…`.
+    /// The filters that the client holds. Shared filters keep their `$share/…`.
     pub fn filters(&self) -> impl Iterator<Item = &str> {
         self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
     }
@@ -54,26 +54,26 @@ impl Session {
         self.will.as_ref().map(|will| will.due).into_iter().chain(self.expires_at).min()
     }
 
-    /// Call this at the time of [`Session::poll_timeout`]. Returns whether the session is over, in which case
-    /// [`Session::end`] is to be called, and a will that is due, which is to be published.
+    /// Call this at the time of [`Session::poll_timeout`]. Returns whether the session is over, and the will if it is
+    /// due. Call [`Session::end`] for a session that is over, and publish a returned will.
     pub fn handle_timeout(&mut self, now: Duration) -> (bool, Option<LateWill>) {
         let is_over = self.expires_at.is_some_and(|at| at <= now);
         (is_over, self.will.take_if(|will| will.due <= now))
     }
 
-    /// Ends the session, and publishes a will that waits, even before its delay is over (MQTT 5, section 3.1.3.2.2).
+    /// Ends the session, and publishes its delayed will, if any, before the delay is over (MQTT 5, section 3.1.3.2.2).
     pub fn end(mut self, now: Duration) {
         self.will.take().into_iter().for_each(|will| will.publish(now));
     }
 
-    /// Drops a waiting will, because its client has connected again in another way.
+    /// Drops a delayed will, because its client has connected again in another way.
     pub fn withdraw_will(&mut self) {
         self.will = None;
     }
 }
 
 impl LateWill {
-    /// Publishes the will, whatever is left of its delay. `now` is on the clock of all connections.
+    /// Publishes the will, even if its delay is not over. `now` is on the clock of all connections.
     pub fn publish(self, now: Duration) {
         self.broker.publish_will(&self.will, &self.payer, now);
     }

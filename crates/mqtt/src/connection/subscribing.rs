@@ -58,8 +58,8 @@ impl ClientConnection {
                 }
             }
         }
-        // Earlier messages go out before the subscription holds, and retained ones at once, so that the result does not
-        // depend on what came in the same piece.
+        // Earlier messages go out before the subscription holds, and retained messages go out at once. So the result
+        // does not depend on which packets arrived together.
         self.deliver();
         match self.writer.version() {
             Version::Three => write::suback(self.to_client.end(), filters.id, &codes),
@@ -105,8 +105,8 @@ impl ClientConnection {
         Ok(filters?)
     }
 
-    /// Accepts a filter, with its new options if it was held before. Returns whether it is shared, or why it was
-    /// refused.
+    /// Accepts a filter; a filter that was held before gets the new options. Returns the filter and whether it is
+    /// shared, or why it was refused.
     fn accept(&mut self, filter: &str, grant: Grant) -> Result<(Arc<str>, bool), NotTaken> {
         let shared = filter::share(filter)?;
         match shared {

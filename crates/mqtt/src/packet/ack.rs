@@ -1,4 +1,4 @@
-//! Packets that answer another one by its id: PUBACK, PUBREC, PUBREL and PUBCOMP.
+//! Packets that answer another packet by its id: PUBACK, PUBREC, PUBREL and PUBCOMP.
 
 use super::properties::{Properties, PropertyContext};
 use super::{PacketFields, Version};
@@ -9,22 +9,22 @@ use crate::frame::{Malformed, PacketKind};
 pub struct Ack {
     /// The id of the packet that it answers, never 0.
     pub id: u16,
-    /// The reason code; 0 means success, as always in MQTT 3.1.1.
+    /// The reason code. 0 means success, the only result in MQTT 3.1.1.
     pub reason: u8,
 }
 
 impl Ack {
-    /// Whether it refuses the packet that it answers: codes from 0x80 on do (MQTT 5, section 2.4).
+    /// Whether it refuses the packet that it answers: codes from 0x80 on are refusals (MQTT 5, section 2.4).
     #[must_use]
     pub const fn is_refusal(self) -> bool {
         self.reason >= 0x80
     }
 }
 
-/// Reads the body of an acknowledgement. A reason that is left out means success (MQTT 5, section 3.4.2.1).
+/// Reads the body of an acknowledgement. A missing reason means success (MQTT 5, section 3.4.2.1).
 ///
 /// # Errors
-/// When the body is malformed: in MQTT 3.1.1, anything but an id.
+/// When the body is malformed. In MQTT 3.1.1 the body must be an id alone.
 pub fn read(body: &[u8], kind: PacketKind, version: Version) -> Result<Ack, Malformed> {
     let mut fields = PacketFields::new(body);
     let id = fields.id()?;
@@ -38,7 +38,7 @@ pub fn read(body: &[u8], kind: PacketKind, version: Version) -> Result<Ack, Malf
     fields.end().map(|()| Ack { id, reason })
 }
 
-/// Reads a reason code and checks that this kind of packet may have it (section 3.4.2.1 and those like it).
+/// Reads a reason code and checks that this kind of packet may have it (section 3.4.2.1 and its counterparts).
 fn reason(fields: &mut PacketFields<'_>, kind: PacketKind) -> Result<u8, Malformed> {
     match fields.byte("reason")? {
         reason @ (0x00 | 0x92) => Ok(reason),

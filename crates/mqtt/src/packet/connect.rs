@@ -1,4 +1,5 @@
-//! CONNECT (section 3.1): who connects, and what it leaves behind. Whether it may connect is not decided here.
+//! CONNECT (section 3.1): the client's name and options, and its will. Whether the client may connect is not decided
+//! here.
 
 use bytes::Bytes;
 
@@ -12,55 +13,55 @@ use crate::limits::PROPERTIES;
 /// Session expiry, in seconds, of a session that never ends (MQTT 5, section 3.1.2.11.2).
 pub const FOR_EVER_S: u32 = u32::MAX;
 
-/// What a CONNECT says, in the terms of MQTT 5; one of MQTT 3.1.1 gets what its flags amount to there.
+/// The contents of a CONNECT, in the terms of MQTT 5. The flags of a CONNECT of MQTT 3.1.1 are translated.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Connect {
     /// The client id, which may be empty (section 3.1.3.1).
     pub client_id: String,
-    /// Whether it begins a new session, even if there is an old one.
+    /// Whether the client begins a new session, even if there is an old one.
     pub clean_start: bool,
-    /// How long its session is stored after the connection, in seconds; [`FOR_EVER_S`]: for ever.
+    /// How long the session is stored after the connection, in seconds; [`FOR_EVER_S`] means for ever.
     pub session_expiry_s: u32,
-    /// Its longest silence in seconds; 0: no limit.
+    /// The client's longest silence in seconds; 0 means no limit.
     pub keep_alive_s: u16,
-    /// The message to publish when it goes without a DISCONNECT.
+    /// The message to publish if the client goes without a normal DISCONNECT.
     pub will: Option<Will>,
-    /// Bounds on the packets that it may be sent; in MQTT 3.1.1 there are none.
+    /// Limits on the packets for the client; in MQTT 3.1.1 there are none.
     pub reception: Reception,
-    /// Name and password, which nobody has checked, and the version.
+    /// The version, and the name and password, which were not checked.
     pub credentials: Credentials,
 }
 
-/// Bounds that a client sets on the packets that it is sent (MQTT 5, section 3.1.2.11).
+/// Limits that a client sets on the packets that it receives (MQTT 5, section 3.1.2.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reception {
-    /// Most messages of QoS 1 and 2 that it leaves unacknowledged at a time; never 0.
+    /// Most messages of QoS 1 and 2 that may be unacknowledged at a time; never 0.
     pub receive_maximum: u16,
     /// Longest packet that it accepts, in bytes.
     pub largest: u32,
-    /// Most topic aliases that may be set for it; 0: none.
+    /// Most topic aliases that may be set for the client; 0 means none.
     pub aliases: u16,
-    /// Whether it wants reasons in words: Request Problem Information (MQTT 5, section 3.1.2.11.7).
+    /// Whether the client wants reasons in words: Request Problem Information (MQTT 5, section 3.1.2.11.7).
     pub wants_words: bool,
 }
 
-/// The message that a client leaves for its end. Its form was checked, and `Broker::may_leave_will` decides about its
-/// topic.
+/// The message that a client leaves for its end. Its form was checked. `Broker::may_leave_will` decides whether its
+/// topic is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Will {
-    /// Neither empty nor with wildcards; its length and its levels are not checked here.
+    /// The topic, which is not empty and has no wildcards. Its length and its levels are not checked here.
     pub topic: String,
-    /// At most 65,535 bytes, since its length stands in two bytes.
+    /// The payload of at most 65,535 bytes, since its length is written in two bytes.
     pub payload: Bytes,
-    /// The QoS at which it is published, which no subscriber's copy exceeds.
+    /// The QoS at which the will is published. No subscriber gets it at a higher one.
     pub qos: Qos,
-    /// Whether it is retained when it is published, if there is room then.
+    /// Whether to retain the will when it is published, if there is room then.
     pub retain: bool,
-    /// How long the client may take to come back, in seconds, before the will is published.
+    /// The time in seconds in which the client may come back before the will is published.
     pub delay_s: u32,
     /// How long after its publication the will expires, in seconds.
     pub expiry_s: Option<u32>,
-    /// Those of its properties that go on to subscribers, in the encoding of MQTT 5.
+    /// The properties of the will that are forwarded to subscribers, in the encoding of MQTT 5.
     pub properties: Bytes,
 }
 
@@ -70,17 +71,17 @@ pub enum NoConnect {
     /// The protocol level of a version that is not supported, such as 3 for MQTT 3.1.
     #[error("it speaks level {0} of the protocol, and only 4 and 5, which are MQTT 3.1.1 and 5, are spoken here")]
     Level(u8),
-    /// By which version it was read, since only a client of MQTT 5 is told, and what is wrong.
+    /// The version by which the CONNECT was read, and what is wrong with it. Only a client of MQTT 5 is told.
     #[error("{1}")]
     Malformed(Version, Malformed),
-    /// It asks for enhanced authentication, which is not supported (MQTT 5, section 4.12).
+    /// The client asks for enhanced authentication, which is not supported (MQTT 5, section 4.12).
     #[error("it wants to show in several steps who it is, and only a name and a password are taken")]
     Authentication,
 }
 
 impl NoConnect {
-    /// The bytes to send before the connection is closed; empty for a malformed CONNECT of MQTT 3.1.1, which has no
-    /// code for it.
+    /// The bytes to send before the connection is closed. Empty for a malformed CONNECT of MQTT 3.1.1, which has no
+    /// code for this.
     #[must_use]
     pub fn answer(self) -> Vec<u8> {
         let five = |reason: Reason| Connack { words: Some(&self.to_string()), ..Connack::of(reason) }.written(u32::MAX);
@@ -115,10 +116,10 @@ impl std::fmt::Debug for Connect {
     }
 }
 
-/// Reads the body of a CONNECT. What it says is copied, since it outlives the packet.
+/// Reads the body of a CONNECT. The contents are copied, since they outlive the packet.
 ///
 /// # Errors
-/// When it speaks another version, asks for enhanced authentication, or is malformed.
+/// When the client uses another version or asks for enhanced authentication, or when the packet is malformed.
 pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     let mut fields = PacketFields::new(body);
     let version = version(&mut fields)?;
@@ -126,7 +127,7 @@ pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     connect.ok_or(NoConnect::Authentication)
 }
 
-/// Reads a CONNECT of this version; `None`: it asks for enhanced authentication.
+/// Reads a CONNECT of this version; `None` if it asks for enhanced authentication.
 fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Connect>, Malformed> {
     let flags = flags(fields.byte("flags")?, version)?;
     let clean_start = flags & 2 != 0;
@@ -167,14 +168,15 @@ fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Con
     Ok(is_known.then_some(connect))
 }
 
-/// The credentials in a CONNECT, as far as they can be read even when it is malformed or of another version.
+/// The credentials in a CONNECT. They are read as far as possible even if the CONNECT is malformed or of another
+/// version.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Credentials {
-    /// The user name; `None`: it has none, or it could not be read.
+    /// The user name; `None` if the CONNECT has none, or it could not be read.
     pub name: Option<String>,
     /// The password, which need not be text.
     pub password: Option<Bytes>,
-    /// The version that it speaks; 3.1.1, if it is neither that nor 5.
+    /// The version in the CONNECT; 3.1.1 stands for any version but 5.
     pub version: Version,
 }
 
@@ -185,7 +187,7 @@ impl std::fmt::Debug for Credentials {
     }
 }
 
-/// Reads the credentials in the body of a CONNECT, whatever else is wrong with it.
+/// Reads the credentials in the body of a CONNECT, even if it is malformed.
 #[must_use]
 pub fn credentials(body: &[u8]) -> Credentials {
     let mut credentials = Credentials::default();

@@ -4,19 +4,19 @@ use super::properties::{Properties, Property, PropertyContext};
 use super::{PacketFields, Version};
 use crate::frame::Malformed;
 
-/// A client's DISCONNECT. One of MQTT 3.1.1 has no fields, and is a normal end.
+/// A client's DISCONNECT. A DISCONNECT of MQTT 3.1.1 has no fields, and is a normal end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disconnect {
-    /// The reason code; 0: a normal end, which discards the will.
+    /// The reason code. 0 means a normal end, which discards the will.
     pub reason: u8,
-    /// How long its session is to be stored now, in seconds; `None`: as its CONNECT said.
+    /// The new time for which the session is to be stored, in seconds; `None`: the time in the CONNECT holds.
     pub session_expiry_s: Option<u32>,
 }
 
 /// Reads the body of a DISCONNECT; an empty one is a normal end (MQTT 5, section 3.14.2.1).
 ///
 /// # Errors
-/// When it is malformed: in MQTT 3.1.1, when it has a body.
+/// When the body is malformed. In MQTT 3.1.1 it must be empty.
 pub fn read(body: &[u8], version: Version) -> Result<Disconnect, Malformed> {
     let mut fields = PacketFields::new(body);
     let mut disconnect = Disconnect { reason: 0, session_expiry_s: None };

@@ -6,8 +6,8 @@ use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
-/// The filters of a SUBSCRIBE, each with its options, or those of an UNSUBSCRIBE. All were read once, so none fails
-/// later.
+/// The filters of a SUBSCRIBE, each with its options, or the filters of an UNSUBSCRIBE. All of them were read once as a
+/// check, so reading them again cannot fail.
 #[derive(Clone, Copy, Debug)]
 pub struct Filters<'a> {
     /// The packet's id, which its answer repeats; never 0.
@@ -15,7 +15,7 @@ pub struct Filters<'a> {
     /// The subscription id, which messages of these subscriptions carry (MQTT 5).
     pub subscription_id: Option<u32>,
     fields: PacketFields<'a>,
-    /// The version of the options behind each filter; `None`: there are none.
+    /// The version by which the options behind each filter are read; `None` if there are no options.
     options: Option<Version>,
 }
 
@@ -26,26 +26,26 @@ pub struct Options {
     pub qos: Qos,
     /// No Local: messages that the subscriber published itself are left out.
     pub no_local: bool,
-    /// Retain As Published: messages keep the RETAIN flag with which they were published; otherwise only retained ones
-    /// have it.
+    /// Retain As Published: messages keep the RETAIN flag with which they were published. Without this option only
+    /// retained messages have the flag.
     pub as_published: bool,
-    /// Which SUBSCRIBE is answered with the retained messages.
+    /// When the SUBSCRIBE is answered with the retained messages.
     pub kept: RetainHandling,
 }
 
 /// When a SUBSCRIBE is answered with the retained messages (MQTT 5, section 3.8.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetainHandling {
-    /// Each time, even for a filter that the client holds; the only way of MQTT 3.1.1.
+    /// Each time, even for a filter that the client holds. MQTT 3.1.1 has only this.
     Always,
     /// Only when the client did not hold the filter before.
     New,
-    /// Never, so the client gets only what is published from now on.
+    /// Never, so the client gets only messages published from now on.
     Never,
 }
 
 impl Options {
-    /// This QoS, and otherwise the options of MQTT 3.1.1.
+    /// Options with this QoS, and otherwise as in MQTT 3.1.1.
     #[must_use]
     pub const fn at(qos: Qos) -> Options {
         Options { qos, no_local: false, as_published: false, kept: RetainHandling::Always }
@@ -70,7 +70,7 @@ impl<'a> Filters<'a> {
     /// Reads the body of a SUBSCRIBE, which names `limits::PACKET_FILTERS` filters at most.
     ///
     /// # Errors
-    /// When any part of it is malformed; then none of its filters counts.
+    /// When any part of the body is malformed; none of its filters is then accepted.
     pub fn of_subscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, PropertyContext::Subscribe)
     }
@@ -78,7 +78,7 @@ impl<'a> Filters<'a> {
     /// Reads the body of an UNSUBSCRIBE, whose filters have no options.
     ///
     /// # Errors
-    /// When any part of it is malformed; then none of its filters counts.
+    /// When any part of the body is malformed; none of its filters is then removed.
     pub fn of_unsubscribe(body: &'a [u8], version: Version) -> Result<Filters<'a>, Malformed> {
         Filters::read(body, version, PropertyContext::Unsubscribe)
     }

@@ -1,5 +1,5 @@
-//! The contents of packets, read strictly by MQTT 3.1.1 and 5, and packets written. Only the reader of CONNECT
-//! allocates, and none panics on any bytes. What a packet may do is not decided here.
+//! Reads the contents of packets, strictly by MQTT 3.1.1 and 5, and writes packets. Only the reader of CONNECT
+//! allocates, and no reader panics on any bytes. What a packet may do is not decided here.
 
 pub mod ack;
 pub mod connect;
@@ -12,7 +12,7 @@ pub mod write;
 
 use super::frame::{Malformed, length};
 
-/// The version of the protocol that a client speaks; its CONNECT settles it for the connection.
+/// The version of the protocol that a client uses. Its CONNECT determines the version for the connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
     /// MQTT 3.1.1, which is level 4 in a CONNECT.
@@ -26,16 +26,16 @@ pub enum Version {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Qos {
-    /// At most once: nobody acknowledges it (section 4.3.1).
+    /// At most once, without an acknowledgement (section 4.3.1).
     Zero,
-    /// At least once, until a PUBACK comes (section 4.3.2).
+    /// At least once: repeated in later connections until a PUBACK arrives (section 4.3.2).
     One,
     /// Exactly once, by PUBREC, PUBREL and PUBCOMP (section 4.3.3).
     Two,
 }
 
 impl Qos {
-    /// The QoS that two bits of a packet stand for.
+    /// The QoS encoded in two bits of a packet.
     ///
     /// # Errors
     /// `Malformed::Qos` for all but 0, 1 and 2.

@@ -1,5 +1,5 @@
-//! The properties of MQTT 5 (section 2.2.2), which may stand beside the fields of a packet. They are read strictly, and
-//! none is copied.
+//! The properties of MQTT 5 (section 2.2.2), which a packet may have beside its fields. They are read strictly, and
+//! not copied.
 
 use bytes::{BufMut, BytesMut};
 
@@ -32,7 +32,7 @@ pub enum Property<'a> {
     MaximumPacket(u32),
 }
 
-/// A packet of a client, or the will in one: each may have other properties (MQTT 5, table 2-4).
+/// A client's packet, or the will in a CONNECT: each may have other properties (MQTT 5, table 2-4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
 pub enum PropertyContext {
@@ -50,7 +50,8 @@ pub enum PropertyContext {
 pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
-    /// Takes the properties off the head of `fields`. Each must be known, may stand in this place, and occurs once.
+    /// Takes the properties off the head of `fields`. Each of them must be known and allowed in this place. Only the
+    /// user property may occur twice.
     pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
@@ -69,7 +70,7 @@ impl<'a> Properties<'a> {
         Ok(properties)
     }
 
-    /// Reads the properties at the head of `fields` without checking whether they may stand there.
+    /// Takes the properties off the head of `fields` without checking whether they are allowed there.
     #[cfg(test)]
     pub(crate) fn of_server(fields: &mut PacketFields<'a>) -> Properties<'a> {
         Properties(split(fields).unwrap())
@@ -98,7 +99,7 @@ impl<'a> Iterator for Properties<'a> {
         }
         let mut fields = PacketFields::new(self.0);
         let property = Property::read(&mut fields).ok();
-        // An error ends the iteration; there is none in properties that were checked.
+        // An error ends the iteration. Properties that were checked have no errors.
         self.0 = if property.is_some() { fields.rest() } else { &[] };
         property
     }
@@ -233,7 +234,7 @@ impl<'a> Property<'a> {
         if is_good { Ok(()) } else { Err(Malformed::PropertyValue(self.id())) }
     }
 
-    /// Whether it is forwarded unchanged to the readers of a message (MQTT 5, section 3.3.2.3).
+    /// Whether this property is forwarded unchanged to the readers of a message (MQTT 5, section 3.3.2.3).
     pub(crate) const fn goes_on(self) -> bool {
         matches!(
             self,

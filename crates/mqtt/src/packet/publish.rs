@@ -1,4 +1,5 @@
-//! The head of a PUBLISH (section 3.3). The topic is checked elsewhere, since senders use few topics and send much.
+//! The head of a PUBLISH (section 3.3). The topic is checked elsewhere, since many messages of a sender have the same
+//! topic.
 
 use super::properties::{Properties, PropertyContext};
 use super::{PacketFields, Qos, Version};
@@ -9,24 +10,25 @@ use crate::frame::{Frame, Malformed};
 pub struct Publish<'a> {
     /// The bytes of its topic; empty in MQTT 5 when a topic alias stands for it.
     pub topic: &'a [u8],
-    /// Everything behind the properties; it may be empty.
+    /// The bytes behind the properties; they may be empty.
     pub payload: &'a [u8],
-    /// The QoS at which its sender sends it; readers may get it at a lower one.
+    /// The QoS at which its sender sends it. Readers may get it at a lower QoS.
     pub qos: Qos,
     /// Its id; 0 at QoS 0.
     pub id: u16,
-    /// The DUP flag: it may have been sent before.
+    /// The DUP flag: the packet may have been sent before.
     pub is_duplicate: bool,
-    /// The RETAIN flag: it replaces what its topic retains, or removes it if the payload is empty (section 3.3.1.3).
+    /// The RETAIN flag: the message replaces the topic's retained message, or removes it if the payload is empty
+    /// (section 3.3.1.3).
     pub retain: bool,
     /// Its properties; empty in MQTT 3.1.1.
     pub properties: Properties<'a>,
 }
 
-/// Reads a PUBLISH; `packet` is the whole of it, and `frame` its own.
+/// Reads a PUBLISH; `packet` is the whole packet, and `frame` the frame of this packet.
 ///
 /// # Errors
-/// When it is malformed; its topic and its alias are not looked at here.
+/// When the packet is malformed; its topic and its alias are not checked here.
 pub fn read<'a>(frame: &Frame, packet: &'a [u8], version: Version) -> Result<Publish<'a>, Malformed> {
     let qos = Qos::of(frame.flags >> 1 & 3)?;
     let is_duplicate = frame.flags & 8 != 0;

@@ -1,6 +1,6 @@
 //! The reason codes of MQTT 5 (section 2.4).
 
-/// A reason code of MQTT 5; those from 0x80 on are failures.
+/// A reason code of MQTT 5; codes from 0x80 on are failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 #[expect(missing_docs, reason = "the names are those of the standard, table 2-6")]
@@ -31,7 +31,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether it says that something was not done: codes from 0x80 on do (section 2.4).
+    /// Whether the code is a failure, from 0x80 on (section 2.4).
     #[must_use]
     pub const fn is_refusal(self) -> bool {
         self as u8 >= 0x80

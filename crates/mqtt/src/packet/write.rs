@@ -8,7 +8,7 @@ use super::reason::Reason;
 use crate::frame::PacketKind;
 use crate::limits::{ALIASES, CLIENT_PACKET, UNRELEASED};
 
-/// A whole PINGRESP, which is the same in both versions (section 3.13).
+/// A complete PINGRESP, which is the same in both versions (section 3.13).
 pub const PINGRESP: [u8; 2] = [PacketKind::Pingresp.first_byte(), 0];
 
 const DUPLICATE: u8 = 8;
@@ -24,11 +24,11 @@ pub enum Welcome {
     Accepted = 0,
     /// The client speaks neither MQTT 3.1.1 nor 5.
     Version,
-    /// The client id is not accepted, as it is too long.
+    /// The client id is not accepted because it is too long.
     ClientId,
     /// There is no room for another client.
     Unavailable,
-    /// The user name or the password is wrong; it is not said which.
+    /// The user name or the password is wrong; the client is not told which.
     Login,
     /// The client may not do this, such as leave its will.
     NotAllowed,
@@ -48,7 +48,7 @@ impl Welcome {
         }
     }
 
-    /// The reason code that a client of MQTT 5 gets in its place.
+    /// The reason code that a client of MQTT 5 gets instead.
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -67,26 +67,26 @@ impl Welcome {
 pub struct Connack<'a> {
     /// `Reason::Success`, or why the connection is closed after this packet.
     pub reason: Reason,
-    /// Whether the broker has a session of the client; never with a refusal (section 3.2.2.1.1).
+    /// Whether the broker has a session of the client; never true in a refusal (section 3.2.2.1.1).
     pub session_present: bool,
-    /// How long the session is stored, in seconds, where that differs from the client's wish.
+    /// How long the session is stored, in seconds, if this differs from the client's wish.
     pub session_expiry_s: Option<u32>,
     /// The client id that the broker has chosen for a client that sent an empty one (section 3.1.3.1).
     pub assigned_id: Option<&'a str>,
-    /// The keep alive in seconds, where that differs from the client's wish.
+    /// The keep alive in seconds, if this differs from the client's wish.
     pub keep_alive_s: Option<u16>,
-    /// The reason in words, left out if the packet would be longer than the client accepts.
+    /// The reason in words. It is left out if the packet would otherwise be longer than the client accepts.
     pub words: Option<&'a str>,
 }
 
 impl Connack<'_> {
-    /// A CONNACK with this reason; other fields may be set in it.
+    /// A CONNACK with this reason; the caller may set its other fields.
     #[must_use]
     pub const fn of(reason: Reason) -> Connack<'static> {
         Connack { reason, session_present: false, session_expiry_s: None, assigned_id: None, keep_alive_s: None, words: None }
     }
 
-    /// Writes the CONNACK, and leaves optional parts out when it would be longer than `largest` bytes.
+    /// Writes the CONNACK, without its optional parts if it would otherwise be longer than `largest` bytes.
     #[must_use]
     pub fn written(self, largest: u32) -> Vec<u8> {
         let needed = [
@@ -112,7 +112,7 @@ impl Connack<'_> {
     }
 }
 
-/// A whole CONNACK of MQTT 3.1.1, which has no properties.
+/// A complete CONNACK of MQTT 3.1.1, which has no properties.
 #[must_use]
 pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [PacketKind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
@@ -134,15 +134,15 @@ pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PublishHead<'a> {
-    /// Empty when an alias stands for it.
+    /// The topic; empty if an alias stands for it.
     pub(crate) topic: &'a [u8],
     pub(crate) qos: Qos,
-    /// 0 at QoS 0.
+    /// The packet id; 0 at QoS 0.
     pub(crate) id: u16,
     pub(crate) retain: bool,
     /// The DUP flag, which is not written at QoS 0.
     pub(crate) is_duplicate: bool,
-    /// `None` for MQTT 3.1.1.
+    /// The properties; `None` for MQTT 3.1.1.
     pub(crate) properties: Option<PublishProperties<'a>>,
 }
 
@@ -152,7 +152,7 @@ pub(crate) struct PublishProperties<'a> {
     pub(crate) alias: Option<u16>,
     /// The ids of the subscriptions that match (MQTT 5, section 3.3.2.3.8).
     pub(crate) ids: &'a [u32],
-    /// Its publisher's properties, in the encoding of MQTT 5.
+    /// The publisher's properties, in the encoding of MQTT 5.
     pub(crate) others: &'a [u8],
 }
 
@@ -163,7 +163,7 @@ impl PublishHead<'_> {
         out.put_slice(payload);
     }
 
-    /// Length of the whole packet, in bytes, with a payload of this many bytes.
+    /// Length in bytes of the whole packet if its payload has this many bytes.
     pub(crate) fn length(&self, payload: usize) -> usize {
         let rest = self.rest() + payload;
         1 + variable_length(rest) + rest
@@ -175,7 +175,7 @@ impl PublishHead<'_> {
         2 + self.topic.len() + id + properties
     }
 
-    /// Writes everything that stands before a payload of this many bytes.
+    /// Writes the bytes before the payload, whose length is given.
     pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
         let again = if self.is_duplicate && self.qos > Qos::Zero { DUPLICATE } else { 0 };
         let first = PacketKind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
@@ -205,13 +205,13 @@ impl PublishProperties<'_> {
     }
 }
 
-/// Writes a successful PUBACK, PUBREC, PUBREL or PUBCOMP; in MQTT 3.1.1 UNSUBACK as well.
+/// Writes a successful PUBACK, PUBREC, PUBREL or PUBCOMP, or an UNSUBACK of MQTT 3.1.1.
 pub fn ack(out: &mut BytesMut, kind: PacketKind, id: u16) {
     let [high, low] = id.to_be_bytes();
     out.put_slice(&[kind.first_byte(), 2, high, low]);
 }
 
-/// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5. The caller knows that the client wants `words`.
+/// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP of MQTT 5. Pass `words` only if the client wants them.
 pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, words: Option<&str>) {
     let properties = reason_string(words);
     head(out, kind.first_byte(), 3 + properties.len());
@@ -220,12 +220,12 @@ pub fn ack_with(out: &mut BytesMut, kind: PacketKind, id: u16, reason: Reason, w
     out.put_slice(&properties);
 }
 
-/// Writes a SUBACK of MQTT 3.1.1: for each filter, in their order, the granted QoS or [`REFUSED`].
+/// Writes a SUBACK of MQTT 3.1.1. `codes` has the granted QoS or [`REFUSED`] for each filter, in order.
 pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
     codes_of(out, PacketKind::Suback, id, &[], codes);
 }
 
-/// Writes a SUBACK or an UNSUBACK of MQTT 5, with a reason code for each filter, in their order.
+/// Writes a SUBACK or an UNSUBACK of MQTT 5. `codes` has a reason code for each filter, in order.
 pub fn codes_five(out: &mut BytesMut, kind: PacketKind, id: u16, codes: &[u8], words: Option<&str>) {
     codes_of(out, kind, id, &reason_string(words), codes);
 }
@@ -245,7 +245,7 @@ pub fn disconnect(out: &mut BytesMut, reason: Reason, words: Option<&str>) {
     out.put_slice(&properties);
 }
 
-/// Writes a SUBSCRIBE of MQTT 3.1.1 to these filters, of which there has to be one at least.
+/// Writes a SUBSCRIBE of MQTT 3.1.1 to these filters, at least one.
 pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     head(out, PacketKind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
     out.put_u16(id);
@@ -255,7 +255,7 @@ pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
     }
 }
 
-/// Writes an UNSUBSCRIBE of MQTT 3.1.1 from these filters, of which there has to be one at least.
+/// Writes an UNSUBSCRIBE of MQTT 3.1.1 from these filters, at least one.
 pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     head(out, PacketKind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
     out.put_u16(id);
@@ -269,7 +269,7 @@ fn head(out: &mut BytesMut, first: u8, length: usize) {
     put_variable(out, length as u32);
 }
 
-/// The encoded properties, with their length before them.
+/// The encoded properties, preceded by their length.
 fn written(properties: &[Property<'_>]) -> BytesMut {
     let (mut out, mut all) = (BytesMut::new(), BytesMut::new());
     properties.iter().for_each(|property| property.write(&mut all));
@@ -287,7 +287,7 @@ fn text(out: &mut BytesMut, text: &str) {
     bytes(out, text.as_bytes());
 }
 
-/// A field with its length in two bytes. All values come from such a field, or are short.
+/// Writes a field with its length in two bytes. All values come from such a field of a packet, or are short.
 fn bytes(out: &mut BytesMut, bytes: &[u8]) {
     out.put_u16(u16::try_from(bytes.len()).expect("it comes from a field with a two-byte length, or is bounded by TOPIC"));
     out.put_slice(bytes);
