@@ -1,5 +1,5 @@
-//! Queues received datagrams when more arrive than can be answered, with urgent requests ahead of everything else. What
-//! a datagram means is read in `inward`; sockets are not here.
+//! Queues received datagrams when more arrive than can be answered, with urgent requests ahead of all others. The
+//! meaning of a datagram is read in `inward`; sockets are not handled here.
 
 use std::net::SocketAddr;
 
@@ -8,15 +8,15 @@ use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
 
-/// Datagrams that were received and wait to be handled, with a bounded room for each kind.
+/// Received datagrams that wait to be handled, with separate bounded room for each kind.
 pub struct Backlog {
     is_urgent: fn(&Request) -> bool,
     urgent: Queue,
     commands: Queue,
-    /// Acknowledgements, resets and everything else that asks for nothing.
+    /// Acknowledgements, resets and other datagrams that ask for nothing.
     signs: Queue,
     reads: Queue,
-    /// Counts datagrams taken that are not urgent, so that the three kinds take turns.
+    /// Counts the datagrams taken that are not urgent, so that the three other kinds take turns.
     turns: usize,
 }
 
@@ -29,10 +29,10 @@ impl Backlog {
         Backlog { is_urgent, urgent, commands, signs, reads, turns: 0 }
     }
 
-    /// Stores a datagram, or drops it when its sender already has more waiting than is left for others, so that
-    /// nobody's flood displaces another's datagrams. An urgent request goes ahead of everything but the commands that
-    /// came before it, since one of those could otherwise undo its effect. This holds for an urgent request that is
-    /// dropped as well: those that wait take effect in its place.
+    /// Stores a datagram. It is dropped if its sender already has more waiting than the room left for others, so that
+    /// no flood displaces the datagrams of others. An urgent request goes ahead of all datagrams but earlier commands,
+    /// which could otherwise undo its effect. This holds even for an urgent request that is dropped: the waiting urgent
+    /// requests take effect in its place.
     pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
@@ -56,7 +56,7 @@ impl Backlog {
         [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)
     }
 
-    /// Whether an urgent request waits, or a command that has to be taken before one.
+    /// Whether an urgent request waits, or a command that goes before one.
     #[must_use]
     pub fn has_urgent(&self) -> bool {
         self.commands.has_first() || !self.urgent.is_empty()
@@ -67,8 +67,8 @@ impl Backlog {
         self.commands.next_first().or_else(|| self.urgent.next())
     }
 
-    /// Removes the next datagram. A command that came after an urgent request is not taken before it, unless a further
-    /// urgent request follows that command and so takes effect after it.
+    /// Removes the next datagram. A command that came after an urgent request stays behind it. It goes ahead only when
+    /// a further urgent request has come after the command.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);

@@ -15,7 +15,7 @@ use super::response::Response;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block {
-    /// Its number, of 20 bits.
+    /// The block's number, of 20 bits.
     pub(super) number: u32,
     pub(super) more: bool,
     /// 0 to 6; the size in bytes is 2 to the power of `exponent` + 4.
@@ -65,11 +65,11 @@ pub(super) struct BodyKey {
     pub(super) method: Method,
     pub(super) path: Vec<String>,
     pub(super) queries: Vec<String>,
-    /// Request-Tag (RFC 9175, section 3).
+    /// The values of Request-Tag (RFC 9175, section 3).
     pub(super) tags: Vec<Vec<u8>>,
 }
 
-/// Bodies whose last block has not come yet; those from beyond this machine have places of their own.
+/// Bodies whose last block has not arrived yet. Bodies from beyond this machine have separate room.
 #[derive(Debug, Default)]
 pub(super) struct Assemblies {
     here: Bodies,
@@ -83,8 +83,8 @@ impl Assemblies {
         self.here.len() + self.beyond.len()
     }
 
-    /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too
-    /// large.
+    /// Adds a block to its body. The error is 4.00 for a block that is not full although more follow, 4.08 if a block
+    /// is missing, and 4.13 for a body that is too large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
         let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
         let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);

@@ -1,5 +1,5 @@
-//! Reproducible random numbers: one secret gives the same numbers in every run, and each purpose has its own series.
-//! They are not for secrets: what must not be guessed is made in `guard`.
+//! Reproducible random numbers: one secret gives the same numbers in every run, and each purpose has its own series. Do
+//! not use them as secrets: values that must not be guessed are made in `guard`.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};

@@ -1,5 +1,5 @@
 //! Methods and response codes (RFC 7252, section 12.1) as numbers with names. What a code means to a client is not
-//! here.
+//! described here.
 
 use std::fmt;
 
@@ -102,7 +102,7 @@ impl Method {
         [Get, Post, Put, Delete, Fetch, Patch, IPatch].into_iter().find(|method| method.code() == code)
     }
 
-    /// Whether it changes nothing on the server, and may thus be repeated (RFC 7252, section 5.1).
+    /// Whether the method changes nothing on the server, so that the request may be repeated (RFC 7252, section 5.1).
     #[must_use]
     pub const fn is_safe(self) -> bool {
         matches!(self, Method::Get | Method::Fetch)

@@ -1,4 +1,4 @@
-//! Recognises repeated messages and their answers (RFC 7252, section 4.5): a message that comes again gets the same
+//! Recognises repeated messages and stores their answers (RFC 7252, section 4.5). A repeated message gets the same
 //! answer and has no second effect, unless it was urgent and its effect may have been undone since. Retransmission of
 //! this side's messages stands in `reliable`.
 
@@ -16,8 +16,8 @@ use super::shares::Shares;
 pub(super) struct MessageKey {
     pub(super) peer: SocketAddr,
     pub(super) id: u16,
-    /// Digest of the message, since a sender that counts from 0 again, or has taken over another's port, does not
-    /// repeat itself.
+    /// Digest of the message: a sender that counts from 0 again, or has taken over another sender's port, does not
+    /// repeat a message.
     pub(super) digest: u64,
 }
 
@@ -36,8 +36,8 @@ pub(super) enum KnownMessage {
     Answered(Vec<u8>),
 }
 
-/// The messages of the last minutes. Those that only read and commands have a table each, so that a flood of reads does
-/// not push out commands.
+/// The messages of the last minutes. Commands from this machine, and malformed urgent messages, have a table of their
+/// own, so that no flood of other messages pushes them out.
 #[derive(Debug, Default)]
 pub(super) struct Exchanges {
     reads: Table,
@@ -70,10 +70,10 @@ impl Table {
         }
     }
 
-    /// Adds a message. When there is no room, the oldest message of whoever has most gives way.
+    /// Adds a message. When there is no room, the oldest message of the sender with the most messages gives way.
     fn insert(&mut self, key: MessageKey, entry: KnownExchange) {
         if let Some(before) = self.messages.get_mut(&key) {
-            // It stays in its place, since `shares` has the messages of a peer in the same order.
+            // The message stays in its place, since `shares` has the messages of a peer in the same order.
             *before = KnownExchange { since: before.since, ..entry };
             return;
         }
@@ -93,7 +93,7 @@ impl Exchanges {
     }
 
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
-        // From this age on the same id stands for another message.
+        // From this age on the same id may stand for another message.
         for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
@@ -107,7 +107,7 @@ impl Exchanges {
         table.insert(key, KnownExchange { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
-    /// Makes a message that was just opened take effect again when it comes again after `undone` has changed.
+    /// Makes a message that was just opened take effect again if it is repeated after `undone` has changed.
     pub(super) fn acts_again_when_undone(&mut self, key: MessageKey) {
         let undone = self.undone;
         if let Some(entry) = self.entry(key) {
@@ -126,8 +126,7 @@ impl Exchanges {
     }
 }
 
-/// Whether a message is so old that its id may stand for another one (RFC 7252, section 4.8.2), and it can be
-/// forgotten.
+/// Whether a message can be forgotten: it is so old that its id may stand for another one (RFC 7252, section 4.8.2).
 pub(super) fn is_over(since: Duration, now: Duration) -> bool {
     now > since + EXCHANGE_LIFETIME
 }

@@ -1,4 +1,4 @@
-//! Content formats by their numbers (IANA, CoAP Content-Formats). Which resource has which is not here.
+//! Content formats by their numbers (IANA, CoAP Content-Formats). The formats of each resource are not listed here.
 
 use std::fmt;
 

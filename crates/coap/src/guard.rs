@@ -1,6 +1,6 @@
-//! Limits what is sent to addresses beyond this machine: an address that has not proved that it receives our datagrams
-//! gets at most three times the bytes that came from it, and a network that asks too much is told to wait. Who may do
-//! what is decided by the application.
+//! Limits the datagrams sent to addresses beyond this machine. An address that has not proved that it receives our
+//! datagrams gets at most three times the bytes that came from it. A network that sends too many requests is told to
+//! wait. The rights of clients are decided by the application.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use subtle::ConstantTimeEq;
 use super::limits::{AMPLIFICATION, ECHO_AGE, PEERS, PROVED, RATE, RATE_BURST};
 use super::network::{Network, is_this_machine};
 
-/// Bytes of the time in an Echo option.
+/// Length of the time in an Echo option, in bytes.
 const TIME: usize = 4;
 const PROOF: usize = 8;
 
@@ -25,9 +25,9 @@ pub(super) struct Guard {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Stranger {
-    /// Bytes received from there before it was proved.
+    /// Bytes received from the address before it was proved.
     received: usize,
-    /// Bytes sent to there before it was proved.
+    /// Bytes sent to the address before it was proved.
     sent: usize,
     /// When the address last proved that it receives our datagrams.
     proved: Option<Duration>,
@@ -90,7 +90,7 @@ impl Guard {
         self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)
     }
 
-    /// Like `has_room`, and counts the datagram as sent if it may go.
+    /// Whether the datagram may be sent, as in `has_room`. If so, counts it as sent.
     pub(super) fn lets_out(&mut self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let (is_proved, may) = (self.is_proved(peer, now), self.has_room(peer, length, now));
         if let Some(stranger) = self.peers.get_mut(&peer).filter(|_| may && !is_proved) {
@@ -115,7 +115,7 @@ impl Guard {
         }
     }
 
-    /// Renews the proof of a proved address, which has acknowledged a message.
+    /// Renews the proof of a proved address that has acknowledged a message.
     pub(super) fn heard_us(&mut self, peer: SocketAddr, now: Duration) {
         if let Some(stranger) = self.peers.get_mut(&peer).filter(|stranger| stranger.proved.is_some()) {
             stranger.proved = Some(now);

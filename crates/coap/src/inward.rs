@@ -1,4 +1,5 @@
-//! The way in: from a datagram to a request for the application, or to an answer without it. The way out is `outward`.
+//! The way in: from a datagram to a request for the application, or to an answer without the application. The way out
+//! is `outward`.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
     pub(super) kind: MessageKind,
     pub(super) token: Token,
-    /// Bits of the classes of answers that the sender does not want (RFC 7967).
+    /// The classes of answers that the sender does not want, as bits (RFC 7967).
     pub(super) no_response: u32,
 }
 
@@ -34,7 +35,7 @@ impl ReplyTo {
 }
 
 impl Endpoint {
-    /// Handles a datagram from the network. Fetch what follows with the `poll_…` functions.
+    /// Handles a datagram from the network. Then fetch its results with the `poll_…` functions.
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
         match parse(bytes) {
@@ -49,8 +50,8 @@ impl Endpoint {
         }
     }
 
-    /// Resets a malformed message. It may still hold an urgent request, which takes effect each time, unless it is
-    /// known already.
+    /// Resets a malformed message. An urgent request in the message still takes effect, unless the message is known
+    /// already.
     fn take_malformed(&mut self, key: MessageKey, kind: MessageKind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
@@ -80,14 +81,14 @@ impl Endpoint {
         let Some((sent, once)) = self.reliable.settled(peer, id) else { return };
         self.guard.heard_us(peer, now);
         if let About::Notification(observer, thing, version) = sent.about {
-            // After a retransmission nobody knows which of the two was acknowledged (Karn's rule).
+            // After a retransmission it is unknown which of the two messages was acknowledged (Karn's rule).
             let away = once.then(|| now.saturating_sub(sent.first));
             self.observers.acknowledged(observer, thing, version, away, now);
         }
         self.go_on(peer, now);
     }
 
-    /// Handles a reset: its sender does not know the message, so it observes no longer or no longer wants the answer.
+    /// Handles a reset. The sender does not know the message, so it no longer observes or no longer wants the answer.
     fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
         let observer = match on_its_way {
@@ -127,7 +128,8 @@ impl Endpoint {
             Err(response) => response,
         };
         let (response, asked) = match self.urgent_in(peer, bytes) {
-            // The record gets its effect; with the refusal in it as well, it would read as if nothing had been done.
+            // The record gets the effect of the request. With the refusal as well, it would read as if nothing had been
+            // done.
             Some(urgent) => {
                 self.exchanges.acts_again_when_undone(reply_to.key);
                 self.asked.push_back((exchange, urgent));
@@ -152,8 +154,8 @@ impl Endpoint {
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
         if is_urgent || read.block1.is_some_and(|block| block.more) {
-            // Nobody knows yet whether a body in blocks is urgent, and its last block cannot come again without those
-            // before.
+            // It is not known yet whether a body in blocks is urgent, and its last block cannot be repeated without the
+            // blocks before.
             self.exchanges.acts_again_when_undone(reply_to.key);
         }
         let undone = self.exchanges.undone;
@@ -189,8 +191,8 @@ impl Endpoint {
         self.ask(reply_to, exchange, read, now);
     }
 
-    /// Refuses a request without showing it to the application. The answer to a change begins with `refused: `, since
-    /// its sender has to read that first.
+    /// Refuses a request without passing it to the application. The answer to a change begins with `refused: `, which
+    /// its sender has to read first.
     fn refuse(&mut self, reply_to: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
@@ -198,14 +200,15 @@ impl Endpoint {
         self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
-    /// Notes a refused change of a peer of this machine for the record, unless `REFUSED` of them wait.
+    /// Stores the refusal of a change for the record, if its sender is on this machine and fewer than `REFUSED` are
+    /// stored.
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();
         self.refused.push_back(RefusedRequest { peer, asked, words });
     }
 
-    /// Answers a request for a further block of what a notification began. Returns whether it was one.
+    /// Answers a request for a further block of a body that a notification began. Returns false for any other request.
     fn observes_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
@@ -228,7 +231,7 @@ impl Endpoint {
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
-    /// Whether the whole body has arrived; if so, it is in the request.
+    /// Whether the whole body has arrived. If so, puts it into the request.
     fn whole(&mut self, read: &mut ParsedRequest, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
@@ -279,7 +282,7 @@ impl Endpoint {
     }
 }
 
-/// The key of the bodies of a request and of its answer while they travel in blocks.
+/// The key under which the blocks of a request's body, and its answer, are stored.
 fn body_key(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
     BodyKey {
         peer: request.peer,

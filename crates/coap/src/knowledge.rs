@@ -1,6 +1,6 @@
-//! What one observer knows of the things it observes, and which of them it is told next. Things take turns: one that
-//! changes all the time hides no other, and what may have been lost is repeated although there is other news. Messages
-//! and pacing are not here.
+//! The state that one observer knows of each thing that it observes, and which thing it is told next. Things take
+//! turns: a thing that changes all the time does not hide the others, and news that may have been lost is repeated even
+//! while there is other news. Messages and pacing are not handled here.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,12 +8,12 @@ use std::time::Duration;
 use super::limits::SETTLED;
 use super::response::Response;
 
-/// One of the things that a subject shows. Versions count the changes of all of them together and never start again, so
-/// that a thing that disappears and returns is not mistaken for the earlier one.
+/// One of the things that a subject shows. One counter numbers the versions of all its things and never starts again,
+/// so that a thing that disappears and returns is not mistaken for the earlier one.
 #[derive(Debug)]
 pub(super) struct Thing {
     pub(super) response: Arc<Response>,
-    /// Number of the change that brought it to its present state.
+    /// The number of the change that led to the thing's present state.
     pub(super) version: u64,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Knowledge {
 struct KnownThing {
     told: u64,
     at: Duration,
-    /// The last version that it surely has.
+    /// The last version that the observer has acknowledged, or surely received.
     sure: u64,
 }
 
@@ -50,8 +50,8 @@ impl Thing {
 }
 
 impl Knowledge {
-    /// The knowledge of an observer that was just shown one thing and is still to be told the others. An answer that is
-    /// not sure to arrive will be told again.
+    /// The knowledge of an observer that was just shown one thing and not yet the others. If the answer with it may be
+    /// lost, the thing will be told again.
     pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
         let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
@@ -60,7 +60,7 @@ impl Knowledge {
         Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
     }
 
-    /// What it is told now: the next news, otherwise what it may have missed.
+    /// The thing to tell the observer now: the next news, or otherwise something that it may have missed.
     pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
         let from_here = self.lack_within(things, self.next..things.len(), now);
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
@@ -70,7 +70,7 @@ impl Knowledge {
         self.latest
     }
 
-    /// When it is next to be told something: at the earliest `pace` after `sent`, when it was last told anything.
+    /// When to tell the observer something next: at least `pace` after `sent`, the time of the last message to it.
     pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
         let due = |(place, thing): (usize, &Thing)| match self.known(place) {
             known if known.told < thing.version => Some(sent + pace),

@@ -1,5 +1,6 @@
-//! Reads what a datagram asks for as far as possible, where a strict reader refuses it: an urgent request takes effect
-//! whatever is wrong with it. Which request is urgent is decided by the application, and how it is refused in `inward`.
+//! Reads the request in a datagram as far as possible when the strict reader refuses it, so that an urgent request
+//! takes effect whatever is wrong with it. The application decides which requests are urgent, and `inward` refuses
+//! them.
 
 use std::iter;
 use std::net::SocketAddr;
@@ -21,13 +22,13 @@ const TOKEN: usize = 8;
 /// Most options that are read, since one datagram must not take long.
 const OPTIONS: usize = 128;
 
-/// Whether a message with this code may ask for a change. A code that stands for no method may.
+/// Whether a message with this code may ask for a change. This includes codes of requests without a known method.
 pub(super) fn is_command(code: Code) -> bool {
     code.class() == 0 && !Method::of(code).is_some_and(Method::is_safe)
 }
 
-/// The requests that a datagram of this version may hold, one for each possible length of its token: the stated length
-/// in the sense of RFC 7252 or of RFC 8974, and any other. Messages that only read, or are no requests, are skipped.
+/// The requests that a datagram of this version may hold, one for each possible length of its token: first the stated
+/// length by RFC 7252 and by RFC 8974, then every other. Messages that only read, or are no requests, are skipped.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -35,16 +36,17 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
     tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
-/// The possible lengths of the token with its extended length: what these four bits may mean, then any other.
+/// The possible lengths of the token, with the bytes of an extended length: first those that the four bits may mean,
+/// then all others.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
     let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
     let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);
     iter::once(said).chain(extended.filter(|length| *length != said)).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// The request behind the token, up to where the options are invalid or cut off; `None` if they name no path.
-/// Everything from there on counts as payload, and after a marker only what follows the last one: an old client's
-/// command may stand there.
+/// The request behind the token, read until the options are invalid or cut off; `None` if the options name no path. The
+/// bytes from there on are the payload. If they contain a marker, only the bytes behind the last one are, since an old
+/// client's command may stand there.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
     let (mut path, mut proxy, mut number) = (Vec::new(), None, 0_usize);
     for _ in 0..OPTIONS {
@@ -67,7 +69,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
         [MARKER, payload @ ..] => payload,
         _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
-    // The part beyond the longest body is not read: a command stands at the beginning.
+    // Bytes beyond the longest body are not read: a command stands at the beginning.
     let payload = payload[..payload.len().min(BODY)].to_vec();
     Some(Request {
         peer,
@@ -81,7 +83,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
     })
 }
 
-/// The path of an absolute URI, which names what Uri-Path would, on any host (RFC 7252, section 5.10.2).
+/// The path of an absolute URI on any host, with the same meaning as Uri-Path (RFC 7252, section 5.10.2).
 fn segments(address: &[u8]) -> Vec<String> {
     let address = String::from_utf8_lossy(address);
     let address = address.split(['?', '#']).next().unwrap_or_default();
@@ -89,8 +91,8 @@ fn segments(address: &[u8]) -> Vec<String> {
     behind.split('/').filter(|segment| !segment.is_empty()).map(str::to_owned).collect()
 }
 
-/// The first of some options: the delta of its number, its value as far as it has arrived, and what follows. `None` for
-/// a reserved form, or when the head of the option is cut off.
+/// The first option in these bytes: the delta of its number, its value as far as it has arrived, and the bytes behind
+/// it. `None` for a reserved form, or if the head of the option is cut off.
 fn option(bytes: &[u8]) -> Option<(usize, &[u8], &[u8])> {
     let (head, rest) = bytes.split_first()?;
     let (delta, rest) = extended(head >> 4, rest)?;

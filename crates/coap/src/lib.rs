@@ -1,5 +1,6 @@
-//! A CoAP server endpoint that knows no resource, socket or clock: datagrams in, requests out to an application, its answers back
-//! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
+//! A CoAP server endpoint that knows no resource, socket or clock: datagrams in, requests out to an application, its
+//! answers back in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). The application decides which resource is at
+//! which path.
 //!
 //! ```text
 //!   backlog (what waits, when more comes than is answered)
@@ -66,7 +67,7 @@ use self::reliable::Reliable;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ExchangeId(u64);
 
-/// A datagram to be sent, as it is.
+/// A datagram to be sent unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmit {
     /// Address and port of its receiver.
@@ -78,15 +79,15 @@ pub struct Transmit {
 /// A request for a change that was refused before the application saw it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedRequest {
-    /// Its sender, which is on this machine.
+    /// The sender, which is on this machine.
     pub peer: SocketAddr,
-    /// What it asked for, such as `POST /commands/start`.
+    /// The request's method and path, such as `POST /commands/start`.
     pub asked: String,
-    /// The reason, without the `refused: ` before it in the answer.
+    /// The reason, without the `refused: ` with which the answer begins.
     pub words: String,
 }
 
-/// Sizes of the endpoint's tables, each of which has its bound in `limits`.
+/// Sizes of the endpoint's tables. The limit of each table is in `limits`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Messages stored with their answers: at most twice `EXCHANGES`.
@@ -95,7 +96,7 @@ pub struct Counts {
     pub open: usize,
     /// Observations: at most `OBSERVERS`.
     pub observers: usize,
-    /// Bodies of requests of which some blocks are missing: at most twice `ASSEMBLIES`.
+    /// Bodies of requests with missing blocks: at most twice `ASSEMBLIES`.
     pub assemblies: usize,
     /// Answers stored for reading in blocks: at most `ASSEMBLIES`.
     pub long_answers: usize,
@@ -115,8 +116,8 @@ pub struct Endpoint {
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
-    /// Open requests whose sender has to be told that the answer takes longer, each with the time for that, in the
-    /// order of their times.
+    /// Open requests whose sender has to be told that the answer takes longer, each with the time of this message, in
+    /// the order of arrival.
     patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
     ids: LinkedHashMap<SocketAddr, u16>,
@@ -124,7 +125,7 @@ pub struct Endpoint {
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<RefusedRequest>,
     is_urgent: fn(&Request) -> bool,
-    /// The first words of the refusal of an urgent request.
+    /// Words in the refusal of an urgent request, which say that it took effect.
     took_effect: &'static str,
     out: VecDeque<Transmit>,
 }
@@ -132,16 +133,16 @@ pub struct Endpoint {
 #[derive(Debug)]
 struct Open {
     reply_to: ReplyTo,
-    /// Whether its sender was told already that the answer comes separately.
+    /// Whether the sender was told already that the answer comes separately.
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
-    /// Set if the request asks to observe: the registration needs it.
+    /// The request, if it asks to observe: the registration needs it.
     request: Option<Box<Request>>,
-    /// The key under which its answer is stored if it does not fit into one message; `None` for a request that only
+    /// The key under which the answer is stored if it does not fit into one message; `None` for a request that only
     /// reads.
     kept_as: Option<Box<BodyKey>>,
-    /// How often the effect of urgent requests had been undone when it came.
+    /// How often the effect of urgent requests had been undone when this request came.
     undone: u64,
     etags: Vec<ETag>,
     block1: Option<Block>,
@@ -150,7 +151,7 @@ struct Open {
 }
 
 impl Endpoint {
-    /// An endpoint whose random numbers all come from this secret: message ids, the spread of times, proofs of
+    /// An endpoint that derives all its random values from this secret: message ids, the spread of times, and proofs of
     /// addresses.
     #[must_use]
     pub fn new(secret: [u8; 32]) -> Endpoint {
@@ -176,31 +177,32 @@ impl Endpoint {
         }
     }
 
-    /// Sets the wall clock at `Duration::ZERO` of the endpoint's time, as the time since the beginning of 1970. The
-    /// numbers of notifications continue from those before a restart by it, so that an observer takes none for an old
-    /// one (RFC 7641, section 4.4).
+    /// Sets the wall clock at `Duration::ZERO` of the endpoint's time, as the time since the beginning of 1970. With it
+    /// the numbers of notifications continue after a restart, so that an observer does not mistake a new notification
+    /// for an old one (RFC 7641, section 4.4).
     #[must_use]
     pub fn started_at(self, since_1970: Duration) -> Endpoint {
         Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
-    /// Defines urgent requests, which have to take effect whatever is wrong with them. Each is handed over once, and
-    /// again when it comes again after its effect was undone (`handle_undone`). `is_urgent` recognises them by their
-    /// sender, and by as much of the method, path and payload as can be read. One that has to be refused is handed over
-    /// and refused: the application's answer to it is not sent, and the refusal begins with `took_effect`.
+    /// Defines urgent requests, which have to take effect whatever is wrong with them. Each one is passed to the
+    /// application once, and once more if it is repeated after its effect was undone (`handle_undone`). `is_urgent`
+    /// recognises them by the sender, and by as much of the method, path and payload as can be read. An urgent request
+    /// that has to be refused is still passed on. The application's answer to it is not sent, and the refusal begins
+    /// with `refused: ` and `took_effect`.
     #[must_use]
     pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
         Endpoint { is_urgent, took_effect, ..self }
     }
 
-    /// Tells how often the effect of urgent requests may have been undone so far; call it before each datagram. A
-    /// repeated urgent message gets the same answer while this number is the one under which it was handed over; after
-    /// that it is handed over again.
+    /// Sets how often the effect of urgent requests may have been undone so far. Call this before each datagram. A
+    /// repeated urgent message gets the same answer while the number is unchanged. After a change it is passed to the
+    /// application again.
     pub fn handle_undone(&mut self, count: u64) {
         self.exchanges.undone = count;
     }
 
-    /// Takes the application's answer to a request, which may come at any time.
+    /// Takes the application's answer to a request. It may come at any time.
     pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Duration) {
         self.patience.remove(&exchange);
         if let Some(open) = self.open.remove(&exchange) {
@@ -208,7 +210,7 @@ impl Endpoint {
         }
     }
 
-    /// Takes the present state of what a subject's observers see; unchanged things are not sent.
+    /// Takes the present state of the things that a subject's observers see. Unchanged things are not sent.
     pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         self.observers.change(subject, things, now);
     }
@@ -227,7 +229,7 @@ impl Endpoint {
         self.notify_due(now);
     }
 
-    /// The next request for the application; `handle_answer` takes the answer.
+    /// The next request for the application. Pass its answer to `handle_answer`.
     pub fn poll_request(&mut self) -> Option<(ExchangeId, Request)> {
         self.asked.pop_front()
     }
@@ -249,7 +251,7 @@ impl Endpoint {
         [slow, self.reliable.timeout(), self.observers.timeout()].into_iter().flatten().min()
     }
 
-    /// Everything that is observed, each once, as its first observer asked for it.
+    /// All observed subjects, each with the request of its first observer.
     #[must_use]
     pub fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
         self.observers.subjects()
@@ -261,7 +263,7 @@ impl Endpoint {
         self.observers.count()
     }
 
-    /// Sizes of the tables. It looks through some of them, so it is not for every datagram.
+    /// Sizes of the tables. Do not call this for every datagram: it looks through some of the tables.
     #[must_use]
     pub fn counts(&self) -> Counts {
         Counts {

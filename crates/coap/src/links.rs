@@ -1,5 +1,5 @@
-//! The list of links at `/.well-known/core`, and the filters on it (RFC 6690). Which links there are is decided by the
-//! application; nothing is read or sent here.
+//! The list of links at `/.well-known/core`, and the filters on it (RFC 6690). The application decides which links
+//! there are. Nothing is read or sent here.
 
 use std::fmt::Write;
 
@@ -17,8 +17,8 @@ impl Link {
         Link { href: href.into(), attributes: Vec::new() }
     }
 
-    /// Adds an attribute, such as `rt`. Several values of `rt`, `if`, `rel` and `ct` stand in one text, separated by
-    /// spaces.
+    /// Adds an attribute, such as `rt`. Several values of `rt`, `if`, `rel` or `ct` are written in one text, separated
+    /// by spaces.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Link {
         self.attributes.push((name, Some(value.into())));
@@ -59,7 +59,7 @@ impl Link {
     }
 }
 
-/// The links that match every query, in `application/link-format`; empty without links.
+/// The links that match every query, in `application/link-format`. The text is empty without links.
 #[must_use]
 pub fn link_format(links: &[Link], queries: &[String]) -> String {
     let mut list = String::new();
@@ -80,7 +80,7 @@ fn is_wanted(value: &str, wanted: &str) -> bool {
     wanted.strip_suffix('*').map_or(value == wanted, |beginning| value.starts_with(beginning))
 }
 
-/// Whether the value is written without quotes: a single number is.
+/// Whether the value is written without quotes, as a single number is.
 fn is_bare(name: &str, value: &str) -> bool {
     matches!(name, "ct" | "sz") && !value.is_empty() && value.bytes().all(|byte| byte.is_ascii_digit())
 }

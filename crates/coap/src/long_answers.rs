@@ -1,6 +1,6 @@
-//! Answers to commands that do not fit into one message. They are stored for a while for reading block by block,
-//! because reading on must not carry the command out again. Answers to reads need no storage: the application is asked
-//! again.
+//! Answers to commands that do not fit into one message. They are stored for a while so that a client can read the
+//! further blocks without having the command carried out again. Answers to reads need no storage: the application is
+//! asked again.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,8 +31,8 @@ impl LongAnswers {
         self.0.len()
     }
 
-    /// Stores the answer to a request, of which this block is sent now, in place of an earlier answer under the same
-    /// key.
+    /// Stores the answer to a request, in place of an earlier answer under the same key. `block` is the block that is
+    /// sent now.
     pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, undone: u64, now: Duration) {
         self.0.remove(&key);
         self.0.insert(key, Answered { since: now, answer, next: end(block), undone });
@@ -41,14 +41,14 @@ impl LongAnswers {
         }
     }
 
-    /// Whether a request for this block continues where the last one ended, and the effect of the urgent request still
-    /// holds: then it is no new request.
+    /// Whether a request for this block reads on where the last one ended, and is thus no new request. This requires
+    /// that the effect of the urgent request still holds.
     pub(super) fn is_next(&self, key: &BodyKey, block: Block, undone: u64, now: Duration) -> bool {
         let kept = self.0.get(key).filter(|kept| kept.undone == undone && !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
 
-    /// The stored answer, of which this block is sent now.
+    /// The stored answer. `block` is the block that is sent now.
     pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
         let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
         kept.next = end(block);
@@ -56,7 +56,7 @@ impl LongAnswers {
     }
 }
 
-/// Where the next block begins, in bytes; it fits, as a number has 20 bits and a size 11.
+/// Where the next block begins, in bytes. There is no overflow, since a number has 20 bits and a size 11.
 fn end(block: Block) -> usize {
     (block.number as usize + 1) * block.size()
 }

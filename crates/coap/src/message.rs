@@ -1,5 +1,5 @@
-//! Reads datagrams strictly and writes messages, over the codec of coap-lite. The codec accepts versions, markers and
-//! empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
+//! Reads datagrams strictly and writes messages, with the codec of coap-lite. The codec accepts versions, markers and
+//! empty messages that the RFC forbids, so they are checked here. The meaning of options is not read here.
 
 use coap_lite::Packet;
 
@@ -24,9 +24,9 @@ pub(super) struct Token {
 
 #[derive(Debug)]
 pub(super) enum Received {
-    /// Not a message, or one that gets no answer.
+    /// No message, or one that gets no answer.
     Nothing,
-    /// A message that cannot be read, or that a server does not receive; a CON is answered with a RST of this id.
+    /// A message that cannot be read, or that a server does not receive. A CON is answered with a RST of this id.
     Malformed(MessageKind, u16),
     Ack(u16),
     Rst(u16),
@@ -66,8 +66,8 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
         (MessageKind::Ack, _) => Received::Ack(id),
         (MessageKind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
         (MessageKind::Rst, _) => Received::Nothing,
-        // An empty message asks whether anybody is there, and one that is not quite empty is an error; both get the
-        // same answer.
+        // An empty message asks whether anybody is there, and an empty message with further bytes is an error. Both get
+        // the same answer.
         (MessageKind::Con | MessageKind::Non, Code::EMPTY) => Received::Malformed(kind, id),
         (MessageKind::Con | MessageKind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
         (MessageKind::Con | MessageKind::Non, _) => match Packet::from_bytes(bytes) {
@@ -98,8 +98,8 @@ pub(super) fn empty(kind: MessageKind, id: u16) -> Vec<u8> {
     vec![0x40 | kind as u8, 0, high, low]
 }
 
-/// A message being written, option by option in the order of their numbers; type and id follow at the end. It grows in
-/// one buffer, where the codec would allocate three for each option.
+/// A message being written, option by option in the order of their numbers; type and id are written last. All bytes go
+/// into one buffer, where the codec would allocate three for each option.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Outgoing {
     bytes: Vec<u8>,
@@ -174,7 +174,8 @@ const fn kind(first: u8) -> MessageKind {
     }
 }
 
-/// Length of the packet in bytes when it is written; a longer datagram ended in a marker without a payload.
+/// Length of the packet in bytes when it is written. If the datagram was longer, it ended in a marker without a
+/// payload.
 fn written_length(packet: &Packet) -> usize {
     let mut before = 0;
     let mut length = 4 + packet.get_token().len();
@@ -187,7 +188,7 @@ fn written_length(packet: &Packet) -> usize {
     length + if packet.payload.is_empty() { 0 } else { 1 + packet.payload.len() }
 }
 
-/// Bytes that an option's delta or length takes beyond its four bits (RFC 7252, section 3.1).
+/// Number of bytes that an option's delta or length takes beyond its four bits (RFC 7252, section 3.1).
 const fn extended(value: usize) -> usize {
     match value {
         0..13 => 0,

@@ -1,6 +1,6 @@
-//! Who observes what, what each observer has been told, and when to tell it more (RFC 7641). Observers of the same
-//! thing in the same format share one *subject*, whose state comes from the application. Nothing is queued: an observer
-//! whose turn has come is told the newest state. How a notification is written and acknowledged is not here.
+//! The observers, what each of them has been told, and when to tell it more (RFC 7641). Observers of the same thing in
+//! the same format share one *subject*, whose state comes from the application. Nothing is queued: an observer is told
+//! the newest state when its turn comes. Notifications are written and acknowledged elsewhere.
 //!
 //! ```text
 //!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)
@@ -24,13 +24,13 @@ use super::request::Request;
 use super::response::Response;
 use super::subject::{ObserverId, Subject, Target};
 
-/// How an observer acknowledges. A new registration does not reset it, so that repeated registrations alone do not hold
-/// a place.
+/// The acknowledgements of an observer. A new registration does not reset them, so that an observer cannot keep its
+/// place by registering again and again.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
-    /// When it was last asked for an acknowledgement, at first when it registered.
+    /// When the observer was last asked for an acknowledgement; at first, when it registered.
     asked: Duration,
-    /// When it was first asked without having acknowledged since.
+    /// When the observer was first asked since its last acknowledgement.
     unanswered: Option<Duration>,
     is_proved: bool,
 }
@@ -41,10 +41,10 @@ pub struct SubjectId(u64);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
-    /// The new one itself, whose peer has too many or whose path is too long: nobody gives way.
+    /// The new observation itself, whose peer has too many or whose path is too long. No other gives way.
     Itself,
     Network(Network),
-    /// All observations from beyond this machine, since those of this machine never give way to them.
+    /// All observations from beyond this machine. Observations from this machine never give way to them.
     Beyond,
     All,
 }
@@ -65,13 +65,13 @@ pub(super) struct Notification {
     pub(super) peer: SocketAddr,
     pub(super) token: Token,
     pub(super) response: Arc<Response>,
-    /// Index of the thing among those of its subject.
+    /// Index of the thing among the things of its subject.
     pub(super) thing: usize,
     pub(super) version: u64,
     /// Size exponent of the blocks that the observer wants: 2 to the power of `exponent` + 4 bytes each.
     pub(super) exponent: u8,
     pub(super) confirm: bool,
-    /// The Observe number of 24 bits; `None` for the last message, after which no notification follows.
+    /// The Observe number of 24 bits; `None` for the last notification.
     pub(super) sequence: Option<u32>,
 }
 
@@ -83,7 +83,8 @@ pub(super) struct Observers {
     by_peer: HashMap<SocketAddr, Vec<ObserverId>>,
     due: BTreeSet<(Duration, ObserverId)>,
     counted: u64,
-    /// The wall clock at the endpoint's time zero, since 1970: sequences continue from there, even after a restart.
+    /// The wall clock since 1970 at the endpoint's time zero. From there the Observe numbers continue, even after a
+    /// restart.
     began: Duration,
 }
 
@@ -94,11 +95,12 @@ struct Observer {
     subject: SubjectId,
     exponent: u8,
     knowledge: Knowledge,
-    /// The body of which it was sent only the first block: it reads the further blocks of this one, whatever changes.
+    /// A body of which the observer was sent only the first block. The further blocks are read from this body, whatever
+    /// changes.
     begun: Option<Arc<Response>>,
-    /// Whether it may still be reading `begun`.
+    /// Whether the observer may still be reading `begun`.
     is_reading: bool,
-    /// The ids of the latest notifications, by which it may reject them.
+    /// The message ids of the latest notifications, with which the observer may reject them.
     ids: [Option<u16>; 4],
     sequence: u64,
     sent: Duration,
@@ -115,7 +117,7 @@ pub(super) struct Registration<'a> {
     pub(super) exponent: u8,
     /// The answer, which shows the present state.
     pub(super) shown: &'a Arc<Response>,
-    /// Whether the answer is sure to arrive: it acknowledges a CON, which its sender repeats until then.
+    /// Whether the answer is sure to arrive: it acknowledges a CON, which its sender repeats until the answer arrives.
     pub(super) is_sure: bool,
 }
 
@@ -132,10 +134,9 @@ impl Observers {
         self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
     }
 
-    /// Registers an observer, which gets the present state in the answer with the returned sequence; `None` when there
-    /// are too many observations, or many and this observer has not acknowledged for `UNPROVED`. An answer that is not
-    /// sure to arrive is told again. Of several things the answer shows one; the observer is told the others after
-    /// that.
+    /// Registers an observer, which gets the present state in the answer with the returned Observe number. `None` if
+    /// there are too many observations, or if there are many and this observer has not acknowledged for `UNPROVED`. An
+    /// answer that may be lost is told again. The answer shows one thing; the observer is then told the others.
     pub(super) fn register(
         &mut self,
         registration: Registration<'_>,
@@ -189,7 +190,7 @@ impl Observers {
         self.observers.get(&id).map(|observer| observer.acknowledging)
     }
 
-    /// The observation whose notification had this message id.
+    /// The observation with a notification of this message id.
     pub(super) fn told_by(&self, peer: SocketAddr, id: u16) -> Option<ObserverId> {
         self.of_peer(peer).find(|whose| self.observers.get(whose).is_some_and(|observer| observer.ids.contains(&Some(id))))
     }
@@ -222,8 +223,8 @@ impl Observers {
         }
     }
 
-    /// Takes the present state of a subject's things; unchanged ones are no news. The turns of many observers come in
-    /// groups, a millisecond apart.
+    /// Takes the present state of a subject's things; unchanged things are not told. If there are many observers, they
+    /// are told in groups, a millisecond apart.
     pub(super) fn change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         let Some(known) = self.subjects.get_mut(&subject) else { return };
         if known.take(things) {
@@ -257,7 +258,8 @@ impl Observers {
         let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
-        // Among many observers, one that has acknowledged nothing yet is asked soon, even while everything changes.
+        // Among many observers, one that has acknowledged nothing yet is soon asked to, even while things change all
+        // the time.
         let Acknowledging { asked, is_proved, .. } = observer.acknowledging;
         let is_trusted = is_proved || self.observers.len() < UNPROVED_OBSERVERS;
         let confirm_at = asked + if is_trusted { CONFIRM_EVERY } else { SETTLED };
@@ -267,7 +269,7 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
-    /// A notification of the newest version; `None` unless that is newer than `version`, which is on its way.
+    /// A notification of the newest version; `None` unless it is newer than `version`, which is on its way.
     pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
@@ -293,18 +295,18 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// Notes that a notification arrived, with its round-trip time where that is known.
+    /// Notes that a notification arrived, with its round-trip time if known.
     pub(super) fn acknowledged(&mut self, id: ObserverId, thing: usize, version: u64, away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
         (observer.acknowledging.unanswered, observer.acknowledging.is_proved) = (None, true);
-        // Smoothed, so that one slow answer does not slow down everything.
+        // The round-trip time is smoothed, so that one slow answer does not slow down all notifications.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);
     }
 
-    /// The body whose first block a notification carried, for the further block that its observer asks for: in the
-    /// state of that time, whatever has changed since. `None` when this peer observes nothing of the kind.
+    /// The body of which the observer asks for a further block, in the state in which a notification began it; later
+    /// changes do not count. `None` if this peer does not observe such a body.
     pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
         let id = self.observer_of(request)?;
         let observer = self.observers.get_mut(&id)?;
@@ -316,8 +318,7 @@ impl Observers {
         Some(begun)
     }
 
-    /// Ends the reading of an observed body, because the peer now reads it from the first block by a request of its
-    /// own.
+    /// Ends the reading of an observed body, because the peer now reads it from the first block with a new request.
     pub(super) fn read_anew(&mut self, request: &Request) {
         let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
         if let Some(observer) = observer {
@@ -333,7 +334,7 @@ impl Observers {
         self.of_peer(request.peer).find(is_this)
     }
 
-    /// Schedules every observer of a peer again, after something was on its way to it.
+    /// Schedules every observer of a peer again, after the message on its way to the peer was settled.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
         for id in ids {
@@ -345,8 +346,8 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// Whose observations leave no room for this one; `None` when there is room. Peers beyond this machine leave room
-    /// for those of this machine, which never give way to them.
+    /// The observations that leave no room for this one; `None` if there is room. Observations from this machine never
+    /// give way to those from beyond.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
@@ -381,8 +382,8 @@ impl Observers {
         id
     }
 
-    /// Schedules an observer, not before `earliest`: soon when there is something to tell it, otherwise before its
-    /// state is out of date.
+    /// Schedules an observer, not before `earliest`: soon if there is something to tell it, otherwise before its state
+    /// is out of date.
     fn schedule(&mut self, id: ObserverId, earliest: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         let Some(subject) = self.subjects.get(&observer.subject) else { return };
@@ -397,8 +398,8 @@ impl Observers {
         self.due.insert((due, id));
     }
 
-    /// The next Observe number of an observer: from the clock, 32 per millisecond, and always more than the one before.
-    /// Numbers after a restart of the program follow the earlier ones (RFC 7641, section 4.4).
+    /// The next Observe number of an observer: it follows the clock, 32 per millisecond, and is always higher than the
+    /// last one. Numbers after a restart of the program follow the earlier ones (RFC 7641, section 4.4).
     fn sequence(&mut self, id: ObserverId, now: Duration) -> Option<u32> {
         let ticks = u64::try_from((self.began + now).as_micros() * 4 / 125).ok()?;
         let observer = self.observers.get_mut(&id)?;
@@ -408,7 +409,7 @@ impl Observers {
 }
 
 impl Observer {
-    /// Notes that it is sent the first block of this response, or all of it.
+    /// Notes that the observer is sent this response, or only its first block.
     fn begin(&mut self, response: &Arc<Response>) {
         self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
         if self.is_reading {

@@ -1,5 +1,5 @@
-//! The options of a request (RFC 7252, section 5.10, and those of the other RFCs), read once and strictly: a critical
-//! option that is unknown, repeated or of the wrong length is refused; such an elective one is ignored.
+//! The options of a request (RFC 7252, section 5.10, and the other RFCs), read once and strictly. A critical option
+//! that is unknown, repeated or of the wrong length is refused; an elective option with such a fault is ignored.
 
 use std::net::SocketAddr;
 
@@ -45,13 +45,13 @@ use number::{
 /// A request, with the options that the endpoint itself handles.
 #[derive(Debug)]
 pub(super) struct ParsedRequest {
-    /// What the application sees; its payload is that of this message.
+    /// The request for the application, with the payload of this message only.
     pub(super) request: Request,
     pub(super) etags: Vec<ETag>,
     /// 0 to register an observer, 1 to deregister it.
     pub(super) observe: Option<u32>,
     pub(super) block1: Option<Block>,
-    /// The block of the answer that is wanted (RFC 7959, section 2.2).
+    /// The requested block of the answer (RFC 7959, section 2.2).
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
     /// The announced length of the request's body, in bytes.
@@ -61,8 +61,8 @@ pub(super) struct ParsedRequest {
     pub(super) echo: Option<Vec<u8>>,
 }
 
-/// Least and greatest length of a critical option's value in bytes, and whether it may be repeated; `None` for an
-/// unknown option.
+/// Least and greatest length of a critical option's value in bytes, and whether the option may be repeated; `None` for
+/// an unknown option.
 const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     Some(match number {
         IF_MATCH => (0, 8, true),
@@ -75,8 +75,8 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     })
 }
 
-/// 4.02 for an unknown critical option, 4.00 for an impossible block, 4.05 for an unknown method, 5.05 for a request to
-/// a proxy.
+/// Reads a request. The error is 4.02 for an unknown critical option, 4.00 for an impossible block, 4.05 for an unknown
+/// method, and 5.05 for a request to a proxy.
 pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {
@@ -114,12 +114,12 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest
     })
 }
 
-/// The bits of the classes of answers that are not wanted (RFC 7967); 0 when all are wanted.
+/// The classes of answers that are not wanted, as bits (RFC 7967); 0 if all are wanted.
 pub(super) fn no_response(packet: &Packet) -> u32 {
     number_of(packet, NO_RESPONSE, 1).unwrap_or(0)
 }
 
-/// What a request asks for, in words, as far as it can be read: `POST /commands/start`.
+/// The method and path of a request in words, as far as they can be read: `POST /commands/start`.
 pub(super) fn asked(incoming: &Incoming) -> String {
     let method = Method::of(incoming.code).map_or_else(|| incoming.code.to_string(), |method| method.name().to_owned());
     let segments = values(&incoming.packet, URI_PATH).take(ASKED_SEGMENTS);
@@ -127,10 +127,10 @@ pub(super) fn asked(incoming: &Incoming) -> String {
     format!("{method} {}", path.chars().take(ASKED_LETTERS).collect::<String>())
 }
 
-/// Most segments of a path that go on record.
+/// Maximum number of segments of a path in the record.
 const ASKED_SEGMENTS: usize = 8;
 
-/// Most letters of a path that go on record: enough to recognise it.
+/// Maximum number of letters of a path in the record, enough to recognise it.
 const ASKED_LETTERS: usize = 60;
 
 fn check_critical(packet: &Packet) -> Result<(), Response> {
@@ -161,7 +161,7 @@ fn texts(packet: &Packet, number: u16) -> Result<Vec<String>, Response> {
     values(packet, number).map(text).collect()
 }
 
-/// The first value of an option as a number; one that is too long counts as absent.
+/// The first value of an option as a number; a value that is too long counts as absent.
 fn number_of(packet: &Packet, number: u16, longest: usize) -> Option<u32> {
     let value = values(packet, number).next().filter(|value| value.len() <= longest)?;
     Some(value.iter().fold(0, |so_far, byte| (so_far << 8) | u32::from(*byte)))

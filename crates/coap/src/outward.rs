@@ -21,7 +21,7 @@ impl Endpoint {
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
-        // Freshness of an observed answer is that of a notification, which holds until the next.
+        // The freshness of an observed answer is that of a notification, which holds until the next one.
         let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
         let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
@@ -46,7 +46,7 @@ impl Endpoint {
         }
     }
 
-    /// Answers a request that the application does not see.
+    /// Answers a request without the application.
     pub(super) fn reply(&mut self, reply_to: ReplyTo, response: &Response, block1: Option<Block>, now: Duration) {
         self.send_reply(reply_to, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
     }
@@ -70,7 +70,8 @@ impl Endpoint {
         if self.guard.has_room(peer, worded.length(), now) { worded } else { message("") }
     }
 
-    /// The acknowledgement of a CON carries the answer; any other answer is a message of its own.
+    /// The type and id of a reply: the acknowledgement of a CON carries its answer, and other answers are messages of
+    /// their own.
     fn head_of_reply(&mut self, reply_to: ReplyTo) -> (MessageKind, u16) {
         match reply_to.kind {
             MessageKind::Con => (MessageKind::Ack, reply_to.key.id),
@@ -90,7 +91,8 @@ impl Endpoint {
         self.observers.remove(observer);
     }
 
-    /// Sends the next answer for this peer, or schedules its observers, after a message to it was settled.
+    /// Sends the next answer for this peer after a message to it was settled. If none waits, schedules the peer's
+    /// observers.
     pub(super) fn go_on(&mut self, peer: SocketAddr, now: Duration) {
         if self.reliable.is_busy(peer) {
             return;
@@ -115,14 +117,14 @@ impl Endpoint {
         }
     }
 
-    /// Sends again what was not acknowledged in time, with the newest state in place of an older one.
+    /// Repeats messages that were not acknowledged in time. A notification then shows the newest state.
     pub(super) fn repeat_late(&mut self, now: Duration) {
         while let Some(late) = self.reliable.late(now) {
             match late {
                 Late::Again(peer, sent) => self.repeat(peer, sent, now),
                 Late::GivenUp(peer, sent) => {
                     if let About::Notification(..) = sent.about {
-                        // A peer that has not answered for so long is gone, with all that it observed.
+                        // A peer that has not answered for so long is gone, so all its observations end.
                         let gone: Vec<ObserverId> = self.observers.of_peer(peer).collect();
                         gone.into_iter().for_each(|observer| self.observers.remove(observer));
                     }
@@ -145,7 +147,7 @@ impl Endpoint {
         let on_its_way = self.reliable.about(peer);
         let is_its_own = matches!(on_its_way, Some(About::Notification(whose, ..)) if whose == observer);
         if is_its_own || (notification.confirm && on_its_way.is_some()) {
-            // Its turn comes when what is on its way has arrived (`go_on`).
+            // The observer's turn comes when the message on its way has arrived (`go_on`).
             return;
         }
         let message = message_of(notification);
@@ -184,7 +186,7 @@ impl Endpoint {
         self.send_about(peer, about, bytes, now);
     }
 
-    /// Begins or ends an observation, as the request asks, and returns the Observe number for its answer.
+    /// Begins or ends an observation if the request asks for it, and returns the Observe number for its answer.
     fn observe(&mut self, open: &mut Open, answer: &Answer, now: Duration) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
         let ReplyTo { key, kind, token, .. } = open.reply_to;
@@ -226,8 +228,8 @@ impl Endpoint {
         if response.code.is_success() || response.body.is_empty() {
             return self.challenge(reply_to, now);
         }
-        // The code without its body is short enough, and says more than a challenge does to a peer that cannot prove
-        // its address.
+        // The code without its body is short enough. It says more than a challenge to a peer that cannot prove its
+        // address.
         self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
@@ -240,15 +242,15 @@ impl Endpoint {
         }
     }
 
-    /// Sends an empty acknowledgement. If that is lost, the sender asks again, perhaps after the answer was sent.
+    /// Sends an empty acknowledgement. If it is lost, the sender asks again, perhaps after the answer was sent.
     pub(super) fn acknowledge(&mut self, key: MessageKey, now: Duration) {
         let acknowledgement = empty(MessageKind::Ack, key.id);
         self.exchanges.answered(key, &acknowledgement);
         self.transmit(key.peer, acknowledgement, now);
     }
 
-    /// Sends an answer in a message of its own: when its turn comes, or at once and without acknowledgement when too
-    /// many wait.
+    /// Sends an answer in a message of its own when its turn comes. If too many answers wait, it is sent at once and
+    /// without acknowledgement.
     fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Duration) {
         let is_busy = self.reliable.is_busy(peer);
         if !is_busy && !self.reliable.is_full() {
@@ -279,13 +281,13 @@ impl Endpoint {
         }
     }
 
-    /// Sends without the guard's limit: an observer proved its address when it registered, and is forgotten when it no
-    /// longer acknowledges.
+    /// Sends a datagram without the guard's limit: an observer proved its address when it registered, and is forgotten
+    /// when it no longer acknowledges.
     fn send_to_observer(&mut self, peer: SocketAddr, bytes: Vec<u8>) {
         self.out.push_back(Transmit { peer, bytes });
     }
 
-    /// False when the guard's limit does not allow the datagram, which is dropped then.
+    /// Sends a datagram if the guard's limit allows it; otherwise drops it and returns false.
     pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Duration) -> bool {
         let may = self.guard.lets_out(peer, bytes.len(), now);
         if may {
@@ -294,7 +296,8 @@ impl Endpoint {
         may
     }
 
-    /// A message id that this peer has not seen for long: the peer's own counter, which starts at a random value.
+    /// A message id that this peer has not received for a long time, from a counter for this peer, which starts at a
+    /// random value.
     fn next_id(&mut self, peer: SocketAddr) -> u16 {
         let id = self.ids.entry(peer).or_insert_with(|| self.chance.number());
         *id = id.wrapping_add(1);

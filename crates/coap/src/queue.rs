@@ -1,6 +1,6 @@
-//! Received datagrams that wait for their turn. Networks take turns, and so do the peers of each; none uses the room of
-//! others, so that a sender of more than can be answered loses its own datagrams, which CoAP clients send again. Which
-//! datagrams go first is decided in `backlog`.
+//! Received datagrams that wait for their turn. Networks take turns, and so do the peers of each network. None of them
+//! uses the room of others: a peer that sends more than can be answered loses its own datagrams, which CoAP clients
+//! repeat. Which datagrams go first is decided in `backlog`.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -18,13 +18,13 @@ type Peers = LinkedHashMap<SocketAddr, Share<VecDeque<Box<[u8]>>>>;
 /// The networks with waiting datagrams, in the order of their turns.
 pub(super) struct Queue {
     networks: LinkedHashMap<Network, Share<Peers>>,
-    /// Datagrams that go before all others; they still count against the room.
+    /// Datagrams that go before all others. They still count against the room.
     first: VecDeque<Datagram>,
     /// Free room in bytes.
     left: usize,
 }
 
-/// What one network or peer has in the queue, and how many bytes that takes.
+/// The datagrams of one network or peer in the queue, and their size in bytes.
 #[derive(Default)]
 struct Share<T> {
     holds: T,
@@ -32,7 +32,7 @@ struct Share<T> {
 }
 
 impl Queue {
-    /// A queue with this many bytes of room; each datagram takes `WAITING_HEAD` bytes beside its own.
+    /// A queue with this many bytes of room. Each datagram takes `WAITING_HEAD` bytes in addition to its own.
     pub(super) fn of(room: usize) -> Queue {
         Queue { networks: LinkedHashMap::new(), first: VecDeque::new(), left: room }
     }
@@ -41,8 +41,8 @@ impl Queue {
         self.first.is_empty() && self.networks.is_empty()
     }
 
-    /// Adds a datagram, or drops it: with it, the bytes of its network plus those of its peer may be at most what
-    /// remains free, so that other networks, and other peers of each, can still add theirs.
+    /// Adds a datagram, or drops it if afterwards the bytes of its network plus those of its peer would exceed the
+    /// remaining room. So other networks, and other peers of this network, can still add theirs.
     pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let (network, cost) = (Network::of(peer.ip()), cost(bytes));
         let share = self.networks.get(&network);
@@ -70,7 +70,7 @@ impl Queue {
         !self.first.is_empty()
     }
 
-    /// Moves everything that waits now ahead of what comes later: it is taken before an urgent request.
+    /// Moves all waiting datagrams ahead of later ones. They are taken before an urgent request.
     pub(super) fn put_first(&mut self) {
         while let Some(datagram) = self.next_in_turn() {
             self.first.push_back(datagram);
@@ -83,7 +83,7 @@ impl Queue {
         Some(datagram)
     }
 
-    /// The next datagram in turn; those of one peer keep their order.
+    /// The next datagram in turn; the datagrams of one peer keep their order.
     pub(super) fn next(&mut self) -> Option<Datagram> {
         let datagram = self.first.pop_front().or_else(|| self.next_in_turn())?;
         self.left += cost(&datagram.1);

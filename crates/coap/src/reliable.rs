@@ -1,5 +1,6 @@
-//! Messages of this side that need an acknowledgement (RFC 7252, section 4.2): one at a time for each peer, sent again
-//! after 2 to 3 seconds and then after twice as long each time, four times. What is in them is not here.
+//! Messages of this side that need an acknowledgement (RFC 7252, section 4.2). For each peer there is one at a time. It
+//! is repeated four times: first after 2 to 3 seconds, and then after twice as long each time. The contents of the
+//! messages are not known here.
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::net::SocketAddr;
@@ -35,7 +36,7 @@ pub(super) enum Late {
     GivenUp(SocketAddr, Sent),
 }
 
-/// All messages that wait for their acknowledgement, or for that of the message before them.
+/// All messages that wait for their acknowledgement, or for the acknowledgement of the message before them.
 #[derive(Debug)]
 pub(super) struct Reliable {
     peers: HashMap<SocketAddr, PeerQueue>,
@@ -71,7 +72,7 @@ impl Reliable {
         self.peers.get(&peer)?.sent.as_ref().map(|sent| sent.about)
     }
 
-    /// No other message may be on its way to this peer.
+    /// Notes that a message was sent. No other message may be on its way to this peer.
     pub(super) fn sent(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>, now: Duration) {
         let wait = ACK_TIMEOUT.mul_f64(1.0 + ACK_SPREAD * self.chance.fraction());
         let due = now + wait;
@@ -81,7 +82,7 @@ impl Reliable {
         self.due.insert((due, peer));
     }
 
-    /// Queues an answer until its turn, or returns it when too many wait.
+    /// Queues an answer until its turn comes, or returns it if too many wait.
     pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
         let queue = self.peers.entry(peer).or_default();
         if queue.waiting.len() >= WAITING {
@@ -91,7 +92,7 @@ impl Reliable {
         Ok(())
     }
 
-    /// The next answer that waits for this peer, when nothing is on its way there.
+    /// The next waiting answer for this peer, if no message is on its way there.
     pub(super) fn next(&mut self, peer: SocketAddr) -> Option<Outgoing> {
         let queue = self.peers.get_mut(&peer).filter(|queue| queue.sent.is_none())?;
         let next = queue.waiting.pop_front();
@@ -101,7 +102,7 @@ impl Reliable {
         next
     }
 
-    /// Removes a message that was acknowledged or rejected, and returns with it whether it had been sent only once.
+    /// Removes a message that was acknowledged or rejected, and returns it with whether it was sent only once.
     pub(super) fn settled(&mut self, peer: SocketAddr, id: u16) -> Option<(Sent, bool)> {
         let queue = self.peers.get_mut(&peer)?;
         let sent = queue.sent.take_if(|sent| sent.id == id)?;
@@ -110,7 +111,8 @@ impl Reliable {
         Some((sent, once))
     }
 
-    /// The peer among these whose retransmitted notification has gone unacknowledged for longest, with its observer.
+    /// Among the peers that `is_meant` accepts, the one whose retransmitted notification has gone unacknowledged for
+    /// longest, with the observer of this notification.
     pub(super) fn most_silent(&self, is_meant: impl Fn(SocketAddr) -> bool) -> Option<(SocketAddr, ObserverId)> {
         let sent =
             self.peers.iter().filter_map(|(peer, queue)| Some((*peer, queue.sent.as_ref().filter(|sent| sent.tries > 0)?)));
@@ -129,8 +131,8 @@ impl Reliable {
         }
     }
 
-    /// The next message whose time has run out. One that is to be sent again counts as sent; `replace` it when there is
-    /// something newer to say.
+    /// The next message whose time has run out. A message to be repeated counts as sent; call `replace` if there is
+    /// newer content.
     pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
         let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
         self.due.remove(&(due, peer));
@@ -146,8 +148,8 @@ impl Reliable {
         Some(Late::Again(peer, sent.clone()))
     }
 
-    /// Replaces a message on its way by something newer, which inherits the count of its retransmissions (RFC 7641,
-    /// section 4.5.2).
+    /// Replaces a message on its way by a newer one, which inherits the number of retransmissions (RFC 7641, section
+    /// 4.5.2).
     pub(super) fn replace(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>) {
         if let Some(sent) = self.peers.get_mut(&peer).and_then(|queue| queue.sent.as_mut()) {
             (sent.id, sent.about, sent.bytes) = (id, about, bytes);

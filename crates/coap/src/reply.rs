@@ -1,5 +1,4 @@
-//! Writes a response: its options, and the block of its body that is wanted. Whether it may be sent is not decided
-//! here.
+//! Writes a response: its options, and the requested block of its body. Whether it may be sent is not decided here.
 
 use super::block::Block;
 use super::code::Code;
@@ -13,7 +12,7 @@ use super::response::Response;
 pub(super) struct ReplyOptions {
     /// The block of the request's body that is answered (RFC 7959, section 2.2).
     pub(super) block1: Option<Block>,
-    /// The block of the answer's body that is wanted; `None` for the first, of the largest size.
+    /// The requested block of the answer's body; `None` for the first, of the largest size.
     pub(super) block2: Option<Block>,
     pub(super) wants_size: bool,
     /// The Observe number of a notification (RFC 7641, section 4.4).
@@ -24,7 +23,7 @@ pub(super) struct ReplyOptions {
 pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
     let length = response.body.len();
     let wanted = shape.block2.unwrap_or(Block::FIRST);
-    // Later blocks exist only of a success; an error sends its beginning, whichever block was asked for.
+    // Only a success has later blocks. An error sends its beginning, whichever block was asked for.
     let can_be_later = response.code.is_success() && length > 0;
     let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
     let Some((block, range)) = wanted.within(length) else {

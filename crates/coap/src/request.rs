@@ -1,5 +1,5 @@
-//! A request as the application sees it, with its blocks put together and its options read. Its answer stands in
-//! `response`; messages, tokens and retransmissions are not visible here.
+//! A request as the application sees it, with its blocks put together and its options read. The answer stands in
+//! `response`. Messages, tokens and retransmissions are not visible here.
 
 use std::net::SocketAddr;
 
@@ -16,25 +16,25 @@ pub struct Request {
     pub method: Method,
     /// The segments of its path; empty for `/`.
     pub path: Vec<String>,
-    /// The parts of its query, such as `rt=map`.
+    /// The parts of the query, such as `rt=map`.
     pub queries: Vec<String>,
-    /// The format of its payload, if it names one.
+    /// The format of the payload, if the request names one.
     pub format: Option<Format>,
-    /// The only format that it accepts, if it names one.
+    /// The only format that the sender accepts, if the request names one.
     pub accept: Option<Format>,
-    /// The conditions under which it is to be carried out (RFC 7252, section 5.10.8).
+    /// The conditions of the request (RFC 7252, section 5.10.8).
     pub conditions: Conditions,
-    /// Its body; empty without one.
+    /// The body; empty if there is none.
     pub payload: Vec<u8>,
 }
 
 /// `If-Match` and `If-None-Match` (RFC 7252, section 5.10.8).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Conditions {
-    /// It is carried out only when the resource has one of these tags; `None` among them stands for any existing
+    /// The request is carried out only if the resource has one of these tags. `None` among them stands for any existing
     /// resource.
     pub if_match: Vec<Option<ETag>>,
-    /// It is carried out only when the resource does not exist.
+    /// The request is carried out only if the resource does not exist.
     pub if_none_match: bool,
 }
 
@@ -51,7 +51,7 @@ impl Request {
         self.path.iter().map(String::as_str).collect()
     }
 
-    /// The format to answer in: the accepted one, or the first of those offered.
+    /// The format of the answer: the accepted one, or the first one offered if the request accepts any.
     ///
     /// # Errors
     /// 4.06 when the accepted format is not offered.
@@ -66,7 +66,7 @@ impl Request {
 }
 
 impl Conditions {
-    /// Checks the conditions against a resource with this tag; `exists` says whether there is one.
+    /// Checks the conditions of the request. `exists` says whether the resource exists, and `tag` is its tag.
     ///
     /// # Errors
     /// 4.12 when they are not met.

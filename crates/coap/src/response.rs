@@ -1,5 +1,5 @@
-//! What the application answers, before it is cut into blocks and put into messages. Bodies are immutable and shared:
-//! every block, retransmission and observer reads the same one.
+//! The answers of the application, before they are cut into blocks and put into messages. Bodies are immutable and
+//! shared: all blocks, retransmissions and observers use the same body.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub struct ETag {
 }
 
 impl ETag {
-    /// These bytes as a tag; `None` unless there are 1 to 8.
+    /// These bytes as a tag; `None` unless there are 1 to 8 bytes.
     #[must_use]
     pub fn new(given: &[u8]) -> Option<ETag> {
         let mut bytes = [0; 8];
@@ -29,16 +29,17 @@ impl ETag {
     }
 }
 
-/// The application's answer to one request; blocks, tokens and message ids are the endpoint's business.
+/// The application's answer to one request. Blocks, tokens and message ids are handled by the endpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Response {
     /// The response code (RFC 7252, section 12.1.2).
     pub code: Code,
     /// The format of the body; `None` for a diagnostic text (RFC 7252, section 5.5.2).
     pub format: Option<Format>,
-    /// The tag of the resource's state, by which clients ask whether it is still current (RFC 7252, section 5.10.6).
+    /// The tag of the resource's state. With it clients ask whether the state is still current (RFC 7252, section
+    /// 5.10.6).
     pub tag: Option<ETag>,
-    /// How long it counts as current, in seconds; `None`: 60.
+    /// How long the response counts as current, in seconds; `None` means 60.
     pub max_age: Option<u32>,
     /// Location-Path: the path of a created resource (RFC 7252, section 5.10.7).
     pub location: Vec<String>,
@@ -81,19 +82,19 @@ impl Response {
 pub struct Answer {
     /// What the sender of the request gets.
     pub response: Arc<Response>,
-    /// The things of which an observer is told whenever one changes: usually the response itself. Empty when the
-    /// resource cannot be observed.
+    /// The things that an observer is told of whenever one changes, usually the response itself. Empty if the resource
+    /// cannot be observed.
     pub observed: Vec<Arc<Response>>,
 }
 
 impl Answer {
-    /// An answer that cannot be observed: it goes out without an Observe option, even if its request has one.
+    /// An answer that cannot be observed. It is sent without an Observe option, even if the request has one.
     #[must_use]
     pub fn once(response: Response) -> Answer {
         Answer { response: Arc::new(response), observed: Vec::new() }
     }
 
-    /// An answer of whose changes observers are told.
+    /// An answer that can be observed: observers are told of its changes.
     #[must_use]
     pub fn observable(response: Response) -> Answer {
         let response = Arc::new(response);

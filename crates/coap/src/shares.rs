@@ -1,5 +1,5 @@
-//! Shares of a table that all peers have in common: when it is full, the oldest entry of the address with most gives
-//! way, and of that address the port with most, so that nobody's flood pushes out another's entries. The entries
+//! Shares of a table that all peers have in common. When the table is full, the address with the most entries gives up
+//! the oldest entry of its port with the most entries. So no flood pushes out the entries of others. The entries
 //! themselves are stored elsewhere.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};

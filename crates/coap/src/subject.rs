@@ -1,5 +1,5 @@
-//! A subject, which several observers share: a path and a query in a format, and the versions of the things it shows.
-//! Who has been told of which is not here.
+//! A subject, which several observers share: a path and a query in a format, and the versions of the things that it
+//! shows. What each observer has been told is not stored here.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::response::Response;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ObserverId(pub(super) u64);
 
-/// What two observers must have in common to be told the same.
+/// The parts of a request that two observers of one subject have in common.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Target {
     path: Vec<String>,
@@ -22,10 +22,10 @@ pub(super) struct Target {
 
 #[derive(Debug)]
 pub(super) struct Subject {
-    /// As its first observer asked for it.
+    /// The request of the first observer.
     pub(super) request: Arc<Request>,
     pub(super) things: Vec<Thing>,
-    /// Counts the changes of all its things together; the versions of `Thing` come from it.
+    /// Counts the changes of all things of the subject. The versions of `Thing` come from this counter.
     changes: u64,
     pub(super) observers: BTreeSet<ObserverId>,
 }
@@ -37,12 +37,12 @@ impl Target {
 }
 
 impl Subject {
-    /// It shows nothing before `take`.
+    /// A subject that shows nothing before `take`.
     pub(super) fn new(request: &Request) -> Subject {
         Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
     }
 
-    /// Takes the present state; returns whether any of it is new, so that observers have to be told.
+    /// Takes the present state. Returns whether any thing has changed, so that observers have to be told.
     pub(super) fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
         let before = self.changes;
         self.things.truncate(things.len());
