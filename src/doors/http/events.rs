@@ -1,5 +1,5 @@
-//! `GET /api/v1/events`: the state as server-sent events, first complete and then only the changes. A returning reader sends its
-//! last revision in `Last-Event-ID`; an id of another run starts anew.
+//! `GET /api/v1/events`: the state as server-sent events, first complete and then only the changes. A reader that reconnects
+//! sends its last revision in `Last-Event-ID`. If that id is of another run, the stream starts with the complete state.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::api::state::StateJson;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// Interval of heartbeats on an idle stream: a reader may consider it dead after three seconds.
+/// Interval of heartbeats on an idle stream: after three seconds without one a reader may consider the stream dead.
 pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);
 
 /// Minimum time between two events of one stream: no program that watches a robot needs more than fifty a second.
@@ -35,7 +35,8 @@ pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-ac
 
 pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
-    // An id is `run-revision`; one of another run, or with a revision that is not reached yet, starts anew.
+    // An id is `run-revision`. If it is of another run, or its revision is not reached yet, the stream starts with the complete
+    // state.
     let resumed = headers.get("last-event-id").and_then(|id| {
         let (run, revision) = id.to_str().ok()?.trim().rsplit_once('-')?;
         let revision = Revision(revision.parse().ok()?);

@@ -1,5 +1,5 @@
-//! The gate before every route: identifies the sender by bearer token or session cookie, and checks the right. The needed right
-//! is in the table (`routes`); keys are in `crate::access`.
+//! The gate before every route: it identifies the sender by bearer token or session cookie, and checks the sender's right. The
+//! table of `routes` says which right is needed; keys are in `crate::access`.
 
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, header};
@@ -60,7 +60,7 @@ impl HttpDoor {
         self.access.still_knows(caller, self.moment())
     }
 
-    /// Delays a refusal, the longer the more wrong keys came from this network.
+    /// Delays a refusal: the more wrong keys came from this network, the longer.
     pub(super) async fn hold_back(&self, peer: Peer) {
         let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
         self.log_stranger(|| tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown"));
@@ -69,7 +69,7 @@ impl HttpDoor {
 
     /// Records that this door refused a request (safety A6).
     pub(super) async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) {
-        // The program is ending; nobody is left to tell.
+        // This fails only when the program is ending, and then nobody is left to tell.
         let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
 
@@ -77,13 +77,13 @@ impl HttpDoor {
         self.strangers.write(self.clock.now().since_start, write);
     }
 
-    /// Logs what must not reach the journal: requests of strangers, who must not be able to fill the disk.
+    /// Logs a request that must not be recorded in the journal: strangers must not be able to fill the disk.
     pub(super) fn note_unrecorded(&self, peer: Peer, method: &Method, path: &str, why: &str) {
         let (from, path) = (peer.name(), in_short(path));
         self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
     }
 
-    /// The owner of any valid key in these headers, even beside wrong ones.
+    /// The owner of any valid key in these headers, even if there are wrong keys as well.
     pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
         let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
         by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
@@ -124,7 +124,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     request.extensions_mut().insert(caller);
     let pressed = request.extensions().get::<Pressed>().cloned();
     let mut response = next.run(request).await;
-    // A STOP that was recognised in it is recorded already.
+    // If the request was recognised as a STOP, it is recorded already.
     let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
     if let (Some((issuer, asked)), Some(NotTaken(refused))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
         door.note_refused(issuer, asked, refused).await;
@@ -132,7 +132,8 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     response
 }
 
-/// The record of a refused request, with its door; `None` for one that changes nothing. Signing in and out are not commands.
+/// The record of a refused request, with its door; `None` for a request that changes nothing. Signing in and out are not
+/// commands.
 fn asked(request: &Request, need: Need) -> Option<(command::Door, Asked)> {
     let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     if looks || need == Need::Nothing {
@@ -146,8 +147,8 @@ pub(super) fn by_path(path: &str) -> command::Door {
     if path.starts_with("/console/") || path.starts_with("/simulator/") { door::CONSOLE } else { door::HTTP }
 }
 
-/// The answer without credentials. A browser is sent to the page for signing in, and from there back, or is told that its command
-/// was not carried out; a program is told what to send.
+/// The answer to a sender without credentials. A browser that asks for a page is sent to the sign-in page, which leads back;
+/// any other request of a browser leads to a page that says the command was not carried out. A program is told what to send.
 fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
         door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
@@ -163,7 +164,7 @@ fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     response
 }
 
-/// A bearer token takes precedence; any other kind of authorization is meant for a proxy, so the cookie is used then.
+/// A bearer token takes precedence. Any other kind of authorization is meant for a proxy, so the cookie counts then.
 fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
     if let Some(token) = tokens(headers).next() {
         return Shown::Token(token);

@@ -1,4 +1,4 @@
-//! Applied before every route: security headers, refusal of foreign hosts and of posts from other origins, error pages for
+//! Applied before every route: security headers, refusal of foreign hosts and of commands from other origins, error pages for
 //! people, compression, and catching of panics. It knows no route.
 
 use std::borrow::Cow;
@@ -40,8 +40,8 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// Host names of this program. Another name would let a foreign page reach it through a name that points here (DNS rebinding). An
-/// address is safe, since nobody can make it point elsewhere.
+/// Host names of this program. With any other name a foreign page could reach the program, by a name that points here (DNS
+/// rebinding). An address is safe, because nobody can make it point elsewhere.
 #[derive(Clone, Debug)]
 pub struct Hosts {
     is_local: bool,
@@ -49,7 +49,8 @@ pub struct Hosts {
 }
 
 impl Hosts {
-    /// The machine's own names, and `names`; any address too when other machines can reach it (`is_local` is false).
+    /// This machine's own names, and `names`. When other machines can reach the program (`is_local` is false), any address is
+    /// accepted too.
     pub fn new(is_local: bool, names: &[String]) -> Hosts {
         Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
     }
@@ -64,7 +65,7 @@ impl Hosts {
         }
     }
 
-    /// The first foreign host name in a request: in its target (`named`), otherwise in its headers.
+    /// The first foreign host name in a request: that of its target (`named`) if it has one, otherwise those in its headers.
     pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
         let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
         let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);
@@ -81,13 +82,13 @@ impl Hosts {
     }
 }
 
-/// The case of a host name does not matter, and it may end with a dot (RFC 3986, section 3.2.2).
+/// Normalises a host name: its case does not matter, and it may end with a dot (RFC 3986, section 3.2.2).
 fn plain(name: &str) -> String {
     name.trim_end_matches('.').to_ascii_lowercase()
 }
 
-/// The layers stand from the inside out: a request passes them from bottom to top, and then the gate of its route.
-/// Event streams and pictures are not compressed: the default of `CompressionLayer`.
+/// Adds the layers from the innermost to the outermost: a request passes them from the bottom of this list to the top, and then
+/// the gate of its route. By the default of `CompressionLayer`, event streams and pictures are not compressed.
 pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;
     let guarded = routes
@@ -106,8 +107,8 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     })
 }
 
-/// Answers are sent even when their coding is not acceptable, so that nobody takes a command that was carried out for refused: a
-/// client that refuses the plain form gets it anyway.
+/// Lets every answer be sent: a client that refuses the uncompressed form gets it anyway. Otherwise a command that was carried
+/// out would seem to be refused.
 async fn as_it_is(mut request: Request) -> Request {
     let is_refused = |(name, quality): (&str, f32)| quality == 0.0 && (name == "*" || name.eq_ignore_ascii_case("identity"));
     if codings(request.headers()).any(is_refused) {
@@ -116,7 +117,8 @@ async fn as_it_is(mut request: Request) -> Request {
     request
 }
 
-/// Refuses requests with a foreign host name, to which somebody else has led the browser.
+/// Refuses requests whose host name is missing, faulty or foreign. A foreign name means that somebody else has led the browser
+/// here.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     if let Some(fault) = host_fault(&request) {
         let halted = halted(request.extensions().get());
@@ -152,7 +154,7 @@ pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
     !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
 }
 
-/// A page comes in one of several languages: caches must know which headers select it.
+/// A page exists in several languages, so caches must know which headers select the language.
 async fn in_a_language(mut response: Response) -> Response {
     if is_page(&response) {
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept-language, cookie"));
@@ -160,11 +162,11 @@ async fn in_a_language(mut response: Response) -> Response {
     response
 }
 
-/// Turns problems into pages for browsers; programs get the problem itself, and so does everybody under `/api`.
+/// Turns problems into pages for browsers. Programs get the problem itself, and so does every sender under `/api`.
 async fn for_people(request: Request, next: Next) -> Response {
     let is_program = !is_for_people(request.uri().path(), request.headers());
     let language = spoken(request.headers());
-    // The answer to a form cannot be requested again.
+    // A page that answers a form cannot be requested again.
     let can_be_shown_again = !is_program && *request.method() == Method::GET;
     let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
@@ -176,7 +178,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    // Under a foreign host name STOP would be refused too, so the page must not offer it.
+    // Under a foreign host name STOP would also be refused, so the page must not offer it.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
     let detail = of_core.map_or_else(|| in_words(language, code, &detail), |refused| language.refused(&refused));
     let title = title(parts.status);
@@ -185,7 +187,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     Response::from_parts(parts, page.into())
 }
 
-/// Statuses with a title in plain words; all others are said to be not understood.
+/// Statuses with a title in plain words. For any other status the title is that the request was not understood.
 const TITLES: [&str; 9] = ["400", "401", "403", "404", "408", "409", "421", "500", "503"];
 
 fn title(status: StatusCode) -> &'static str {
@@ -196,14 +198,15 @@ fn title(status: StatusCode) -> &'static str {
 #[template(path = "astray.html")]
 struct Astray<'a> {
     language: Language,
-    /// Key of the title among its phrases.
+    /// Key of the page's title among the phrases.
     title: &'static str,
     detail: String,
     may_stop: bool,
     here: &'a str,
 }
 
-/// Refuses requests that a page of another origin sent. Programs send neither header and pass.
+/// Refuses a request that a page of another origin sent, unless it only reads. A program sends neither of the headers that tell
+/// the origin, and passes.
 async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
@@ -215,7 +218,8 @@ async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next)
         .into_response()
 }
 
-/// Decided by the header that names the sender's site; older browsers send only the origin, which is compared with the host.
+/// Decided by the header that names the sender's site. Older browsers send only the origin, which is then compared with the
+/// host.
 pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     let texts = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("unreadable"));
     let mut sites = texts(HeaderName::from_static("sec-fetch-site")).peekable();
@@ -226,7 +230,7 @@ pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     texts(header::ORIGIN).any(|origin| origin.split_once("://").map(|(_, host)| host) != host)
 }
 
-/// The header `Date` (RFC 9110, section 6.6.1); `None` when the clock cannot be right.
+/// The value of the header `Date` (RFC 9110, section 6.6.1); `None` when the clock cannot be right.
 fn date(unix_ms: i64) -> Option<HeaderValue> {
     let now = jiff::Timestamp::from_millisecond(unix_ms).ok().filter(|_| unix_ms >= 0)?;
     let text = jiff::fmt::rfc2822::DateTimePrinter::new().timestamp_to_rfc9110_string(&now).ok()?;

@@ -1,5 +1,5 @@
-//! The laboratory: the Roomba as state machine and as behaviour tree, and the pallet scenario, on one page and as JSON.
-//! Everything is computed from the address; nothing here reads or moves the hall.
+//! The laboratory: the Roomba as a state machine and as a behaviour tree, and the pallet scenario, on one page and as JSON.
+//! Everything is computed from the address of the page; nothing here reads the state of the hall or moves a robot.
 
 pub(super) mod asked;
 mod said;
@@ -29,11 +29,11 @@ use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// Limits of runs that are computed or wait, each of less than a tenth of a second: a key has three at most, and four are
-/// reserved for keys with fewer than two.
+/// Limits of runs that are being computed or wait; a run takes less than a tenth of a second. A key has three runs at most, and
+/// four are reserved for keys with fewer than two.
 const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
-/// Computes one run after the other, so that a crowd in the laboratory takes one thread, and none that carries out a STOP.
+/// Computes one run after the other. So a crowd in the laboratory occupies one thread, and STOP needs none of its threads.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
     places: RequestQuota,
@@ -75,7 +75,7 @@ impl Default for Laboratory {
 }
 
 impl HttpDoor {
-    /// Computes a run on a thread on which nothing of the robot depends.
+    /// Computes a run on a thread that no robot depends on.
     async fn computed<T: Send + 'static>(
         &self,
         caller: &Caller,
@@ -84,7 +84,7 @@ impl HttpDoor {
         let Laboratory { places, turn } = &self.laboratory;
         let place = places.take(self.access.key_of(caller)).map_err(Problem::too_many_runs)?;
         let turn = Arc::clone(turn).acquire_owned().await.map_err(|_| Problem::internal())?;
-        // The permits are returned when the run has ended, even when nobody waits for it any more.
+        // The permits are returned when the run has ended, even if nobody waits for its result any more.
         let computing = tokio::task::spawn_blocking(move || (run(), turn, place));
         computing.await.map_err(|_| Problem::internal())?.0
     }
@@ -112,7 +112,7 @@ struct Carried {
     /// Why not all parcels arrived.
     fault: Option<String>,
     missed: Vec<String>,
-    /// The trees at the end of the run.
+    /// The behaviour trees at the end of the run.
     trees: TreesView,
 }
 

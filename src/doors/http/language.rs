@@ -1,5 +1,5 @@
-//! The language of a page: the one chosen by the switch, which a cookie stores, otherwise the one the browser asks for, otherwise
-//! English.
+//! The language of a page: the one stored in a cookie by the language switch, otherwise the one that the browser asks for,
+//! otherwise English.
 
 use std::convert::Infallible;
 
@@ -62,7 +62,7 @@ pub(super) fn spoken(headers: &HeaderMap) -> Language {
     cookies(headers, COOKIE).find_map(Language::tagged).unwrap_or_else(|| asked_for(headers))
 }
 
-/// The language with the highest quality, among equals the first (RFC 9110, section 12.5.4).
+/// The language with the highest quality, and the first among equals (RFC 9110, section 12.5.4).
 fn asked_for(headers: &HeaderMap) -> Language {
     let values = headers.get_all(header::ACCEPT_LANGUAGE).iter().filter_map(|value| value.to_str().ok());
     let wishes = values.flat_map(|value| value.split(',')).filter_map(range);

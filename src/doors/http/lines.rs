@@ -1,10 +1,10 @@
-//! Limits the log lines about strangers: whoever has no key must not be able to fill the log. The caller decides what a line
-//! says.
+//! Limits the log lines about strangers: a sender without a key must not be able to fill the log. The caller decides what a
+//! line says.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Lines in one span of time: enough to see who tries what.
+/// Maximum number of lines in one span of time: enough to see who tries what.
 const MOST: u32 = 20;
 
 const SPAN: Duration = Duration::from_secs(60);
@@ -20,8 +20,8 @@ struct Late {
 }
 
 impl Lines {
-    /// Writes a line at `now`, since the door was made, unless the span has its maximum already; the next written line is
-    /// preceded by the number of those left out.
+    /// Writes a line, unless the span has its maximum already. `now` is the time since the door was made. The number of omitted
+    /// lines is written before the next line.
     pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
         let left_out = {
             let mut late = self.0.lock().unwrap_or_else(PoisonError::into_inner);

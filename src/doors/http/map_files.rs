@@ -1,6 +1,6 @@
-//! `GET map/hall.*`: the map as a file of another program. A large hall takes a tenth of a second to write, so one file is
-//! written at a time, and cached until the map changes: a crowd of readers keeps one thread busy, and none that carries out a
-//! STOP (safety S7). The contents are in `api::map_files`.
+//! `GET map/hall.*`: the map as a file for another program. It takes a tenth of a second to write a large hall, so one file is
+//! written at a time, and cached until the map changes. A crowd of readers then keeps one thread busy, and not one that carries
+//! out a STOP (safety S7). The contents are in `api::map_files`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -42,14 +42,15 @@ pub(super) async fn map_file(row: &'static MapFileRow, door: &HttpDoor, headers:
 }
 
 impl HttpDoor {
-    /// The cached copy if it is new enough for the request; otherwise one of the newest map, which also serves all who wait.
+    /// The cached copy if it is new enough for the request, otherwise a copy of the newest map. All waiting requests get that
+    /// copy, too.
     async fn map_file(&self, row: &'static MapFileRow, asked: Revision) -> Result<MapFile, Problem> {
         let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
         if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
             return Ok(file.clone());
         }
         let door = self.clone();
-        // The lock is released when the file is written, even when nobody waits for it any more.
+        // The lock is released when the file is written, even if nobody waits for the file any more.
         let writing = tokio::task::spawn_blocking(move || {
             let snapshot = door.handle.snapshot();
             let (hall, cell_m) = door.hall();

@@ -1,4 +1,4 @@
-//! Stored missions under `/api/v1/missions`, the present one included: their list, one of them, its map, and its events. The
+//! Stored missions under `/api/v1/missions`, including the present one: the list, one mission, its map, and its events. The
 //! pages for people are in `console::missions`.
 
 use axum::extract::State;
@@ -31,11 +31,10 @@ pub(super) const MOST_MISSIONS: u64 = 100;
 /// Default and maximum number of events in one answer: some 100 KiB of JSON.
 pub(super) const EVENTS: u64 = 1000;
 
-/// Maximum number of entries read for a retrieval: many times what one takes.
+/// Maximum number of entries read for a retrieval: a retrieval has far fewer.
 const RETRIEVAL: usize = 1000;
 
-/// Maximum number of reads for one page of commands, which bounds the cost of a request; after that the page is shown with what
-/// was found.
+/// Maximum number of reads for one page of commands, which bounds the cost of a request. The page then shows what was found.
 const LOOKS: usize = 10;
 
 const JSON: &str = "application/json";
@@ -56,7 +55,7 @@ pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
 }
 
-/// `GET missions/{id}/moment`: the state after its last entry up to a given one, or after its last.
+/// `GET missions/{id}/moment`: the state after the last entry up to `at`, or after the mission's last entry.
 pub(super) async fn moment(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -84,7 +83,7 @@ pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N])
     moments.try_into().map_err(|moments| Problem::not_found(unkept(moments)))
 }
 
-/// `GET missions/{id}/timeline`: its events that are on the timeline, oldest first.
+/// `GET missions/{id}/timeline`: the events that the timeline shows, oldest first.
 pub(super) async fn timeline(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -145,12 +144,12 @@ pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, header
     Ok(response)
 }
 
-/// `GET missions/{id}/retrieval`: its events, and the ticks of its trees.
+/// `GET missions/{id}/retrieval`: the events of the last retrieval, and the ticks of its trees.
 pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
 }
 
-/// The last retrieval of a mission, from its record; assembled on the thread that reads, a few at once.
+/// The last retrieval of a mission, from its record. It is assembled on the thread that reads, a few at once.
 pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
@@ -176,7 +175,7 @@ pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
     Ok(Seq(query.count("after", 0..=MOST)?.unwrap_or(0)))
 }
 
-/// The newest missions before a given one, and the one before which the next page begins.
+/// The newest missions before a given one, and the mission before which the next page begins.
 pub(super) async fn newest(
     door: &HttpDoor,
     before: Option<MissionId>,
@@ -192,7 +191,7 @@ pub(super) async fn newest(
 
 pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
-    /// The state when it was put away, or its present state.
+    /// The mission's state when it was archived, or its present state.
     pub(super) state: Option<PersistentState>,
     pub(super) damage: Vec<String>,
 }

@@ -58,8 +58,8 @@ use crate::runtime::simulator::Simulator;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::Participant;
 
-/// Maximum number of open streams of the console and the interface together: every screen of a site, and a bound on what
-/// strangers cost.
+/// Maximum number of open streams of the console and the interface together: enough for every screen of a site. It also bounds
+/// what strangers cost.
 pub const STREAMS: usize = 256;
 
 /// Default distance from a bomb that people must keep, in metres, as in the settings.
@@ -83,14 +83,14 @@ pub struct HttpDoor {
     mqtt: Option<Hall>,
     /// The side of a cell in metres, if it is known.
     cell_m: Option<f64>,
-    /// Whether the map is reckoned from driving times alone.
+    /// Whether the hall's map is reckoned from driving times alone.
     is_reckoned: bool,
     /// Distance from a bomb that people must keep, in metres.
     evacuation_m: f64,
     robots: Arc<[Participant]>,
     began: Arc<console::Began>,
     timelines: Arc<console::Timelines>,
-    /// Tells the temperature that counts as too hot.
+    /// Has the temperature that counts as too hot.
     settings: Settings,
     /// Present when the searching robot is simulated.
     simulator: Option<Arc<dyn Simulator>>,
@@ -148,8 +148,8 @@ impl HttpDoor {
         HttpDoor { mqtt, ..self }
     }
 
-    /// The door at this port, which is part of the cookie's name: browsers ignore ports, so several instances on one host would
-    /// share a cookie.
+    /// The door at this port. The port is part of the cookie's name: browsers ignore ports, so several instances on one host
+    /// would share a cookie.
     fn at(self, port: u16) -> HttpDoor {
         HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
@@ -186,14 +186,14 @@ impl HttpDoor {
         HttpDoor { settings, ..self }
     }
 
-    /// Ends every open stream at once, and every one opened from now on.
+    /// Ends every open stream at once. A stream opened later ends at once, too.
     pub fn close(&self) {
         self.closing.send_replace(true);
     }
 }
 
-/// Marks a request with the address it comes from, and whether it was encrypted. For tests that call the router directly: in
-/// the program, `hearing::connection_task` marks every request.
+/// Marks a request with the address that it comes from, and whether it was encrypted. For tests that call the router directly;
+/// in the program, `hearing::connection_task` marks every request.
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
     request.extensions_mut().insert(peer::Peer { address, is_encrypted });
     request

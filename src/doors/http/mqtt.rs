@@ -1,5 +1,5 @@
-//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes of its messages are passed on as one stream; the broker handles what
-//! they say, and admits clients without a key or not.
+//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes of its messages are passed on as one stream. The broker reads
+//! them, and decides whether a client without a key is admitted.
 
 use std::fmt;
 use std::io;
@@ -33,20 +33,21 @@ const PROTOCOL: &str = "mqtt";
 /// Buffer between the two streams in each direction, in bytes.
 const BETWEEN: usize = 64 * 1024;
 
-/// Bytes read from a client at once: this buffer is allocated for each client, even a silent one.
+/// Bytes read from a client at once. This buffer is allocated for every client, even for a silent one.
 const READ: usize = 4 * 1024;
 
-/// Maximum size of a client's message in bytes: the largest MQTT packet it may send, and a margin.
+/// Maximum size of a client's message in bytes: that of the largest MQTT packet that a client may send, and a margin.
 const LONGEST: usize = 512 * 1024;
 
-/// Maximum number of bytes waiting for a client that reads nothing, including answers to its pings: a message of the broker has
-/// room beside them.
+/// Maximum number of bytes waiting for a client that reads nothing, including answers to its pings. A message of the broker
+/// still has room beside those answers.
 const UNREAD: usize = 3 * BETWEEN;
 
-/// Time for delivering the remaining bytes to a client after the broker has dropped it, and for the closing message.
+/// Maximum time for the remaining bytes to reach a client after the broker has dropped it, and for the closing message.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Maximum number of connections that are still closing after the broker, which bounds its own clients, has dropped them.
+/// Maximum number of connections that are still closing after the broker has dropped them; the broker bounds only its own
+/// clients.
 const LEAVING: usize = 64;
 
 #[derive(Debug)]
@@ -57,7 +58,7 @@ pub struct IncomingConnection {
     pub access: Access,
 }
 
-/// The broker's end of a connection. Dropping it ends the connection, whether or not the client reads what is left.
+/// The broker's end of a connection. Dropping it ends the connection, whether or not the client reads the remaining bytes.
 #[derive(Debug)]
 pub struct CarriedConnection {
     stream: DuplexStream,
@@ -102,8 +103,8 @@ impl fmt::Debug for Hall {
     }
 }
 
-/// `GET mqtt`. A browser lets any page open a WebSocket and sends the cookies along, so pages of other origins are refused here
-/// as they are when they post.
+/// `GET mqtt`. A browser lets any page open a WebSocket, and sends the cookies along. So pages of other origins are refused
+/// here, as they are when they post.
 pub(super) async fn mqtt(
     State(door): State<HttpDoor>,
     peer: Peer,
@@ -142,8 +143,8 @@ pub(super) async fn mqtt(
         .into_response())
 }
 
-/// Copies bytes both ways until either side ends; neither direction waits for the other. A client that reads slowly does not keep
-/// the connection longer than the broker does.
+/// Copies bytes both ways until either side ends. Neither direction waits for the other. A slow reader keeps the connection no
+/// longer than the broker does.
 async fn carry(
     socket: WebSocket,
     address: IpAddr,
@@ -167,7 +168,7 @@ async fn carry(
     }
 }
 
-/// Waits until a client that the broker dropped had its time to read the rest, or has to make room for others.
+/// Waits until a client that the broker dropped has had time to read the rest, or has to make room for others.
 async fn left(let_go: oneshot::Receiver<()>, leaving: PendingConnections, address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
@@ -193,7 +194,7 @@ async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSoc
         if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
             return;
         }
-        // A client that receives much gets it in fewer messages.
+        // A client that receives much data gets it in fewer messages.
         bytes.reserve(if read < READ { READ } else { BETWEEN });
     }
 }

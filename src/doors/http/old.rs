@@ -1,4 +1,4 @@
-//! The old console's routes (mission §8): POSTs whose path is the whole command; their body is not read. A browser that posted a
+//! The old console's routes (mission §8): POSTs whose path is the whole command; a body is not read. A browser that posted a
 //! form is redirected to the page, a program gets the answer of the interface.
 
 use axum::http::{HeaderMap, Uri};

@@ -13,7 +13,7 @@ use crate::access::Caller;
 /// The other end of a connection. `hearing::connection_task` puts it into every request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peer {
-    /// Its address as the system reports it; headers written by a proxy are not trusted.
+    /// The address of the other end as the system reports it. Headers written by a proxy are not trusted.
     pub(super) address: IpAddr,
     pub(super) is_encrypted: bool,
 }

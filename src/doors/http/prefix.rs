@@ -1,5 +1,5 @@
-//! Makes addresses work under any prefix that a proxy puts before this door's paths. The prefix is not known here, so every
-//! redirect and every page is relative to the requested path.
+//! Makes addresses work under any prefix that a proxy puts before this door's paths. The door does not know the prefix, so
+//! every redirect and every page is relative to the requested path.
 
 use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::Request;
@@ -7,7 +7,7 @@ use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-/// Tag after which a page's `<base>` is inserted: templates use addresses relative to the root.
+/// Tag after which a page's `<base>` is inserted. Templates use addresses relative to the root.
 const HEAD: &str = "<head>";
 
 /// Maximum length of a return path in bytes.
@@ -21,7 +21,7 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     if let Some(leads) = leads.and_then(|path| HeaderValue::from_str(&format!("{root}{path}")).ok()) {
         headers.insert(header::LOCATION, leads);
     }
-    // A report is streamed, and has no addresses.
+    // A report is streamed, and contains no addresses.
     let is_whole = response.body().size_hint().exact().is_some();
     if root == "./" || !is_page(&response) || !is_whole {
         return response;
@@ -33,7 +33,7 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     Response::from_parts(parts, Body::from(page))
 }
 
-/// Relative path to the root; never empty, so that what follows cannot be read as a scheme or host.
+/// Relative path to the root. It is never empty, so that what follows cannot be read as a scheme or host.
 pub(super) fn root(path: &str) -> String {
     let folders = path.matches('/').count().saturating_sub(1);
     if folders == 0 { "./".to_owned() } else { "../".repeat(folders) }
@@ -43,8 +43,8 @@ pub(super) fn is_page(response: &Response) -> bool {
     response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"))
 }
 
-/// Where to go after signing in: a path of this door, never another site. Steps up, which browsers also read from `%2e`, and
-/// slashes that only a proxy decodes, would leave the prefix of a proxy.
+/// Where to go after signing in: a path of this door, never another site. Refused are `..`, which browsers also read from
+/// `%2e`, and slashes that only a proxy decodes: both could leave the proxy's prefix.
 pub(super) fn local(next: Option<&str>) -> &str {
     let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
     let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");

@@ -1,4 +1,4 @@
-//! Writes problems as `application/problem+json`, with the status of the problem details; and the problems that only this door
+//! Writes problems as `application/problem+json`, with the status of the problem details. Also the problems that only this door
 //! has.
 
 use axum::Extension;
@@ -12,7 +12,7 @@ pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
 use hallsweep_core::command::{CODES, Refused};
 
-/// Added to a problem's answer, so that a browser can be shown a page instead of JSON.
+/// Added to the response of a problem, so that a browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     pub(super) code: &'static str,
@@ -20,8 +20,8 @@ pub(super) struct Detail {
     pub(super) of_core: Option<Refused>,
 }
 
-/// Text of a problem without its `Refused`: the phrase of a core's code needs the values in that, so the English detail
-/// is shown instead.
+/// Text of a problem without its `Refused`. The phrase of a core's code needs the values in the `Refused`, so the English
+/// detail is shown instead.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
@@ -67,21 +67,21 @@ impl Problem {
         Problem::new(("tooManyReports", ProblemKind::Unavailable), detail)
     }
 
-    /// Nobody gives way to one more connection; a STOP in the request was carried out before.
+    /// No connection gives way to one more. A STOP in the request was carried out before.
     pub(super) fn no_slot(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
         Problem::new(("noPlace", ProblemKind::Unavailable), detail)
     }
 
-    /// This machine's clock is so wrong that no answer can be dated; a STOP in the request was carried out before.
+    /// This machine's clock is so wrong that no answer can be dated. A STOP in the request was carried out before.
     pub(super) fn no_date(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
         Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
-    /// A panic ended this request, and no other.
+    /// A panic ended this request; others go on.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
         Problem::new(("internal", ProblemKind::Internal), detail)
@@ -91,7 +91,7 @@ impl Problem {
         self.of_core().map_or_else(|| in_words(language, self.code(), self.detail()), |refused| language.refused(refused))
     }
 
-    /// Its answer in this language. The record stays in English.
+    /// The response in this language. The record stays in English.
     pub(super) fn told(self, language: Language) -> Response {
         let said = self.in_words(language);
         let mut response = self.clone().saying(said).into_response();
@@ -107,7 +107,7 @@ impl Problem {
         StatusCode::from_u16(self.kind().status().0).expect("the statuses of problem details are those of HTTP")
     }
 
-    /// Tells the gate what to record: whatever the sender did wrong and the core never saw.
+    /// Tells the gate what to record: a fault of the sender that the core never saw.
     pub(super) fn tell_gate(&self, response: &mut Response) {
         if self.status().is_client_error() && self.is_for_record() {
             response.extensions_mut().insert(NotTaken(self.for_record()));
@@ -139,7 +139,7 @@ pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Ext
     Problem::no_method(detail)
 }
 
-/// Added to the text of a refusal, so that nobody takes the STOP in the request for refused too.
+/// Added to the text of a refusal, so that nobody thinks the STOP in the request was refused too.
 pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
     if pressed.is_some_and(Pressed::is_there) { "; the STOP in it has halted the robot" } else { "" }
 }

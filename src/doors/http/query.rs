@@ -1,4 +1,4 @@
-//! The query of an address: every value is checked, and no name is ignored, so that a mistyped one is noticed.
+//! The query of an address. Every value is checked, and an unknown name is refused, so that a mistyped one is noticed.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -34,12 +34,12 @@ impl Query {
         Query(values)
     }
 
-    /// Refuses every other name, and each of these that occurs twice.
+    /// Refuses every unknown name, and each known name that occurs twice.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         self.only_with_many(known, &[])
     }
 
-    /// Refuses every other name, and each name of `once` that occurs twice.
+    /// Refuses every name that is in neither list, and each name of `once` that occurs twice.
     pub(super) fn only_with_many(&self, once: &[&str], many: &[&str]) -> Result<(), Problem> {
         for (name, values) in &self.0 {
             let is_single = once.contains(&name.as_str());

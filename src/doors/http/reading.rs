@@ -1,5 +1,5 @@
-//! Reads the contents of a request: JSON bodies, form bodies and numbers in paths, bounded in size and time; every failure is a
-//! `Problem` in words. The fields are in `crate::api::command`.
+//! Reads the contents of a request: JSON bodies, form bodies and numbers in paths, limited in size and time. Every failure is a
+//! `Problem` with a text. The fields are in `crate::api::command`.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -21,8 +21,8 @@ use crate::api::fields::{self, Body as Fields, Unread, in_short};
 /// Maximum size of a body in bytes: a command is a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
-/// Maximum size of a hall in bytes: a hall file of 250 × 250 cells. With its head it fits into the buffer that is read ahead of
-/// the answers.
+/// Maximum size of a hall in bytes: a hall file of 250 × 250 cells. Together with its head, it fits into the buffer of
+/// `hearing::connection` (`AHEAD`).
 pub(super) const HALL_BYTES: usize = 64 * 1024;
 
 /// Maximum unpacked size of a compressed hall file in bytes, as for a large image.
@@ -34,7 +34,8 @@ const BESIDE_HALL: usize = 4 * 1024;
 /// Time before the rate of a body is checked.
 const BODY_BEGIN: Duration = Duration::from_secs(2);
 
-/// Minimum rate of a body after that, in bytes a second: the largest one is complete or refused within six seconds.
+/// Minimum rate of a body after that, in bytes a second. A command is complete or refused within six seconds, a hall within
+/// twenty.
 const BODY_RATE: usize = 4 * 1024;
 
 pub(super) struct JsonPayload {
@@ -45,7 +46,7 @@ pub(super) struct JsonPayload {
 /// JSON that may be as large as a hall.
 pub(super) struct HallPayload(pub(super) JsonPayload);
 
-/// A file as it is, as large as a hall, or larger and compressed.
+/// An unchanged file: as large as a hall, or a larger one in compressed form.
 pub(super) struct HallFile {
     bytes: Bytes,
     is_packed: bool,
@@ -104,7 +105,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for HallForm<T> {
 }
 
 impl HallFile {
-    /// The unpacked file. Slow, so not to be called where others wait.
+    /// The unpacked file. Unpacking is slow, so this must not be called where others wait.
     pub(super) fn unpacked(&self) -> Result<Cow<'_, [u8]>, Problem> {
         if !self.is_packed {
             return Ok(Cow::Borrowed(&self.bytes));
@@ -157,7 +158,7 @@ async fn pairs<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: B
     read.map(|axum::Form(fields)| fields).map_err(|_| unreadable())
 }
 
-/// The fields of a multipart form, which keeps a hall at its size; the usual encoding takes three bytes for every wall.
+/// The fields of a multipart form, in which a hall keeps its size: the usual encoding takes three bytes for every wall.
 async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let media = headers.get(header::CONTENT_TYPE).cloned().ok_or_else(unreadable)?;
     let mut parts = Multipart::from_request(whole(media, body), state).await.map_err(|_| unreadable())?;
@@ -270,7 +271,7 @@ fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
     }
 }
 
-/// The media type in lower case, without its parameters; text in another charset than UTF-8 is refused.
+/// The media type in lower case, without its parameters. A charset other than UTF-8 is refused.
 fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(named) = headers.get(header::CONTENT_TYPE) else { return Ok(None) };
     let named = String::from_utf8_lossy(named.as_bytes()).to_ascii_lowercase();

@@ -21,13 +21,13 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// The forms of this door: the accepted range, the media type, and the word in tags.
+/// The forms of this door: the accepted media range, the media type, and the word in tags.
 const FORMS: [(Form, &str, &str, &str); 2] = [
     (Form::Json, "application/json", "application/json", "json"),
     (Form::Text, "text/plain", "text/plain; charset=utf-8", "text"),
 ];
 
-/// A resource of the table, in JSON or, if it has that form, as text when that is preferred.
+/// A resource of the table: as text if it has a text form and the client prefers that, otherwise in JSON.
 pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
@@ -45,7 +45,7 @@ pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) 
     Ok(response)
 }
 
-/// `GET robots`: the robots of the state, each with its settings, which no snapshot has.
+/// `GET robots`: the robots of the state, each with its settings. No snapshot has the settings.
 pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
     let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.robots));
@@ -61,8 +61,8 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 
-/// `GET luggage/{id}/photo`: the newest picture of a piece, or an earlier one with `?take=1`. A browser that opens it by itself
-/// is redirected to its page, because a bare picture has no STOP on it.
+/// `GET luggage/{id}/photo`: the newest photo of a piece, or an earlier one, as with `?take=1`. A browser that opens the photo
+/// alone is redirected to its page, because a bare picture has no STOP on it.
 pub(super) async fn photo(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -98,7 +98,7 @@ pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhot
     taken.ok_or(NoPhoto::NotTaken(luggage.id, asked, newest))
 }
 
-/// `GET /healthz`: `ok` and the revision, as long as the loop behind the door runs.
+/// `GET /healthz`: `ok` and the revision while the loop behind the door runs.
 pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Problem> {
     match door.handle.watch().has_changed() {
         Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),

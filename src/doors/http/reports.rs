@@ -1,6 +1,6 @@
-//! The report of a mission and its record as a list, as downloads: the operator's page stays open, with its STOP. They are as
-//! large as the mission, and are written in parts, as fast as they are read: a few at once, with a share for each key. Their
-//! contents are in `report`.
+//! The report of a mission and its record as a list, as downloads: the operator's page with its STOP stays open. They are as
+//! large as the mission. They are written in parts, as fast as the client reads, a few at once, with a share for each key.
+//! Their contents are in `report`.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -26,14 +26,14 @@ use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Limits of downloads at once: half of them for one key, and one reserved for a key that has none.
+/// Limits of simultaneous downloads: one key has at most half of them, and one is reserved for a key that has none.
 const PLACES: QuotaLimits = QuotaLimits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
 /// Bytes per part; up to `AHEAD` parts wait for the reader.
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
-/// Maximum time for a download, however its reader behaves: a large one over a slow line takes minutes.
+/// Maximum time for a download, however slowly its client reads: a large one over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 #[derive(Clone, Debug)]
@@ -92,7 +92,7 @@ fn language_of(query: &Query) -> Result<Option<Language>, Problem> {
     Ok(query.word("language", &Language::ALL.map(Language::tag))?.and_then(Language::tagged))
 }
 
-/// Answers with a file of an existing mission, which is written while it is sent.
+/// Answers with a file of an existing mission. The file is written while it is sent.
 async fn send(
     door: HttpDoor,
     caller: &Caller,
@@ -115,7 +115,7 @@ async fn send(
     tokio::task::spawn_blocking(move || {
         let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));
-        // Drops the buffer without writing it after a failure.
+        // After a failure this drops the buffer without writing it.
         drop(out.into_parts());
         if let Err(failure) = &ended {
             tracing::debug!(%failure, mission = id, "a report or record was not written to its end");
@@ -141,10 +141,10 @@ async fn send(
     Ok((StatusCode::OK, headers, body(first, written)).into_response())
 }
 
-/// Some bytes of a file, empty at its end, or why no more follow.
+/// A part of a file, empty at the end of the file, or why no more parts follow.
 type FilePart = Result<Bytes, Failure>;
 
-/// Passes on the parts until the time is over: then writing fails, and the reader finds no end.
+/// Passes on the parts until the time is over. After that writing fails, and the reader finds no proper end.
 async fn hand_on(mut written: mpsc::Receiver<FilePart>, to: mpsc::Sender<FilePart>) {
     let all = async {
         while let Some(part) = written.recv().await {
@@ -171,11 +171,11 @@ fn body(first: FilePart, written: mpsc::Receiver<FilePart>) -> Body {
         }
     });
     let parts = first.chain(further).map(|part| part.map_err(io::Error::other));
-    // Compression polls once more after the end.
+    // Compression polls once more after the end of the stream.
     Body::from_stream(parts.fuse())
 }
 
-/// The writing end; it fails when the reading end is gone, or the time is over.
+/// The writing end of the parts. It fails when the reading end is gone, or the time is over.
 struct Pipe(mpsc::Sender<FilePart>);
 
 impl Write for Pipe {

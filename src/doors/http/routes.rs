@@ -1,7 +1,7 @@
-//! THE TABLE of this door: every route with its method, the right it needs, and its handler. The router is built from these rows
-//! and nothing else, and each row has its own gate. Unlisted paths are answered only to senders who may look, and then only with
-//! 404 or 405; for paths without a needed right, anybody is told the allowed methods. A test keeps the same table in
-//! `docs/http.md` equal.
+//! THE TABLE of this door: every route with its method, the right it needs, and its handler. The router is built from these
+//! rows and nothing else, and each row has its own gate. Paths that are not in the table are answered with 404, and wrong
+//! methods with 405, but only to senders who may look. For paths without a needed right, anybody is told the allowed methods. A
+//! test keeps the table in `docs/http.md` equal to this one.
 
 use std::borrow::Cow;
 
@@ -27,22 +27,22 @@ use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
 
 pub(super) struct RouteRow {
-    /// `GET` answers `HEAD` too.
+    /// A `GET` route answers `HEAD` too.
     pub(super) method: Method,
-    /// In axum's notation.
+    /// The path in axum's notation.
     pub(super) path: Cow<'static, str>,
     pub(super) need: Need,
     answers: MethodRouter<HttpDoor>,
 }
 
-/// Every route. STOP is within reach of anyone signed in; a `move` may be a STOP, and its other words need an operator.
+/// Every route. Anyone who is signed in may send STOP. A `move` may be a STOP; its other words need an operator.
 pub(super) fn table() -> Vec<RouteRow> {
     let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
     let rows = seen.into_iter().chain([commands(), page(), laboratory(), simulator(), buttons(), old_console()]);
     rows.flatten().collect()
 }
 
-/// Routes for signing in, routes that tell nothing about the hall, and the way to a door that checks keys itself.
+/// Routes for signing in, routes that tell nothing about the hall, and the route to a door that checks keys itself.
 #[rustfmt::skip]
 fn for_anybody() -> Vec<RouteRow> {
     vec![
@@ -156,7 +156,7 @@ fn commands() -> Vec<RouteRow> {
             Methods::Put => (Method::PUT, MethodFilter::PUT),
         };
         let answers = match (kind, command.subject) {
-            // It reads no body: no fault in a request may prevent it from halting the robot.
+            // The handler reads no body: nothing wrong in a request may keep it from halting the robot.
             (CommandKind::Stop, _) => on(filter, command::stop),
             (_, Subject::None) => on(filter, move |sender, body| command::command(kind, sender, 0, body)),
             (_, Subject::Luggage | Subject::Alarm) => {
@@ -189,11 +189,11 @@ fn page() -> Vec<RouteRow> {
     ]
 }
 
-/// The forms of the page: the commands of their table, one for each button of a command.
+/// The forms of the page: the commands of the common table, with one route for each button of a command.
 fn buttons() -> Vec<RouteRow> {
     let row = |command: &'static commands::CommandRow, word: &str| {
         let path = format!("/console/{word}");
-        // It reads no form, either.
+        // The handler of STOP reads no form, either.
         if command.kind == CommandKind::Stop {
             post(path, command.need, console::stop)
         } else {
@@ -212,8 +212,8 @@ fn old_console() -> Vec<RouteRow> {
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);
-    // Routes with and without a needed right have their own answers to an unknown method; rows with an answer of their own keep
-    // it.
+    // Routes with and without a needed right answer an unknown method differently. A row that answers unknown methods itself
+    // keeps its answer.
     let with = |router: Router<HttpDoor>, rows: Vec<RouteRow>, need| {
         let route = |router: Router<HttpDoor>, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))

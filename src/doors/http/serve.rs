@@ -1,5 +1,5 @@
-//! The accept loop on the hearing thread, and its end within two seconds. The caller binds the ports and decides on the end;
-//! connections are handled in `hearing`.
+//! The accept loop on the hearing thread, and its end within two seconds. The caller binds the ports and decides when to end.
+//! Connections are handled in `hearing`.
 
 use std::future::{Future, poll_fn};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,35 +18,35 @@ use super::{Hosts, HttpDoor, router};
 use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections, SLOTS};
 use crate::doors::listeners::Listeners;
 
-/// Maximum wait for open requests at the end; together with closing the streams it takes less than two seconds.
+/// Maximum wait for open requests at the end. Together with closing the streams, ending takes less than two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// Pause after a failed accept (as with too many open files).
+/// Pause after a failed accept, as with too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Pause after a failed accept when connections were cut for it, which take this long to close.
+/// Pause after a failed accept for which connections were cut. Closing them takes this long.
 const RELIEF_PAUSE: Duration = Duration::from_millis(2);
 
-/// Maximum number of connections that wait for their first head, which takes a moment; its sender has as long as this many
-/// newcomers take to arrive.
+/// Maximum number of connections whose first head is not complete yet. A head takes a moment: its sender has until this many
+/// newcomers have arrived.
 const WAITING: usize = 512;
 
 /// Maximum number of lingering connections.
 const LINGERING: usize = 64;
 
-/// Number of connections accepted before the others get a turn.
+/// Number of connections accepted before other tasks get a turn.
 const NEWCOMERS: usize = 64;
 
 #[derive(Clone, Default)]
 pub struct Front {
-    /// Host names of the door, beside its addresses and this machine's own names.
+    /// Host names of the door, in addition to its addresses and this machine's own names.
     pub hosts: Vec<String>,
     pub tls: Option<Tls>,
     pub budget: ConnectionBudget,
 }
 
-/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. Input is
-/// read on the runtime of the ports, requests are carried out on that of the caller.
+/// Serves until `shutdown`, then ends every stream, waits briefly for open requests, and returns whatever clients do. Input is
+/// read on the runtime of the ports; requests are carried out on the caller's runtime.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
     serve_so_many(listeners, door, front, SLOTS, WAITING, shutdown).await;
 }
@@ -88,7 +88,7 @@ async fn serve_so_many(
     while listening.join_next().await.is_some() {}
 }
 
-/// Accepts connections until the end, then waits shortly for those that are open.
+/// Accepts connections until the end, then waits briefly for open ones.
 async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended: oneshot::Receiver<()>) {
     let mut connections = JoinSet::new();
     let mut newcomers = 0;
@@ -121,9 +121,9 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
     }
 }
 
-/// Reads what a newcomer has sent already at once, before older connections get a turn; then it joins them.
+/// Reads at once what a newcomer has sent already, before older connections get a turn. Then the newcomer joins them.
 async fn begin(connections: &mut JoinSet<()>, conversation: impl Future<Output = ()> + Send + 'static) {
-    // Boxed, because it is moved.
+    // Boxed, because it is moved to a task of its own.
     let mut conversation = Box::pin(conversation);
     let begun = poll_fn(|cx| {
         // A panic in one connection ends only that one.

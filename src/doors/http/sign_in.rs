@@ -1,5 +1,5 @@
-//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and a link alone signs
-//! nobody in: a token in the address only fills the field.
+//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts. A link alone signs nobody
+//! in: a token in the address only fills the field.
 
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
 
-/// Lifetime of the cookie in seconds: the maximum that browsers allow. Browsers count by their machine's wall clock; the
-/// session's end is decided here.
+/// Lifetime of the cookie in seconds: the maximum that browsers allow. A browser counts it by the wall clock of its machine;
+/// the end of the session is decided here.
 const KEPT_S: u64 = 400 * 24 * 60 * 60;
 
 #[derive(Debug, Default, Deserialize)]
@@ -34,7 +34,7 @@ pub(super) struct SignInQuery {
 }
 
 impl SignInQuery {
-    /// The address of the page with these parameters, as far as they fit into one.
+    /// The address of the page with these parameters. A parameter with characters that `escaped` does not know is left out.
     fn address(&self) -> String {
         let undone = self.undone.map(Undone::name);
         let parts = [("token", self.token.as_deref()), ("next", self.next.as_deref()), ("undone", undone)];
@@ -44,11 +44,11 @@ impl SignInQuery {
     }
 }
 
-/// The command of somebody who was not signed in any more, which was therefore not carried out.
+/// What a sender who was not signed in any more has asked for. It was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Undone {
-    /// STOP, in the page's words or in an old client's.
+    /// STOP, by the page's word or by an old client's.
     Stop,
     Command,
     /// No command: a page was open when its key was removed.
@@ -158,15 +158,15 @@ pub(super) fn sign_in_page(next: &str) -> String {
     }
 }
 
-/// Escapes a parameter: a path of this door with its query, or a token, has only a few kinds of characters; `None` for any other
-/// text.
+/// Escapes a parameter. A token, or a path of this door with its query, has only a few kinds of characters; `None` for any
+/// other text.
 fn escaped(text: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_?=&".contains(&byte);
     let escaped = || text.replace('?', "%3F").replace('=', "%3D").replace('&', "%26");
     text.bytes().all(is_plain).then(escaped)
 }
 
-/// Nobody has a token. Strangers are not told where the file is.
+/// What is shown when no token exists. Strangers are not told where the file is.
 fn unusable(language: Language) -> String {
     language.say("sign-in-unusable").to_string()
 }
@@ -178,8 +178,8 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
     (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
 }
 
-/// A cookie that no script and no other site can see. Its path is the folder of the sign-in page as the browser knows it, since
-/// another hall under the same host has a cookie of its own.
+/// A cookie that no script and no other site can see. Its path is the folder of the sign-in page as the browser knows it,
+/// because another hall under the same host has its own cookie.
 fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
     let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());

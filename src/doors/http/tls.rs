@@ -1,4 +1,4 @@
-//! Encrypted connections: certificate and key from their files, by rustls. The settings name the files; the time limit of a
+//! Encrypted connections by rustls: certificate and key are read from files, which the settings name. The time limit of a
 //! handshake is in `hearing::connection`.
 
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ fn config(chain: Vec<CertificateDer<'static>>, key: PrivateKeyDer<'static>) -> R
     Ok(config)
 }
 
-/// The fault of a file; quotes from it are left out, since it may be the key.
+/// The fault of a file. It quotes nothing from the file, which may be the key.
 fn in_words(error: &pem::Error, empty: &str) -> String {
     if let pem::Error::Io(error) = error {
         return format!("it cannot be read: {error}");

@@ -1,5 +1,5 @@
-//! One open stream's view of the state: the newest snapshot, never a queue. A slow reader skips what it missed; the end of the
-//! program ends every stream at once. `events` and the console's `live` decide what is sent.
+//! The state as one open stream sees it: the newest snapshot, never a queue. A slow reader skips the states that it missed. The
+//! end of the program ends every stream at once. `events` and the console's `live` decide what is sent.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use hallsweep_core::snapshot::Snapshot;
 /// Interval at which the reader's right is checked again.
 const STILL_KNOWN: Duration = Duration::from_millis(250);
 
-/// An open stream; its permit is returned when it is dropped.
+/// An open stream. Its permit is returned when this value is dropped.
 pub(super) struct Watcher {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     closing: watch::Receiver<bool>,
@@ -40,14 +40,15 @@ impl Watcher {
         Ok((watcher, first))
     }
 
-    /// The next newer state, after at least `pause`, so that a fast robot does not flood its reader, and at most `quiet`.
+    /// The next newer state, or `Quiet` after `quiet`. It waits at least `pause`, so that a fast robot does not flood its
+    /// reader.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
         let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {
             tokio::time::sleep(pause).await;
             snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
         };
-        // The reader is not admitted any more when its key was replaced or removed, or its session is over.
+        // The reader is not admitted any more when the key was replaced or removed, or the session is over.
         let shut_out = async {
             while door.still_knows(caller) {
                 tokio::time::sleep(STILL_KNOWN).await;

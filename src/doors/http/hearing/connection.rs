@@ -1,6 +1,6 @@
-//! Reads one connection from its first byte to its end. A connection is pending until its first head is complete; then it gets a
-//! slot, or is told that there is none. It is read on whatever becomes of its requests. Everything here runs on the hearing
-//! thread.
+//! Reads one connection from its first byte to its end. A connection is pending until its first head is complete. Then it gets
+//! a slot, or is told that there is none. It is read to the end, whatever becomes of its requests. Everything here runs on the
+//! hearing thread.
 
 use std::io::Read;
 use std::net::SocketAddr;
@@ -32,40 +32,39 @@ use crate::runtime::figures::Connected;
 /// Maximum duration of a TLS handshake.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
-/// Maximum number of bytes read from a newcomer before its turn comes; a STOP is shorter.
+/// Maximum number of bytes read from a newcomer before its turn. A STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
-/// Time for which a first request waits for its body before it gets a task: most bodies come at once, and waiting so long costs
-/// little.
+/// Maximum time that a first request waits for its body before it gets a task. Most bodies come at once, so few requests wait
+/// that long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
-/// Maximum number of bytes read in one turn; then other connections have theirs. A newcomer waits for the turns of a thousand
-/// connections at most, which together take some hundredths of a second.
+/// Maximum number of bytes read in one turn; then other connections have theirs. A newcomer waits for the turns of at most a
+/// thousand connections, which take some hundredths of a second together.
 const TURN: usize = 4 * 1024;
-/// Number of bytes for which there is room at the beginning of a turn: most heads are short, and many connections wait.
+/// Size of the buffer at the beginning of a turn, in bytes: most heads are short, and many connections wait.
 const FIRST: usize = 1024;
 /// Maximum number of heads scanned in one turn.
 const HEADS: usize = 32;
 
-/// Maximum number of bytes that wait for room in the pipe: the longest head with the longest body, and something over. When more
-/// comes, because a client reads no answers, nothing more is carried out on that connection, but STOPs are still found (safety
-/// S8).
+/// Maximum number of bytes that wait for room in the pipe: enough for the longest head with the longest body. When a client
+/// reads no answers and more bytes come, nothing more is carried out on its connection, but STOPs are still found (safety S8).
 pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 
-/// Maximum time for which a connection is read after its last answer, for the end of a head that is coming, and so that the
-/// answer reaches the client.
+/// Maximum time for which a connection is read after its last answer, so that an incomplete head can end and the answer reaches
+/// the client.
 const LINGER_TIME: Duration = Duration::from_secs(5);
 /// Maximum number of bytes read after the last answer.
 const LINGER_BYTES: usize = 1024 * 1024;
 
 pub(super) struct Connection<R, W> {
     from: R,
-    /// `None` once a task answers the client.
+    /// `None` when a task answers the client.
     to: Option<W>,
     cut: Arc<Notify>,
     waiting: Option<PendingConnection>,
     slot: Option<Arc<ConnectionSlot>>,
-    /// Counts the connection from the time when it gets its slot.
+    /// Counts the connection, from the time when it got its slot.
     connected: Option<Connected>,
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
@@ -73,40 +72,40 @@ pub(super) struct Connection<R, W> {
     shared: Arc<ConnectionState>,
     /// Sender of the first head.
     claim: Option<SlotClaim>,
-    /// Bytes that were read and not passed on.
+    /// Bytes that were read and not yet passed on.
     read: BytesMut,
     /// Number of bytes of `read` that the scanner has seen.
     scanned: usize,
     /// Scanned bytes that wait for room in the pipe.
     ahead: BytesMut,
-    /// Whether bytes after `ahead` were dropped, so that nothing more can be passed on.
+    /// Whether bytes after `ahead` were dropped. Then nothing more is passed on, and only STOPs are carried out.
     is_only_heard: bool,
-    /// Position in the stream of the end of a head whose request may hand the connection over.
+    /// The position in the stream where a head ends whose request may hand the connection over.
     upgrade: Option<u64>,
     /// Number of bytes passed on.
     handed_on: u64,
-    /// Number of bytes read since others had their turn.
+    /// Number of bytes read since other connections had their turn.
     turn: usize,
-    /// Time limit of the first head, and then of its body.
+    /// Time limit of the first head, and after that of its body.
     late: Pin<Box<Sleep>>,
 }
 
 enum Next {
     More,
-    /// Nothing more comes.
+    /// The client sends nothing more.
     End,
-    /// Nothing more is answered.
+    /// The task answers nothing more.
     Over,
 }
 
-/// Serves one connection to its end, or until it is evicted. A client's faults are only logged.
+/// Serves one connection until it ends or is evicted. A client's faults are only logged.
 pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketAddr, context: Arc<ServerContext>) {
     let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
-        // What has come already is read before the eviction, which may be requested while other tasks have their turn.
+        // Bytes that have arrived are read before the eviction: it may be requested during the turns of other tasks.
         tokio::task::yield_now().await;
     };
     tokio::select! {
@@ -116,7 +115,7 @@ pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketA
     }
 }
 
-/// Performs the TLS handshake, if there is TLS, and reads the connection.
+/// Performs the TLS handshake if the door has TLS, and reads the connection.
 async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cut: Arc<Notify>, context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
@@ -137,11 +136,11 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cu
     }
 }
 
-/// Reads what a newcomer has sent already. It asks the system, because the event loop learns only at its next poll that bytes
-/// have come.
+/// Reads what a newcomer has sent already. The event loop would notice these bytes only at its next poll, so the system is
+/// asked directly.
 fn first_words(stream: &TcpStream) -> BytesMut {
     let mut said = BytesMut::zeroed(FIRST_WORDS);
-    // No bytes, the end and an error are found again by the next read.
+    // If there are no bytes, or the end, or an error, the next read finds that again.
     let length = (&*SockRef::from(stream)).read(&mut said).unwrap_or(0);
     said.truncate(length);
     said
@@ -183,11 +182,11 @@ where
         }
     }
 
-    /// Reads the connection to its end, beginning with the bytes that were read already.
+    /// Reads the connection to its end. `said` was read already.
     pub(super) async fn hear(mut self, said: BytesMut) {
         self.read = said;
         loop {
-            // A handover is known here before the client can know it, so that no bytes of another protocol are scanned.
+            // A handover is known here before the client can know it, so that bytes of another protocol are not scanned.
             if self.upgrade.is_some() && self.shared.is_handed_over() {
                 return self.carry().await;
             }
@@ -244,7 +243,7 @@ where
         self.keep(given);
     }
 
-    /// Records the sender, the body and the epoch of a request that will be carried out.
+    /// Records the sender, the epoch and the existence of a body, for a request that will be carried out.
     fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
@@ -257,14 +256,14 @@ where
         }
     }
 
-    /// Stores a STOP for the request that it will answer.
+    /// Stores the outcome of a STOP for the request that will answer it.
     fn keep(&self, given: Option<StopOutcome>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
             self.shared.keep(self.search.number(), given);
         }
     }
 
-    /// Passes on what was read. When there is no room for it, it is dropped, and so is everything after it.
+    /// Passes on what was read. When there is no room for these bytes, they are dropped, and so is everything after them.
     fn hand_on(&mut self) {
         self.is_only_heard |= self.ahead.len() + self.read.len() > AHEAD;
         if !self.is_only_heard && self.ahead.is_empty() {
@@ -295,7 +294,7 @@ where
         if !self.context.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
-        // An evicted connection gets no slot, since another connection would be evicted for it.
+        // An evicted connection gets no slot, because another connection would be evicted to make room for it.
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
             return Err(Problem::no_slot(has_heard));
         }
@@ -311,7 +310,7 @@ where
         Ok(())
     }
 
-    /// Whether the connection has a slot and its task should begin: only the first request may still wait for its body.
+    /// Whether the task should begin: the connection has a slot, and does not wait for the body of its first request any more.
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
@@ -324,12 +323,12 @@ where
         }
     }
 
-    /// Carries the frames of a WebSocket, which has limits of its own and therefore no slot.
+    /// Carries the frames of a WebSocket. A WebSocket has limits of its own, and therefore no slot.
     async fn carry(mut self) {
         (self.slot, self.connected) = (None, None);
-        // The meaning of another protocol's bytes is unknown after bytes that were dropped.
+        // After dropped bytes, the meaning of further bytes of another protocol is unknown.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
-        // Bytes that were passed on before may have begun a frame, when a client did not wait for its answer.
+        // A client that did not wait for its answer may have begun a frame in the bytes already passed on.
         let mut frames = (self.upgrade == Some(self.handed_on)).then(Frames::default);
         let carried = async {
             to.write_all(&self.ahead).await?;
@@ -346,14 +345,14 @@ where
             }
         };
         tokio::select! {
-            // The task sends the rest of the other direction by itself.
+            // The task itself sends the rest of the other direction.
             _ = carried => {}
             _ = over.changed() => return,
         }
         drop(over.changed().await);
     }
 
-    /// Passes on bytes if there is room for them, and otherwise reads.
+    /// Passes on bytes if there is room in the pipe, and otherwise reads.
     async fn go_on(&mut self) -> Next {
         self.take_turns().await;
         let mut closing = self.context.closing.clone();
@@ -397,10 +396,11 @@ where
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
     }
 
-    /// Reads the connection after its last answer: a head that has begun is read to its end, and the answer reaches a client that
-    /// still sends. The slot is free meanwhile, and when too many connections linger, the oldest is evicted.
+    /// Reads the connection after its last answer, so that a head that has begun can end, and the answer reaches a client that
+    /// still sends. The slot is free meanwhile. When too many connections linger, the oldest one of the largest network is
+    /// evicted.
     async fn linger(mut self) {
-        // What comes now may not belong to the last body, and may not end soon.
+        // What comes now may not belong to the last body, and may not end soon, so the body is searched now.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.slot, self.is_only_heard) = (None, None, true);
         let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
@@ -422,7 +422,7 @@ where
         }
     }
 
-    /// Answers why the request is not carried out; a STOP has halted all the same.
+    /// Answers why the request is not carried out. A STOP in it has halted the robot all the same.
     async fn refuse(mut self, problem: &Problem) {
         let body = problem.json();
         let answer = format!(

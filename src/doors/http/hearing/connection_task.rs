@@ -1,5 +1,5 @@
 //! Answers the requests of a connection with hyper, from the bytes that the hearing thread passes on. Each request carries its
-//! peer and the STOP that was found in it. When the client is gone, its answers are discarded, so that what it sent before is
+//! peer and the STOP that was found in it. When the client is gone, answers are discarded, so that requests it sent before are
 //! still carried out.
 
 use std::io;
@@ -29,19 +29,19 @@ use crate::doors::http::peer::Peer;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 
-/// Time within which the headers of a request must come, and longest silence between two requests.
+/// Maximum time for the headers of a request to arrive, and maximum silence between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
-/// Maximum size of a request's line and headers together, in bytes; longer ones are answered with 431.
+/// Maximum size of a request's line and headers together, in bytes. A longer head is answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
 /// Size of the pipe between the hearing thread and hyper, in bytes.
 const PIPE: usize = 16 * 1024;
 
-/// Time for which the requests of a client that is gone are still carried out; an endless answer ends after it.
+/// Time for which the requests of a client that is gone are still carried out. An endless answer ends after that time.
 const GONE_TIME: Duration = Duration::from_secs(2);
 
-/// The task that answers a connection, on another runtime; it ends when this is dropped.
+/// The task that answers a connection, on another runtime. The task ends when this value is dropped.
 pub(super) struct ConnectionTask {
     /// The pipe to hyper; `None` when no more bytes follow.
     pub(super) to: Option<DuplexStream>,
@@ -72,14 +72,14 @@ impl ConnectionTask {
         ConnectionTask { to: Some(ours), over, task }
     }
 
-    /// Passes on the last bytes, and waits until all requests are answered. A client that ends its side during an endless answer
-    /// is taken to be gone.
+    /// Passes on the last bytes, and waits until all requests are answered. A client that ends its side during an endless
+    /// answer counts as gone.
     pub(super) async fn ended(self, shared: &ConnectionState, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
             if let Some(mut to) = to {
-                // A task that reads no more has said why.
+                // If the task reads no more, it has logged why.
                 let _ = to.write_all(rest).await;
             }
             task.join_next().await
@@ -91,7 +91,7 @@ impl ConnectionTask {
     }
 }
 
-/// Writes into the pipe as much as there is room for, waiting for some. When nobody reads from the pipe any more, all bytes are
+/// Writes as much into the pipe as fits, and waits if nothing fits. When nobody reads from the pipe any more, all bytes are
 /// dropped.
 pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
     let is_put = match to {
@@ -144,8 +144,7 @@ async fn run<W>(
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
-    // The guard writes the date. hyper reads the clock after every head all the same, and panics before 1970: no task begins
-    // then.
+    // The guard writes the date. hyper still reads the clock after every head, and panics before 1970; then no task begins.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
     let connection = http.serve_connection(TokioIo::new(transport), service).with_upgrades();
     tokio::pin!(connection);
@@ -179,7 +178,7 @@ impl Drop for OpenRequest {
     }
 }
 
-/// The body of an answer. Its request counts as open until the whole body is on its way.
+/// The body of an answer. Its request counts as open until hyper has the whole body.
 struct AnswerBody {
     body: Body,
     asked: OpenRequest,
@@ -206,7 +205,7 @@ impl hyper::body::Body for AnswerBody {
     }
 }
 
-/// The bytes of the client, and the way back to it. When the client is gone, answers are accepted and discarded.
+/// The bytes of the client, and the way back to the client. When the client is gone, answers are accepted and discarded.
 struct Transport<W> {
     from: DuplexStream,
     to: WriteTimeoutStream<W>,

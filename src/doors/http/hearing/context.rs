@@ -1,4 +1,4 @@
-//! State that all connections share.
+//! State shared by all connections.
 
 use axum::Router;
 use tokio::runtime::Handle;
@@ -16,7 +16,7 @@ pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) tls: Option<Tls>,
     pub(in crate::doors::http) slots: ConnectionSlots,
     pub(in crate::doors::http) pending: PendingConnections,
-    /// Connections that get no further answer, and are still read.
+    /// Connections that get no further answer, but are still read.
     pub(in crate::doors::http) lingering: PendingConnections,
     /// Runtime of hyper and the routes.
     pub(in crate::doors::http) work: Handle,
@@ -24,8 +24,8 @@ pub(in crate::doors::http) struct ServerContext {
 }
 
 impl ServerContext {
-    /// Evicts some connections when the system has no more descriptors, and returns how many: first connections that get no
-    /// further answer, last those that may be about to send STOP.
+    /// Evicts some connections when the system has no more descriptors, and returns how many: first those that get no further
+    /// answer, last those that may be about to send STOP.
     pub(in crate::doors::http) fn evict_some(&self) -> usize {
         let mut relieved = self.lingering.evict_some();
         if relieved == 0 {

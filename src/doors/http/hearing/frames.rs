@@ -1,6 +1,6 @@
 //! Rewrites WebSocket frames on their way to the MQTT door (RFC 6455, section 5.2). Each frame of a binary message becomes a
-//! message of its own, so that a STOP in a complete frame does not wait for the end of a message that may never come (safety S8).
-//! In MQTT the boundaries of messages have no meaning (MQTT 3.1.1, section 6). Frames are not validated here.
+//! message of its own, so that a STOP in a complete frame need not wait for the end of its message, which may never come
+//! (safety S8). In MQTT the boundaries of messages have no meaning (MQTT 3.1.1, section 6). Frames are not validated here.
 
 /// Bit of a frame's first byte that marks the last frame of a message.
 const FIN: u8 = 0x80;
@@ -22,9 +22,9 @@ pub(super) struct Frames {
 enum FrameState {
     #[default]
     First,
-    /// The byte with the mask bit, and with the length or the size of the length field.
+    /// The byte with the mask bit, which also has the length or the size of the length field.
     Second,
-    /// Number of length bytes to come, value of those before, and number of mask bytes.
+    /// Number of length bytes to come, value of the length bytes read, and number of mask bytes.
     Length(u8, u64, u64),
     /// Number of mask and payload bytes to come.
     Rest(u64),

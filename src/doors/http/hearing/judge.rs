@@ -1,7 +1,7 @@
-//! Finds the requests of one connection, and carries out a STOP as soon as it has come, whether a head names it or a body says
-//! it. Its sender is authenticated with the same rules as in the guard and the gate: a STOP that they would reject does not halt.
-//! Of several keys one valid key is enough, since a STOP with a wrong key beside it is a STOP with a fault. `connection` reads the
-//! bytes and passes them on.
+//! Finds the requests of one connection, and carries out a STOP as soon as it has arrived, in a head or in a body. The sender
+//! is authenticated with the same rules as in the guard and the gate: a STOP that they would reject does not halt. One valid
+//! key among several is enough, because a STOP with a wrong key beside the valid one is only a STOP with a fault. `connection`
+//! reads the bytes and passes them on.
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
@@ -18,14 +18,14 @@ use crate::doors::http::scanning::{self, BodyLength, Field, Head, Scanner, names
 use hallsweep_core::command::{Command, Request};
 use hallsweep_core::units::Epoch;
 
-/// Length up to which a body is searched whole whenever more of it comes, in bytes: the body of a move is a few dozen. This much
-/// of a longer body is searched again together with what has come after it.
+/// Length in bytes up to which a body is searched whole whenever more of it arrives; the body of a move is a few dozen. In a
+/// longer body, the new bytes and this many before them are searched.
 const SHORT: usize = 1024;
 
 pub(super) struct StopSearch {
     pub(super) judge: Judge,
     pub(super) scanner: Scanner,
-    /// The STOP that the last request is if its body says so.
+    /// The STOP that the last request would be; its body decides.
     unsaid: Option<Request>,
     /// Number of bytes of the body that were searched.
     looked: usize,
@@ -33,10 +33,10 @@ pub(super) struct StopSearch {
     looked_whole: usize,
 }
 
-/// The part of a request that is complete.
+/// A part of a request that is complete.
 pub(super) enum Heard {
     Head(HeardRequest),
-    /// The body of the last request.
+    /// The body of the request whose head came last.
     Body,
 }
 
@@ -53,7 +53,7 @@ impl StopSearch {
         StopSearch { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
-    /// Reads up to the first byte that completes a part, and returns the number of bytes. A STOP in them is carried out.
+    /// Reads up to the first byte that completes a part, and returns the number of bytes read. A STOP in them is carried out.
     pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>, Option<StopOutcome>) {
         let (taken, heard) = self.scanner.take(bytes);
         match heard {
@@ -84,8 +84,8 @@ impl StopSearch {
         }
     }
 
-    /// Carries out a STOP that an incomplete body says: the end of a body need not come, and cannot always be found. A long body
-    /// is searched whole whenever it has doubled, so that one in many pieces costs little.
+    /// Carries out a STOP in an incomplete body: the end of a body need not come, and cannot always be found. A long body is
+    /// searched whole each time that it has doubled, so that many small pieces cost little.
     pub(super) fn look_early(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         if said.len() == self.looked {
@@ -100,20 +100,20 @@ impl StopSearch {
         self.unsaid.take_if(|_| says_halt_from(said, start)).map(|stop| self.judge.give(stop))
     }
 
-    /// Carries out a STOP that the body says, when nothing more of it comes.
+    /// Carries out a STOP in the body when nothing more of the body comes.
     pub(super) fn look(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
     }
 
-    /// Number of the last request; the first is 0.
+    /// Number of the last request. The first request has the number 0.
     pub(super) fn number(&self) -> u64 {
         self.scanner.heads().saturating_sub(1)
     }
 }
 
 impl Drop for StopSearch {
-    /// Nothing more comes, however the connection has ended.
+    /// Searches the body once more: nothing more comes, however the connection has ended.
     fn drop(&mut self) {
         drop(self.look());
     }
@@ -135,7 +135,7 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// The sender of a request, and the STOP that the request is or may be, when its sender may stop.
+    /// The sender of a request; and if that sender may stop, the STOP that the request is or may be.
     pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<StopRequest>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
@@ -156,14 +156,14 @@ impl Judge {
         Box::pin(self.door.handle.carry_out(stop))
     }
 
-    /// Whether the request names this program as its host, and does not come from a page of another origin.
+    /// Whether the request names this program as its host, and no page of another origin sent it.
     fn is_ours(&self, head: &Head, headers: &HeaderMap) -> bool {
         let named = head.host.as_deref().map(String::from_utf8_lossy);
         self.hosts.stranger(named.as_deref(), headers).is_none() && !is_foreign(headers)
     }
 }
 
-/// The fields of a head for the guard and the gate, and whether it cannot be said that host and origin are ours.
+/// The fields of a head for the guard and the gate, and whether host or origin are in doubt.
 fn headers(head: &Head) -> (HeaderMap, bool) {
     let (mut headers, mut is_in_doubt) = (HeaderMap::new(), head.is_in_doubt);
     for (field, value) in &head.fields {

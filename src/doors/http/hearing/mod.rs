@@ -1,5 +1,5 @@
-//! The bytes of every client are read on the hearing thread (safety S7). `scanning` follows them before hyper does, and a STOP of
-//! a permitted sender halts at the end of its head (S8). Then the bytes go on to hyper, on another runtime.
+//! The bytes of every client are read on the hearing thread (safety S7). `scanning` parses them before hyper does, and a STOP
+//! of a permitted sender halts at the end of its head (S8). Then the bytes are passed to hyper, on another runtime.
 //!
 //! ```text
 //!   client ─► connection: read, decrypt ─► scanning ─► judge ─► Handle (halts)

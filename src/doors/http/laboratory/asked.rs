@@ -1,5 +1,5 @@
-//! The runs requested in an address of the laboratory: of the Roomba, and of the pallet scenario. A page has both in one address,
-//! so their parameters have different names.
+//! The runs requested in an address of the laboratory: a run of the Roomba, and one of the pallet scenario. The address of the
+//! page has the parameters of both, so their names differ.
 
 use std::fmt::Write;
 
@@ -9,10 +9,10 @@ use crate::api::fields::in_short;
 use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Mishap, Pallet, asked};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// Maximum length of a Roomba run in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
+/// Maximum length of a Roomba run in seconds. Ten minutes fill the room with lines, and take a few milliseconds to compute.
 pub(in crate::doors::http) const LONGEST_S: u64 = 600;
 
-/// Default length: enough for spirals and walls.
+/// Default length in seconds: enough for spirals and walls.
 pub(in crate::doors::http) const USUAL_S: u64 = 120;
 
 /// Maximum number of parcels, which bounds the cost of a run.
@@ -68,7 +68,7 @@ impl AskedPallet {
         AskedPallet::read(query, "seed", faults, "fault")
     }
 
-    /// `names_parcel` is the name of the parameter with the parcel of the mishaps.
+    /// `names_parcel` is the name of the parameter that says which parcel the mishaps concern.
     fn read(query: &Query, seed: &str, faults: Vec<AskedFault>, names_parcel: &str) -> Result<AskedPallet, Problem> {
         let seed = query.count(seed, 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
         let parcels = query.count("parcels", 1..=MOST_PARCELS)?.unwrap_or(USUAL_PARCELS);
@@ -104,7 +104,7 @@ impl AskedPage {
         let parcel = u32::try_from(at).unwrap_or(u32::MAX);
         let faults = faults(query, |name| {
             let mishap: Mishap = name.parse().map_err(|error| wrong_fault(name, error))?;
-            // A mishap of the whole run has no parcel.
+            // A mishap of the whole run concerns no parcel.
             Ok(mishap.at(if mishap == Mishap::Absent { 1 } else { parcel }))
         })?;
         let pallet = AskedPallet::read(query, "palletSeed", faults, "at")?;
@@ -118,7 +118,7 @@ fn faults(query: &Query, read: impl Fn(&str) -> Result<AskedFault, Problem>) -> 
         let words = format!("`fault` is there {} times: at most {MOST_FAULTS} things go wrong in one run", texts.len());
         return Err(Problem::unusable(words));
     }
-    // Programs write `@` as `%40`; no other character in these words is ever escaped.
+    // Programs write `@` as `%40`. No other character of these words is ever escaped.
     texts.iter().map(|text| read(&text.replace("%40", "@"))).collect()
 }
 

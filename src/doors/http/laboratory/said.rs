@@ -1,5 +1,5 @@
-//! The laboratory's runs in the page's language: figures, events, and the words in the drawings. The command line prints the same
-//! in English, from `hallsweep_laboratory`.
+//! The laboratory's runs in the language of the page: figures, events, and the words in the drawings. The command line prints
+//! the same words in English, from `hallsweep_laboratory`.
 
 use crate::phrases::Language;
 use hallsweep_laboratory::pallet::{AskedFault, Entry, Figures as Carried, Missed, News, Pallet, PalletFault, Spread, kind};
@@ -13,7 +13,7 @@ pub(super) struct Event {
     pub(super) parcel: u32,
     pub(super) kind: &'static str,
     pub(super) words: String,
-    /// Text beside the drawing until the next event with such a text.
+    /// Text beside the drawing, until the next event that has such a text.
     pub(super) while_it_lasts: Option<String>,
 }
 

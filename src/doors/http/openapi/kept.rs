@@ -1,4 +1,4 @@
-//! Content that is the same for everybody, rendered and compressed once: repeated requests cost only the sending.
+//! Content that is the same for everybody. It is rendered and compressed once, so that repeated requests cost only the sending.
 
 use std::io::Write;
 

@@ -1,5 +1,5 @@
-//! The operation of a route, for programs, in the format of OpenAPI 3.1. Possible problems follow from the parts of an operation:
-//! one with a body may be malformed, and a command may be refused now.
+//! The operation of a route, for programs, in the format of OpenAPI 3.1. Its possible problems follow from its parts: an
+//! operation with a body may be malformed, a command may be refused now.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ impl Subject {
 pub(super) struct Operation {
     pub(super) method: Method,
     pub(super) path: Cow<'static, str>,
-    /// Name of the operation in generated programs.
+    /// Name of the operation in generated client code.
     pub(super) id: Cow<'static, str>,
     pub(super) subject: Subject,
     pub(super) summary: Cow<'static, str>,
@@ -60,9 +60,9 @@ pub(super) struct Operation {
     pub(super) headers: Vec<Parameter>,
     pub(super) body: Option<Body>,
     pub(super) answers: Vec<Media>,
-    /// Whether a version that the client has already is not sent again.
+    /// Whether the answer is omitted when the client has that version already.
     pub(super) is_tagged: bool,
-    /// Problems beside those that follow from the other fields.
+    /// Problems other than those that follow from the other fields.
     pub(super) also: Vec<ProblemKind>,
 }
 
@@ -128,7 +128,7 @@ impl Operation {
         Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
     }
 
-    /// Adds a command id, by which the command acts only once; a STOP acts whatever its id is.
+    /// Adds a command id, with which the command acts only once. A STOP acts whatever its id is.
     pub(super) fn once(self, is_stop: bool) -> Operation {
         let what = "The command's own name: sent again under it, it is given once and answered alike.";
         let name = json!({"type": "string", "pattern": format!("^[!-~]{{1,{}}}$", CommandId::MOST)});
@@ -162,7 +162,7 @@ impl Operation {
         follow.chain(&self.also).map(|kind| kind.status()).collect()
     }
 
-    /// The operation in OpenAPI; `asks` says whether keys are required.
+    /// The operation in OpenAPI. `asks` says whether keys are required.
     pub(super) fn written(&self, need: Need, asks: bool) -> Value {
         let (subject, _) = self.subject.named();
         let parameter = |(place, name, what, schema)| {

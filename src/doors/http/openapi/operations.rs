@@ -1,5 +1,6 @@
-//! Every operation for programs at this door: those of the tables of commands, resources, map files and old words, and below them
-//! those without a table. A test fails for a route under `/api/v1` that is missing here, and for one that is only here.
+//! Every operation for programs at this door: those in the tables of commands, resources, map files and old words, and below
+//! them the operations without a table. A test fails if a route under `/api/v1` is missing here, or an operation here has no
+//! route.
 
 use axum::http::Method;
 use serde_json::{Value, json};
@@ -73,7 +74,7 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
         Some(body) => operation.takes(&[JSON], body, row.needs_body()),
         None => operation,
     };
-    // The sensor may not be in the settings.
+    // The settings may not name the sensor.
     if row.kind == CommandKind::Temperature { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
@@ -114,7 +115,7 @@ fn old_words(schemas: &mut Schemas) -> Vec<Operation> {
 }
 
 fn state(schemas: &mut Schemas) -> Vec<Operation> {
-    // Adds the schema of the events' data, for readers of the stream.
+    // Adds the schema of the events' data, for programs that read the stream.
     let _ = schemas.sent::<ChangesJson>();
     let events = "The state, then every change: server-sent events `snapshot`, with a `State` as its data, and `changes`, with \
                   `Changes`; after a break `Last-Event-ID` says what is there already.";
@@ -182,7 +183,7 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     let of = |method, path, id, what| Operation::new(method, path, id, Simulator, what);
     let after = |operation: Operation| operation.answers(JSON, now.clone()).also(&[Conflict, NotFound]);
     let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[NotFound]);
-    // A hall is accepted with any media type.
+    // A hall file is accepted with any media type.
     const FILE: &[&str] = &["application/octet-stream", "application/toml"];
     vec![
         of(Method::GET, "/api/v1/simulator", "getSimulator", "The simulator").answers(JSON, now.clone()).also(&[NotFound]),

@@ -1,5 +1,5 @@
-//! Finds the end of a chunked body (RFC 9112, section 7.1), as strictly as hyper: what hyper would refuse is an error here too.
-//! The contents of the chunks are shown to the caller.
+//! Finds the end of a chunked body (RFC 9112, section 7.1), as strictly as hyper: a body that hyper would refuse is an error
+//! here too. The caller gets the contents of the chunks.
 
 /// State of a chunked body.
 #[derive(Debug, Default)]
@@ -13,7 +13,7 @@ enum BodyState {
     #[default]
     Start,
     Size,
-    /// After the size only white space, an extension or the end of the line may follow.
+    /// After the size, where only white space, an extension or the end of the line may follow.
     Space,
     Extension,
     SizeLf,
@@ -28,8 +28,8 @@ enum BodyState {
 }
 
 impl Chunks {
-    /// Reads up to the end of the body, and calls `shown` with the contents of chunks. Returns the number of bytes, and at the
-    /// end whether the body is valid.
+    /// Reads up to the end of the body, and calls `shown` with the contents of the chunks. Returns the number of bytes
+    /// read, and at the end also whether the body is valid.
     pub(super) fn take(&mut self, bytes: &[u8], mut shown: impl FnMut(&[u8])) -> (usize, Option<Result<(), ()>>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {

@@ -1,4 +1,4 @@
-//! What the bytes of requests say before hyper and the routes read them: where each request begins and ends, what it names, and
+//! Parses the bytes of requests before hyper and the routes read them: where each request begins and ends, what it names, and
 //! who sends it. There is no socket, no clock and no decision about permissions here.
 
 mod body;

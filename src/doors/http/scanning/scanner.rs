@@ -1,8 +1,8 @@
-//! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body is,
-//! and where the next head begins. It is lenient, because a STOP with a fault is still a STOP; for a request that hyper accepts,
-//! both find the same length. It reads no socket, stores little however long a head is, and decides nothing.
+//! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body
+//! is, and where the next head begins. It is lenient, because a STOP with a fault is still a STOP. For a request that hyper
+//! accepts, both find the same length. It reads no socket, stores little even of a long head, and decides nothing.
 //!
-//! Of the lines of a head only what names STOP, who sends it and how long the body is is stored, each within a bound:
+//! Of a head it stores only what names STOP, who sends it, and how long the body is, each within a bound:
 //!
 //! ```text
 //!   POST /api/v1/commands/stop?now HTTP/1.1        method, path
@@ -16,16 +16,16 @@
 use super::body::Chunks;
 use super::names;
 
-/// Maximum number of bytes stored of a body that may say STOP. Of a body that is longer than any allowed one, only the beginning
-/// is searched.
+/// Maximum number of bytes stored of a body that may say STOP. A body that is longer than allowed is searched only in its
+/// beginning.
 const BODY: usize = 16 * 1024;
 
-/// The part of a request that is complete.
+/// A part of a request that is complete.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Heard {
-    /// A head, with what it names and who sends it.
+    /// A head: what it names, and who sends it.
     Head(Head),
-    /// The body of the last request. A request without a body has no such end.
+    /// The body of the request whose head came last. A request without a body has no such part.
     Body,
 }
 
@@ -47,20 +47,20 @@ struct BodyStart {
 #[derive(Debug)]
 enum ScannerState {
     Head,
-    /// Number of bytes of a body that are to come.
+    /// Number of bytes of a body that have not come yet.
     Body(u64),
     Chunks(Chunks),
-    /// It is unknown where the next request begins; hyper ends such a connection.
+    /// The beginning of the next request cannot be found; hyper ends such a connection.
     Lost,
 }
 
 impl Scanner {
-    /// The scanner before the first byte; `cookie` is the name of the cookies with a session.
+    /// The scanner before the first byte. `cookie` is the name of the session cookie.
     pub fn new(cookie: &str) -> Scanner {
         Scanner { head: HeadReader::new(cookie), at: ScannerState::Head, heads: 0, said: BodyStart::default() }
     }
 
-    /// Reads up to the first byte that completes a part, and returns the number of bytes.
+    /// Reads up to the first byte that completes a part, and returns the number of bytes read.
     pub fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
@@ -87,7 +87,7 @@ impl Scanner {
                     match ended {
                         Some(Ok(())) => Some(Heard::Body),
                         Some(Err(())) => {
-                            // The byte may not belong to a chunk.
+                            // The byte belongs to no valid chunk, but may be part of a STOP.
                             self.said.keep(&bytes[taken - 1..taken]);
                             self.at = ScannerState::Lost;
                             None
@@ -120,12 +120,12 @@ impl Scanner {
         matches!(self.at, ScannerState::Head)
     }
 
-    /// Whether the first byte of a head cannot begin a method: no server waits for the end of that.
+    /// Whether a head begins with a byte that cannot begin a method. No server waits for the end of such a head.
     pub fn is_no_request(&self) -> bool {
         matches!(self.at, ScannerState::Head) && self.head.is_no_method()
     }
 
-    /// The stored part of the last request's body, if that may say STOP.
+    /// The stored part of the last request's body, empty unless that body may say STOP.
     pub fn said(&self) -> &[u8] {
         &self.said.bytes
     }
@@ -155,23 +155,23 @@ impl BodyStart {
 /// Maximum number of bytes stored of a method, a path, a host or a value: the longest token, name or session is shorter.
 const TEXT: usize = 1024;
 
-/// Longest header name that is compared, in bytes.
+/// Maximum length of a header name that is compared, in bytes.
 const NAME: usize = 32;
 
 /// Maximum number of different values stored of one header.
 const FIELDS: usize = 4;
 
-/// Maximum number of keys stored, of which one valid key is enough.
+/// Maximum number of keys stored, of which one must be valid.
 pub const KEYS: usize = 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     Host,
     Origin,
-    /// Whether the origin is one of ours, in the browser's words.
+    /// Whether the request comes from one of our origins, as the browser says.
     SecFetchSite,
     Authorization,
-    /// A session: the pair of the cookie that has our name.
+    /// A session: the pair in a `Cookie` header that has our name.
     Cookie,
     IdempotencyKey,
 }
@@ -189,11 +189,11 @@ pub struct Head {
     pub method: Vec<u8>,
     /// The target up to its query, without scheme and host.
     pub path: Vec<u8>,
-    /// The host of a target that is a whole address.
+    /// The host in the target, if the target is a whole address.
     pub host: Option<Vec<u8>>,
     /// Stored fields, in the order in which they came.
     pub fields: Vec<(Field, Vec<u8>)>,
-    /// Whether a part of the host or the origin was not stored, so that it cannot be said that they are ours.
+    /// Whether a part of the host or the origin was not stored, so that nothing can tell whether they are ours.
     pub is_in_doubt: bool,
     pub body: BodyLength,
     pub wants_upgrade: bool,
@@ -204,7 +204,7 @@ pub(super) struct HeadReader {
     cookie: String,
     head: Head,
     part: HeadPart,
-    /// Whether the last byte was a carriage return. Whatever comes next ends the line, be it a line feed or not.
+    /// Whether the last byte was a carriage return. It ends the line, whether or not a line feed follows.
     after_cr: bool,
     /// Whether no byte of this line has come.
     is_new_line: bool,
@@ -214,7 +214,7 @@ pub(super) struct HeadReader {
     length: Option<u64>,
 }
 
-/// The line of one header, as far as it is stored.
+/// The line of one header, as far as it was stored.
 #[derive(Debug, Default)]
 struct HeaderLine {
     name: Vec<u8>,
@@ -236,7 +236,7 @@ enum Named {
 enum HeadPart {
     Method,
     Path,
-    /// The host of a whole address, in which a `;` ends nothing.
+    /// The host of a whole address. In it a `;` ends nothing.
     Host,
     /// The query and the version.
     Rest,
@@ -257,13 +257,13 @@ impl HeadReader {
         }
     }
 
-    /// Whether what has come cannot begin a method (RFC 9110, section 5.6.2).
+    /// Whether the bytes so far cannot begin a method (RFC 9110, section 5.6.2).
     pub(super) fn is_no_method(&self) -> bool {
         let first = self.head.method.first();
         first.is_some_and(|byte| !byte.is_ascii_graphic() || b"\"(),/:;<=>?@[\\]{}".contains(byte))
     }
 
-    /// Memory of the stored parts, in bytes.
+    /// Memory that the stored parts take, in bytes.
     #[cfg(test)]
     pub(super) fn memory(&self) -> usize {
         let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
@@ -275,8 +275,8 @@ impl HeadReader {
             + self.line.value.capacity()
     }
 
-    /// Number of the next bytes that can be skipped, since one by one they would change nothing. Large heads consist mostly of
-    /// such bytes.
+    /// Number of the next bytes that can be skipped, because `push` would change nothing for them. Large heads consist mostly
+    /// of such bytes.
     pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
         let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
         let end = match (self.part, what) {
@@ -292,7 +292,7 @@ impl HeadReader {
         bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n') || *byte == end).unwrap_or(bytes.len())
     }
 
-    /// Reads one byte; returns the head when this was its last byte.
+    /// Reads one byte; returns the head if this byte ended it.
     pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
         match byte {
             b'\n' if self.is_new_line && self.part == HeadPart::Fields => {
@@ -391,7 +391,7 @@ impl HeadReader {
         }
     }
 
-    /// Ends a header that the next line does not continue.
+    /// Ends a header when the next line does not continue it.
     fn end_field(&mut self) {
         match self.line.what {
             None => {}
@@ -434,7 +434,7 @@ impl HeadReader {
         }
     }
 
-    /// Reads the length as hyper does: digits, the same value each time, and ignored after a `Transfer-Encoding`.
+    /// Reads the length as hyper does: digits, with the same value each time. A length after a `Transfer-Encoding` is ignored.
     fn content_length(&mut self) {
         if self.is_chunked.is_some() {
             return;

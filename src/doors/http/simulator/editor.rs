@@ -1,5 +1,5 @@
-//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used; with
-//! scripts `editor.js` draws the same text.
+//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used. With
+//! scripts, `editor.js` draws the same hall.
 
 use std::sync::Arc;
 
@@ -24,11 +24,11 @@ use crate::runtime::simulator::{HallSource, NotSimulated, OtherHall};
 struct EditorPage {
     language: Language,
     toml: String,
-    /// The halls that are always offered, and the stored ones.
+    /// The halls that are always offered. The stored ones are in `kept`.
     halls: Vec<String>,
     kept: Vec<String>,
     name: String,
-    /// The name under which it is stored.
+    /// The name under which the opened hall is stored.
     opened: Option<String>,
     /// The stored hall that would be replaced, for the confirmation.
     replaces: Option<String>,
@@ -77,7 +77,7 @@ impl EditorPage {
     }
 }
 
-/// The script uses the same sentences.
+/// The text of a finding. The script uses the same sentences.
 pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     let phrase = language.say_of("editor-found", found.code());
     match found {
@@ -107,7 +107,7 @@ pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result
 #[serde(default)]
 pub(in crate::doors::http) struct Fields {
     toml: String,
-    /// The name for storing the hall, and the name under which it is stored.
+    /// The name that was typed for storing the hall, and the name under which it is stored.
     name: String,
     opened: Option<String>,
     /// The pressed button: `check`, `use` or `keep`; or the hall to replace, to delete, or to delete after confirmation.
@@ -126,7 +126,7 @@ enum Done {
     Discarded(String),
 }
 
-/// `POST simulator/editor`. The text in the field stays, whatever the result is.
+/// `POST simulator/editor`. The text in the field stays, even after a refusal.
 pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): HallForm<Fields>) -> Response {
     // Browsers send text with CRLF line ends.
     fields.toml = fields.toml.replace("\r\n", "\n");

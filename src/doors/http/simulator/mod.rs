@@ -1,5 +1,5 @@
-//! The simulator's controls, when the searching robot is simulated: as JSON here, as pages in `page` and `editor`. The core and
-//! the simulator decide what may be changed; this file adds who asks for it.
+//! The simulator's controls, if the searching robot is simulated: as JSON here, as pages in `page` and `editor`. The core and
+//! the simulator decide what may be changed; this file adds who requests it.
 
 mod editor;
 mod page;
@@ -84,13 +84,13 @@ impl Asker {
         self.bound().map(|problem| self.in_words(&problem))
     }
 
-    /// The text of a problem on the pages; for a mission under way also what to do there.
+    /// The text of a problem on the pages. For a mission under way it also says what to do there.
     fn in_words(&self, problem: &Problem) -> String {
         let is_bound = problem.code() == NOT_IN_PHASE;
         if is_bound { in_words(self.language, "boundToHall", problem.detail()) } else { problem.in_words(self.language) }
     }
 
-    /// In a task of its own, so that a change is completed even when its sender disconnects.
+    /// Makes a change in a task of its own, so that it is completed even if its sender disconnects.
     async fn done(changing: crate::runtime::simulator::Changing) -> Result<Arc<SimulatorState>, Problem> {
         Ok(tokio::spawn(changing).await.map_err(|_| Problem::internal())??)
     }
@@ -152,7 +152,7 @@ pub(super) async fn step(asker: Asker) -> PageAnswer {
 }
 
 pub(super) async fn hall(asker: Asker) -> Response {
-    // Not copied: it may be large, and many may ask.
+    // The text is not copied: it may be large, and many may request it.
     toml(axum::body::Bytes::from_owner(Shared(Arc::clone(&asker.state().hall.toml))))
 }
 
@@ -169,7 +169,7 @@ async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSim
     in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
-/// Lets answers share the text of a hall, which may be large, instead of copying it.
+/// The text of a hall, which may be large. Answers share it instead of copying it.
 struct Shared(Arc<str>);
 
 impl AsRef<[u8]> for Shared {
@@ -204,7 +204,7 @@ pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Pa
 pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> PageAnswer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
-    // An editor checks after every keystroke: its errors are for the person who draws, not for the record.
+    // An editor checks after every keystroke. Its errors are for the person who draws, and not for the record.
     let read = read_hall(&door, name, file).await.map_err(Problem::off_record)?;
     Ok(axum::Json(read).into_response())
 }
@@ -212,7 +212,7 @@ pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, 
 async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<ReadHall, Problem> {
     let read = in_turn(door, move || {
         let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;
-        // Checked before the hall is built: a small image may be a very large hall.
+        // The size is checked before the hall is built: a small image may be a very large hall.
         let bounds = hall.bounds();
         match NotSimulated::too_large(bounds.width().unsigned_abs(), bounds.height().unsigned_abs()) {
             Some(not) => Err(Problem::from(not)),
@@ -222,8 +222,8 @@ async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<Read
     read.await?
 }
 
-/// Does slow work on halls where nothing else waits for it: one piece after the other, and to its end even when the sender
-/// disconnects (safety S7).
+/// Does slow work on halls on a thread that nothing else waits for. One piece of work follows the other, and each is completed
+/// even if the sender disconnects (safety S7).
 async fn in_turn<T: Send + 'static>(door: &HttpDoor, act: impl FnOnce() -> T + Send + 'static) -> Result<T, Problem> {
     let turn = Arc::clone(&door.halls).acquire_owned().await.map_err(|_| Problem::closing())?;
     let acting = tokio::task::spawn_blocking(move || {

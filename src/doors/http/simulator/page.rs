@@ -1,4 +1,5 @@
-//! The page of the simulator's controls. Every button is a form, so that it works without scripts; a refusal is shown beside it.
+//! The page of the simulator's controls. Every button is a form, so the page works without scripts. A refusal is shown beside
+//! its button.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -20,7 +21,7 @@ use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Cell;
 
-/// The offered speeds; the interface accepts any in between.
+/// The offered speeds. The interface accepts any speed in between.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
 
 struct Fault {
@@ -92,7 +93,7 @@ pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
     html(&SimulatorPage::of(&asker, None))
 }
 
-/// The fields of all forms on the page except for that of the hall.
+/// The fields of all forms on the page, except for the form with the hall.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     act: String,
@@ -207,7 +208,7 @@ fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
     blocked
 }
 
-/// The cell ahead of a robot, or ahead of the end of its step under way.
+/// The cell ahead of a robot. During a step it is the cell ahead of the end of that step.
 fn ahead(robot: &RobotView) -> Cell {
     let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
     let (Cell { x, y }, (dx, dy)) = (robot.pose.cell, robot.pose.heading.vector());
