@@ -23,7 +23,7 @@ pub enum Effect {
     Order(RobotId, Order),
     Halt(RobotId),
     Led(RobotId, bool),
-    /// Store this for good, and report `Event::Recorded` of its last entry when it is stored.
+    /// Store these entries for good, then report `Event::Recorded` with the last of them.
     Record(Page),
     Answer(Ticket, Result<Accepted, Refused>),
 }
@@ -33,9 +33,9 @@ pub enum Effect {
 pub struct Order {
     pub id: OrderId,
     pub action: Action,
-    /// The epoch in which it was given; after a later stop it must not begin.
+    /// The epoch in which the order was given; the order must not begin after a later stop.
     pub epoch: Epoch,
-    /// After this long the robot halts by itself.
+    /// Time after which the robot halts by itself.
     pub deadline: Duration,
 }
 
@@ -45,9 +45,9 @@ pub enum Action {
     /// Sense, then return to the centre of the cell and the heading in which the last completed order left the robot.
     Recentre,
     Photograph(Stamp),
-    /// One step further in, from before the entrance towards home. The heading stays.
+    /// One step from outside the entrance towards home. The heading stays.
     Enter,
-    /// One step further out, away from home. The heading stays.
+    /// One step away from home. The heading stays.
     Leave,
     Arm(ArmAction),
 }
@@ -88,12 +88,12 @@ pub struct Stamp {
     pub wall: WallTime,
 }
 
-/// The entries of one input: stored together or not at all, so that the journal never ends in the middle of one.
+/// The entries of one input, stored together or not at all, so that the journal never ends halfway through an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The place of the first entry; the others follow without a gap.
     pub first: Seq,
-    /// At least one.
+    /// One entry at least.
     pub entries: Vec<Entry>,
 }
 
@@ -115,21 +115,21 @@ pub struct Entry {
 pub enum Fact {
     /// With the version of the program.
     ProgramStarted(String),
-    /// With the signal that asked for it, such as `SIGTERM`.
+    /// With the signal that ended the program, such as `SIGTERM`.
     ProgramEnded(String),
-    /// The machine's wall clock was set by this many milliseconds, back if negative, or the machine slept: earlier
-    /// entries have the time of the earlier clock.
+    /// The machine's wall clock was set by this many milliseconds (back, if negative), or the machine slept. Earlier
+    /// entries have times of the earlier clock.
     ClockSet(i64),
     /// Valid for all entries that follow.
     Conditions(Conditions),
-    /// The whole state, so that nothing before needs to be read to go on.
+    /// The whole state, so that a start need not read earlier entries.
     State(Box<PersistentState>),
     /// Refused commands go on record too (safety A6).
     Command {
         issuer: Issuer,
         id: Option<CommandId>,
         asked: Asked,
-        /// As named by the sender; that of the arrival is not on record.
+        /// The epoch that the sender named; the epoch of the command's arrival is not on record.
         epoch: Option<Epoch>,
         luggage: Option<LuggageId>,
         refused: Option<Refused>,
@@ -143,20 +143,20 @@ pub enum Fact {
     Goal(Option<Goal>, Search),
     Pose(Pose),
     RobotPose(RobotId, Pose),
-    /// Steps from home at which a robot now stands before the entrance; 0: it is in the hall.
+    /// Number of steps from home at which a robot now stands outside the entrance; 0: the robot is in the hall.
     Outside(RobotId, u8),
-    /// `None` once no retrieval is under way any more.
+    /// `None` once the retrieval has ended.
     Retrieval(Option<Box<Retrieval>>),
     MetAgain(Cell, Piece),
     Secured(LuggageId),
     Led(bool),
-    /// With what it was taken for: `wall`, `luggage` or `unknown`.
+    /// The cell, and what the obstacle was taken for: `wall`, `luggage` or `unknown`.
     Obstacle(Cell, &'static str),
     Mark(Cell, Mark),
     Luggage {
-        /// Without a verdict, which is a fact of its own.
+        /// The record without its verdict, which is a fact of its own.
         record: Arc<Luggage>,
-        /// The new photo; `None` without one, and when the entry was read back: pictures are stored separately.
+        /// The new photo. `None` if there is none, or if the entry was read back: pictures are stored separately.
         photo: Option<Photo>,
     },
     Verdict {

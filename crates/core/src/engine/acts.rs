@@ -69,8 +69,8 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
-        // Readings go on record only when they change: without this, a mission with a constant temperature would have
-        // none. The operator's word, which may be old, is no reading of now.
+        // Readings go on record only when they change, so a mission with a constant temperature would have none. The
+        // operator's word is not repeated, because it may be old.
         for (source, celsius) in self.world.thermometer.readings() {
             self.record(Fact::Temperature(source, celsius));
         }
@@ -99,8 +99,8 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, why: Option<HoldReason>) {
-        // This hold concerns the link of the robot that searches, or of one that fetches with others; the rest have
-        // holds of their own.
+        // This hold is about the link of the searching robot or, during a retrieval, of any robot that is needed for
+        // it. The links of all other robots have holds of their own.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching();
         } else {
@@ -149,8 +149,8 @@ impl Engine {
         }
     }
 
-    /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out
-    /// never will.
+    /// A halt overtakes every other effect that is still waiting (safety S2). An order that has not been sent is
+    /// withdrawn.
     pub(super) fn send_halt_to(&mut self, robot: &RobotId) {
         let taken_back = self.outbox.halt(robot);
         let Some(robot) = self.robots.get_mut(robot) else { return };
@@ -165,7 +165,7 @@ impl Engine {
         if self.state.led_blinking != blinks {
             self.world.touch(Resource::Robot);
             self.record(Fact::Led(blinks));
-            // A blinking LED shows a mission, so it begins to blink when that is on record.
+            // A blinking LED shows that a mission has begun, so it begins to blink when that is on record.
             if !blinks {
                 self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
@@ -184,14 +184,14 @@ impl Engine {
         }
     }
 
-    /// A danger that could not be recorded raises an alarm all the same, and no SAFE or START lets the robot go on
-    /// before somebody has acknowledged it, or danger is on record.
+    /// A danger that could not be recorded still raises an alarm. Until somebody acknowledges the alarm or danger is on
+    /// record, neither SAFE nor START releases the robot.
     pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
         self.alarm_about(Some(luggage), AlarmCause::Unrecorded);
         self.raise(Hold::Alarm, None);
     }
 
-    /// The hold ends when danger is on record for every piece with an alarm, or the alarm was acknowledged.
+    /// The hold ends when every alarm is acknowledged, or danger is on record for its piece.
     pub(super) fn end_alarm_hold(&mut self) {
         let dangerous = |id: LuggageId| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
@@ -267,7 +267,7 @@ impl Engine {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
         } else {
-            // There is no fact for this alone: the page ends with one that records the whole state.
+            // No fact says this alone: the page ends with a record of the whole state.
             self.state.put_away();
         }
         self.outbox.sum_up();
@@ -275,8 +275,7 @@ impl Engine {
         self.world.touch(Resource::Mission);
     }
 
-    /// Treats the cells that were found blocked after they had been free as free again: somebody may have cleared the
-    /// way.
+    /// Marks cells that were free once and blocked later as free again: somebody may have cleared the way.
     fn retry_blocked(&mut self) {
         for cell in self.state.blocked.clone() {
             self.mark(cell, Mark::Visited);

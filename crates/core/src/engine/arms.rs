@@ -1,5 +1,5 @@
-//! The robots' reports about their arms during a retrieval, and what follows for the piece and the map: it was lifted,
-//! set down, lost, or seen.
+//! Handles the robots' reports about their arms during a retrieval: the piece was lifted, set down, lost or seen, and
+//! the map changes accordingly.
 
 use std::collections::BTreeSet;
 
@@ -25,15 +25,15 @@ impl Engine {
         let off_floor = |arm: ArmState| arm.holds.filter(|_| !arm.on_floor);
         match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
-            // It fell where it was held; robots that lose it report the same once more, maybe much later. A robot that
-            // fetches by itself releases it at home.
+            // The piece fell where it was held. Robots that lose a piece report this once more, maybe much later. A
+            // robot that fetches by itself is left out, because it releases the piece at home.
             (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
             (None, None) if before.holds.is_none() => self.found_set_down(arm),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
         }
     }
 
-    /// It was set down while nobody listened: the program was killed, or the link lost.
+    /// The piece was set down while no report could arrive: the program was not running, or the link was lost.
     fn found_set_down(&mut self, arm: ArmState) {
         let is_off_floor = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
         if let Some(parcel) = arm.holds.filter(|_| is_off_floor) {
@@ -52,7 +52,7 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::new(), ..retrieval }));
     }
 
-    /// Obstacles that touch the piece and were not recognised as another one: they may have been part of it.
+    /// Obstacles that touch the piece and were not recognised as another piece: they may have been part of it.
     fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
         let recognised = |cell: &Cell| {
             let recorded = self.state.luggage.iter().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
@@ -77,16 +77,16 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::from([cell]), ..retrieval }));
     }
 
-    /// The parcel lies on the floor; both robots report it, and again whenever they are reached anew. Another parcel
-    /// may lie there since an earlier retrieval.
+    /// The parcel lies on the floor. Both robots report this, and report it again whenever they are reconnected. The
+    /// report may be about another parcel, lost in an earlier retrieval.
     pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
         if self.is_fetching(robot) && self.is_wanted_parcel(parcel) {
             self.piece_set_down(parcel.place);
         }
     }
 
-    /// Whether this is the piece being fetched: by its identity, or, where the camera could not tell when it was
-    /// recorded, by its place.
+    /// Whether this is the piece being fetched. The camera's number decides; a piece that was recorded without a number
+    /// is recognised by its place.
     pub(super) fn is_wanted_parcel(&self, parcel: Parcel) -> bool {
         let Some(retrieval) = &self.state.retrieval else { return false };
         let is_there = retrieval.piece.is_empty() || parcel.place.cell().is_some_and(|cell| retrieval.piece.contains(&cell));

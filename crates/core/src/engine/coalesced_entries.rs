@@ -1,6 +1,6 @@
-//! Shared entries of the journal (safety A5, A6): a sender that repeats the same sort of thing without end fills
-//! neither the disk nor the queue of records. A burst of each sender goes on record one by one; beyond it, an entry now
-//! and then holds their number. What the entries say is decided in `refusals` and `stops`.
+//! Shared entries of the journal (safety A5, A6): a sender that repeats the same kind of item endlessly fills neither
+//! the disk nor the queue of records. The first items of a sender get an entry each; later items are counted, and an
+//! entry now and then holds their number. `refusals` and `stops` decide what the entries say.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use crate::command::Door;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoalescingLimits {
-    /// Items of a sender that are written one by one before the rest share entries.
+    /// Number of a sender's items that get an entry each before later items share entries.
     pub(super) burst: u32,
-    /// Time after which a sender may have one more item written by itself.
+    /// Time in which a sender earns one more entry for a single item.
     pub(super) earned: Duration,
     /// Least time between two shared entries of a sender.
     pub(super) every: Duration,
-    /// Most senders that are told apart; the rest share one tally.
+    /// Maximum number of senders that are counted separately; further senders share one tally.
     pub(super) senders: usize,
 }
 
@@ -35,13 +35,13 @@ pub(super) struct CoalescedEntries<T> {
 pub(super) struct CoalescedEntry<T> {
     pub(super) last: T,
     pub(super) count: u64,
-    /// From the first to the last.
+    /// Time from the first item to the last.
     pub(super) lasted: Duration,
 }
 
 #[derive(Clone, Debug)]
 struct Tally<T> {
-    /// Number of items that are still written one by one.
+    /// Number of items that still get an entry each.
     room: u32,
     /// When `room` last grew, or the last shared entry was written.
     since: Duration,
@@ -54,7 +54,7 @@ impl<T> CoalescedEntries<T> {
         CoalescedEntries { limits, senders: BTreeMap::new(), others: Tally::new(limits, Duration::ZERO) }
     }
 
-    /// Returns the item when it is to be written at once, and not later together with others.
+    /// Returns the item if it is to be written at once; otherwise it waits for a shared entry.
     pub(super) fn come(&mut self, sender: Sender, note: T, count: u64, now: Duration) -> Option<CoalescedEntry<T>> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);

@@ -45,8 +45,8 @@ impl Engine {
         }
     }
 
-    /// Refuses a movement command that was sent before the last stop (safety S4), or may have been; other commands are
-    /// never refused for that.
+    /// Refuses a movement command that was sent, or may have been sent, before the last stop (safety S4). Other
+    /// commands are never refused as outdated.
     pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
         let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
         match sent {
@@ -106,7 +106,8 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    // Another robot may have taken the place of the one that stood before it.
+                    // The piece may be in front of another robot than the one that photographed it, so the pose is
+                    // compared.
                     let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
                     let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
                     forbids(!is_before || !is_open, Refused::NotInspected(id))
@@ -151,7 +152,7 @@ impl Engine {
         }
     }
 
-    /// The refusal of a verdict that would change one that stands, or a danger on its way to the store.
+    /// The refusal of a verdict that would change a stored verdict, or a danger on its way to the store.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage?;
         let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
@@ -167,8 +168,8 @@ impl Engine {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
-    /// The cause of the fault if it still stands, so that START must be refused. A cell that was free once and is
-    /// blocked now may be tried again.
+    /// The cause of the fault if it persists, so that START must be refused. A cell that was free once and is blocked
+    /// now does not count, because it may be tried again.
     pub(super) fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
         let cause = phase.fault()?;
         let stands = match cause {

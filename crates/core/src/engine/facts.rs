@@ -1,5 +1,5 @@
-//! Puts facts on record and applies them: the only way in which the engine changes `state`. Luggage and verdicts, which
-//! nothing may follow before they are in the store, stand in `records`.
+//! Puts facts on record and applies them: the only way in which the engine changes `state`. Luggage and verdicts are in
+//! `records`, because nothing may follow from them before they are in the store.
 
 use super::Engine;
 use crate::asked::Asked;
@@ -33,8 +33,8 @@ impl Engine {
         self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 
-    /// Writes a command into the log and the journal, even a refused one (safety A6), except for unchanged readings of
-    /// a sensor.
+    /// Writes a command into the log and the journal, even if it was refused (safety A6). An accepted reading of a
+    /// sensor is left out.
     pub(super) fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
         // A stop goes on record after it has taken effect.
         let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);

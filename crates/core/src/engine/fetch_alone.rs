@@ -1,6 +1,6 @@
 //! A retrieval by the robot that searches: it goes back to the piece, recognises it, takes it onto its back, and
-//! releases it at home, where the container stands. The retrieval by the pair, and what both have in common, stand in
-//! `retrieval`.
+//! releases it at home, where the container stands. The retrieval by the pair, and the code that both retrievals share,
+//! are in `retrieval`.
 
 use super::Engine;
 use super::motion::Turn;
@@ -16,8 +16,8 @@ use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::Mark;
 
 impl Engine {
-    /// One step of the retrieval. Everything follows from where the robot stands and what it holds, so it makes no
-    /// difference whether the program ended in between.
+    /// One step of the retrieval. The step depends only on where the robot stands and what it holds, so a restart in
+    /// between makes no difference.
     pub(super) fn fetch_alone(&mut self) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
@@ -40,7 +40,7 @@ impl Engine {
         }
     }
 
-    /// The intention is on record before the act, so a piece that is gone then was released into the container.
+    /// The intention is on record before the act, so a piece that is no longer held was released into the container.
     pub(super) fn let_go(&mut self) -> Turn {
         let robot = self.robots.searching();
         match robot.arm.holds {
@@ -54,7 +54,7 @@ impl Engine {
         }
     }
 
-    /// By the way it came: with a piece that may explode it enters no unknown cell.
+    /// Goes home over visited cells only: with a piece that may explode, the robot enters no unknown cell.
     fn carry_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
             let way = self.way_home(Through::Known);
@@ -77,7 +77,7 @@ impl Engine {
         if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayToPiece) }
     }
 
-    /// Takes only the piece that it was sent for.
+    /// Takes no piece but the one that the robot was sent for.
     fn take(&mut self, place: Place) -> Turn {
         if self.robots.searching().failures >= MOST_FAILURES {
             self.robots.searching_mut().failures = 0;
@@ -102,8 +102,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// The way to where the robot faces this cell of the piece in this direction. Where the piece was photographed from
-    /// afar, the robot has not been in the cells between, but has seen that they are free.
+    /// The way to the place from which the robot faces this cell of the piece with this heading. If the piece was
+    /// photographed from afar, the robot has not entered the cells between, but has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

@@ -92,14 +92,14 @@ pub struct Engine {
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// The latest answer to a look for a parcel, until the trees have been told.
+    /// The camera's latest answer to a search for a parcel, until the trees have read it.
     seen: Option<Option<Parcel>>,
     /// The pair's trees, while they fetch.
     team: Option<Ticked>,
     /// The trees as they were after their last tick, for snapshots.
     trees: Arc<TreesView>,
     is_ending: bool,
-    /// By how many milliseconds the clock was set since the start of the program, as far as that is on record.
+    /// Total number of milliseconds by which the clock was set since the program started, as far as this is on record.
     clock_set_ms: i64,
     taken: Option<Arc<Snapshot>>,
 }
@@ -133,16 +133,17 @@ impl Engine {
         }
     }
 
-    /// Handles a command. An accepted one is answered by `Effect::Answer` with this ticket, as soon as what must be on
-    /// record first is there.
+    /// Handles a command. An accepted command is answered by `Effect::Answer` with this ticket, once everything that
+    /// must be recorded first is in the store.
     ///
     /// # Errors
-    /// The refusal and its reason; then nothing has changed but the log.
+    /// The refusal and its reason. A refused command goes into the log and the journal, and changes nothing else; only
+    /// a danger, a reading or TOO HIGH takes effect although the store cannot record it.
     pub fn handle_command(&mut self, request: Request, now: Now) -> Result<Ticket, Refused> {
         self.handle_many(request, 1, now)
     }
 
-    /// Handles `count` stops of one sender at once, of which this is the last: they have one answer.
+    /// Handles `count` stops of one sender at once; `last` is the last of them, and they get one answer.
     ///
     /// # Errors
     /// As for any command; a stop is never refused.
@@ -156,8 +157,8 @@ impl Engine {
             return repeated;
         }
         let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
-        // A sender may name an epoch that no stop has raised yet: that of the arrival bounds it, so that a later stop
-        // still makes the command outdated.
+        // A sender may name an epoch that no stop has raised yet. The epoch of the command's arrival bounds it, so that
+        // a later stop still makes the command outdated.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),
@@ -176,7 +177,7 @@ impl Engine {
         answer
     }
 
-    /// The first start of all: the journal begins with it.
+    /// Begins the journal, at the very first start of all.
     pub fn open_journal(&mut self, now: Now) {
         self.begin(now);
         self.note_start();
@@ -196,15 +197,15 @@ impl Engine {
         self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Unheard(sensor)), ..InputContext::default() });
     }
 
-    /// Adds a robot beside the one that searches; it stands at home until it reports otherwise.
+    /// Adds a robot beside the one that searches. The new robot counts as standing at home until it reports otherwise.
     pub fn add_robot(&mut self, robot: RobotId, now: Now) {
         self.begin(now);
         self.robots.add(robot, self.state.holds.contains(Hold::AwaitingStart));
         self.world.touch(Resource::Robot);
     }
 
-    /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name
-    /// follows.
+    /// Holds at once, because a halt was raised outside the queue of commands (safety S1). The command with its
+    /// sender's name follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
         if epoch > self.state.epoch {
@@ -239,7 +240,7 @@ impl Engine {
         self.go_on();
     }
 
-    /// Call this at `poll_timeout`.
+    /// To be called at the time that `poll_timeout` returns.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.fall_due(now.since_start), self.stops.records.fall_due(now.since_start));
@@ -262,7 +263,7 @@ impl Engine {
 
     /// Halts come first, then pages for the store, then the rest, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
-        // Records on their way to the store are not in the state yet, and must not be forgotten by a start from it.
+        // Records on their way to the store are not in the state yet, and a start from this state would lose them.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up(self.state.size_in_entries()) && !in_flight {
             self.record_state();
@@ -270,13 +271,13 @@ impl Engine {
         self.outbox.poll()
     }
 
-    /// The last entry that was sent to the store: a refusal is on record when the store has it.
+    /// The last entry that was sent to the store. A new refusal is on record when the store has this entry.
     #[must_use]
     pub fn written(&self) -> Seq {
         self.outbox.written()
     }
 
-    /// When `handle_timeout` is to be called, counted from the start.
+    /// When `handle_timeout` is to be called, as time since the start of the program.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
@@ -284,7 +285,7 @@ impl Engine {
         [self.robots.due(), self.watchdog.due(), silence, self.tick_due()].into_iter().chain(records).flatten().min()
     }
 
-    /// Everything that can be seen, at this moment; the same `Arc` until something changes.
+    /// Everything that can be shown at this moment; the same `Arc` until something changes.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
         self.look();
         let current = self.taken.as_ref().filter(|taken| taken.revision == self.world.revision());
@@ -298,8 +299,8 @@ impl Engine {
         snapshot
     }
 
-    /// The view of a resource may depend on another (a refusal on an alarm, the progress on the map): then it has
-    /// changed as well.
+    /// Marks a resource as changed if its view depends on another resource that has changed: a refusal depends on an
+    /// alarm, the progress on the map.
     fn touch_derived(&mut self, shown: &Shown) {
         let Some(before) = self.taken.clone() else { return };
         for (resource, differs) in [
@@ -319,12 +320,12 @@ impl Engine {
         self.look();
     }
 
-    /// Carries out an accepted command; it is answered once everything that followed from it is in the store. A stop
-    /// waits for no record; and the commands that the table still accepts while the store cannot write are on record
-    /// already, or need not be.
+    /// Carries out an accepted command, and answers it once all its consequences are in the store. A stop waits for no
+    /// record. While the store cannot write, commands are answered at once: those that the table still accepts then are
+    /// on record already, or need not be.
     fn carry_out(&mut self, request: &Request, count: u64, input: Input, step: Step, context: &InputContext) -> Ticket {
-        // The effect of a stop took place when it was raised, ahead of the queue: a command that has released the robot
-        // since then stands.
+        // A stop took effect when it was raised, ahead of the queue. A command that has released the robot since then
+        // stays valid.
         let is_over = |raised: Epoch| raised <= self.state.epoch && self.released.is_some_and(|released| released >= raised);
         if input != Input::Stop || !context.epoch.is_some_and(is_over) {
             self.apply(step, context);
@@ -375,7 +376,7 @@ impl Engine {
         if let (Outcome::Before(Some(luggage)), Command::Verdict { verdict, .. }) = (&outcome, &request.command)
             && let Some(stands) = self.verdict_kept(*luggage).filter(|stands| stands != verdict)
         {
-            // It was replaced by another before it was in the store.
+            // Another verdict replaced this one before it was in the store.
             return Some(Err(Refused::Decided { luggage: *luggage, verdict: stands }));
         }
         let ticket = self.outbox.next_ticket();
@@ -393,7 +394,8 @@ impl Engine {
         }
     }
 
-    /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.
+    /// The piece that a verdict without a number means: the piece in front of the robot, else the only piece that is
+    /// pending.
     fn pending(&self) -> Option<LuggageId> {
         let mut pending = self.state.luggage.pending().map(|luggage| luggage.id);
         let first = pending.next();

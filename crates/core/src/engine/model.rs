@@ -19,7 +19,7 @@ pub(crate) struct World {
     pub(crate) store_failure: Option<String>,
     revision: Revision,
     revisions: [Revision; Resource::COUNT],
-    /// Whether the current input has raised the revision already: all its changes make one revision.
+    /// Whether the current input has raised the revision already: all changes of one input share a revision.
     raised: bool,
 }
 

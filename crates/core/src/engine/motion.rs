@@ -19,24 +19,24 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
-/// Looks without an order after which the search must be in error: the unknown cells of a large hall bound how many
-/// goals can be given up one after the other.
+/// Number of looks without an order after which the search must be in error. The unknown cells of a large hall bound
+/// how many goals can be given up one after the other.
 const TURNS: usize = 100_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Barred {
     Unknown,
-    /// It searches, and takes orders from the mission only.
+    /// The robot searches, and takes orders from the mission only.
     Searching,
     NotCapable(Part),
-    /// It stands away from the centre of its cell, and has to be recentred first.
+    /// The robot stands away from the centre of its cell, and has to be recentred first.
     OffCentre,
     Held,
     Ending,
-    /// A record that has to come first is not in the store yet.
+    /// A record that must come before the order is not in the store yet.
     Unrecorded,
     Unlinked,
-    /// It has not answered its last order.
+    /// The robot has not answered its last order.
     Busy,
 }
 
@@ -57,8 +57,8 @@ impl Engine {
         self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::Undecided), ..InputContext::default() });
     }
 
-    /// The one gate between whoever wants a motion and the robot. A lost link holds the robot whose link it is, and
-    /// each waits for START by itself; every other hold holds all of them.
+    /// The one gate through which every motion of a robot passes. A lost link and the wait for START hold only the
+    /// robot that they concern; every other hold holds all robots.
     pub(super) fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
         let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
         let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
@@ -77,11 +77,11 @@ impl Engine {
         }
     }
 
-    /// Orders this action of a robot beside the one that searches, if the gate lets it through. The outcome is seen in
-    /// the snapshot.
+    /// Orders this action of a robot other than the one that searches, if the gate lets it through. The snapshot shows
+    /// the outcome.
     ///
     /// # Errors
-    /// Why it must not be done just now; nothing has changed.
+    /// Why the action must not be done now; nothing has changed then.
     pub fn propose(&mut self, robot: &RobotId, action: Action, now: Now) -> Result<OrderId, Barred> {
         self.begin(now);
         if self.searches(robot) {
@@ -104,7 +104,7 @@ impl Engine {
     pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
         let known = self.robots.get_mut(robot).expect("callers check that the robot exists before they order");
-        // The sonar's view after an order without a reported end was from another place.
+        // After an order without a reported end, the sonar's view was taken from another place.
         known.ahead = None;
         let order = known.controller.give(action, epoch, now);
         self.outbox.send(Effect::Order(robot.clone(), order));
@@ -163,14 +163,16 @@ impl Engine {
         on_the_way && self.is_home() && self.robots.searching().controller.open().is_none()
     }
 
-    /// The robot reports that it had backed up already when the program was killed.
+    /// Whether the robot has backed up although the engine still waits for it: it had done so when the program was
+    /// killed.
     fn has_backed_up(&self) -> bool {
         let robot = self.robots.searching();
         let stands = robot.controller.is_free() && !robot.off_centre;
         stands && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
-    /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store for it.
+    /// Whether a photo is to be taken. A photo is no motion, so holds do not prevent it, except a lost link and a store
+    /// that cannot write.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
@@ -182,7 +184,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// A piece left without a photo first; then the present goal; then whatever the strategy wants.
+    /// Goes to a piece left without a photo first; then to the present goal; then where the strategy wants.
     fn explore(&mut self) -> Turn {
         if let Some(turn) = self.revisit() {
             return turn;
@@ -213,7 +215,7 @@ impl Engine {
     }
 
     /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the
-    /// robot home.
+    /// robot is home.
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
         self.mission.has_news = false;
@@ -283,7 +285,7 @@ impl Engine {
         self.follow_route().then_some(Turn::Rest)
     }
 
-    /// Home through visited cells only: on the way back no unknown cell is visited.
+    /// Goes home over visited cells only.
     fn go_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
             let way = self.way_home(Through::Known);

@@ -9,8 +9,8 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 
 impl Engine {
-    /// Marks what the sonar sees from where the robot that searches stands: free cells, and the obstacle behind them,
-    /// into which it need not bump.
+    /// Marks what the sonar of the searching robot sees: free cells, and the obstacle behind them. The robot need not
+    /// bump into that obstacle.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
@@ -39,8 +39,7 @@ impl Engine {
             Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
             Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
-        // A settled mark stays: no verdict is asked again on an inspected bag because the camera could not recognise it
-        // this time.
+        // A settled mark stays: an inspected bag needs no new verdict if the camera fails to recognise it later.
         if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
             self.mark(cell, mark);
         }

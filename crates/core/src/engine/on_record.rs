@@ -24,8 +24,8 @@ use crate::world::hall_map::HallMap;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 
-/// Most views that wait. When the store lags further behind, the latest replaces the one before: states in between are
-/// not shown, and nothing is shown early.
+/// Maximum number of waiting views. When the store lags further behind, the latest view replaces the one before it:
+/// some states are never shown, and nothing is shown early.
 const AHEAD: usize = 64;
 
 /// After a loss nothing is shown before the whole state is on record anew.
@@ -55,14 +55,14 @@ pub(super) struct StateView {
 pub(super) struct OnRecord {
     pub(super) shown: StateView,
     ahead: VecDeque<(Seq, StateView)>,
-    /// The revision and entry of the last look: nothing has changed since if both are the same.
+    /// The revision and the entry at the last look. If both are the same now, nothing has changed since.
     looked: (Revision, Seq),
     /// Nothing is shown before this entry is in the store, because something before it was lost.
     floor: Seq,
     emptied: u64,
-    /// The map as it was before it was emptied, while that is not on record.
+    /// The map before it was emptied, until the emptying is on record.
     before: Option<HallMap>,
-    /// Whether the LED was told to blink: that shows a mission too.
+    /// Whether the LED was told to blink, which also shows that a mission has begun.
     pub(super) lit: bool,
 }
 
@@ -120,8 +120,8 @@ impl Engine {
         self.show_kept();
     }
 
-    /// Entries on their way to the store are lost. Records and verdicts that were stored stay shown, although what
-    /// follows from them is not on record.
+    /// Handles the loss of entries on their way to the store. Stored records and verdicts stay shown, although their
+    /// consequences are not on record.
     pub(super) fn show_nothing_lost(&mut self) {
         self.on_record.ahead.clear();
         self.on_record.floor = NEVER;
@@ -134,7 +134,7 @@ impl Engine {
         }
     }
 
-    /// The whole state is on its way to the store anew, up to this entry.
+    /// Shows nothing new before this entry is in the store: the whole state is on its way there anew, up to this entry.
     pub(super) fn show_from(&mut self, seq: Seq) {
         self.on_record.ahead.clear();
         self.on_record.floor = seq;
@@ -146,7 +146,7 @@ impl Engine {
         self.on_record.before.as_ref().unwrap_or(&self.state.map)
     }
 
-    /// The map is about to be emptied; it is shown until that is on record.
+    /// The map is about to be emptied. The old map is shown until the emptying is on record.
     pub(super) fn keep_map_shown(&mut self) {
         self.on_record.emptied += 1;
         if self.on_record.before.is_none() {

@@ -9,8 +9,8 @@ use crate::effect::{Effect, Entry, Fact, Order, Page};
 use crate::event::RobotId;
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
-/// Number of entries after which the whole state is put on record, so that a start need not read more than these: half
-/// a second.
+/// Number of entries after which the whole state is put on record, so that a start need not read many more. A large
+/// state has a larger number (`TIMES_ITS_SIZE`).
 const SUM_UP_AFTER: u64 = 10_000;
 
 /// Least number of entries between two records of the whole state, as a multiple of its size
@@ -18,10 +18,10 @@ const SUM_UP_AFTER: u64 = 10_000;
 /// start reads a quarter of a million entries per second.
 const TIMES_ITS_SIZE: u64 = 4;
 
-/// Longest wait of a stop's epoch for an entry with which it goes on record.
+/// Longest time that a stop's epoch waits for another entry before it goes on record by itself.
 const SOON: Duration = Duration::from_secs(1);
 
-/// Commands that are put on record once more after the store has failed: an hour of nervous clicking.
+/// Maximum number of commands that are put on record again after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
 #[derive(Clone, Debug, Default)]
@@ -34,8 +34,8 @@ pub(super) struct Outbox {
     sums_up: bool,
     since_summed_up: u64,
     written: Seq,
-    /// The last entry without which the robot must not move on: all but commands and readings that others send while it
-    /// moves.
+    /// The last entry that must be in the store before the robot moves on. Commands and readings do not count, because
+    /// others send them while the robot moves.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
@@ -51,7 +51,7 @@ pub(super) struct Outbox {
 struct Unkept {
     seq: Seq,
     entry: Entry,
-    /// What the sender is told when it is lost, if it was accepted and waits for its record.
+    /// The answer if the command is lost; `None` unless the command was accepted and waits for its record.
     if_lost: Option<Refused>,
 }
 
@@ -60,9 +60,9 @@ pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,
     pub(super) seq: Seq,
     pub(super) luggage: Option<LuggageId>,
-    /// The verdict of the command, if it is one: another may have replaced it by then.
+    /// The verdict, if the command gave one. Another verdict may have replaced it when the answer is sent.
     pub(super) verdict: Option<crate::command::Verdict>,
-    /// Whether that verdict is in the store, and only its consequences are waited for.
+    /// Whether the verdict is in the store, so that the answer waits only for its consequences.
     pub(super) decided: bool,
 }
 
@@ -75,7 +75,7 @@ impl Outbox {
         self.effects.push_back(effect);
     }
 
-    /// Puts a halt ahead of everything else; a motion that has not gone out is withdrawn, and returned.
+    /// Puts a halt ahead of everything else. Withdraws a motion that has not been sent, and returns it.
     pub(super) fn halt(&mut self, robot: &RobotId) -> Option<Order> {
         let place = self
             .effects
@@ -128,7 +128,8 @@ impl Outbox {
         }
     }
 
-    /// Sends a fact to the store, behind one that waits for the next. Returns its place in the journal.
+    /// Sends a fact to the store, after the fact of `record_soon` if one waits. Returns the place of `fact` in the
+    /// journal.
     pub(super) fn record(&mut self, wall: WallTime, fact: Fact) -> Seq {
         if let Some((Entry { wall, fact }, _)) = self.soon.take() {
             self.record(wall, fact);
@@ -139,7 +140,7 @@ impl Outbox {
         if matches!(entry.fact, Fact::State(_)) {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
-        // Commands and readings without end must not prevent the robot from moving.
+        // An endless stream of commands and readings must not prevent the robot from moving.
         if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..) | Fact::ThermometerSilent(_)) {
             self.barrier = self.written;
         }
@@ -147,7 +148,7 @@ impl Outbox {
         self.written
     }
 
-    /// Sends a command to the store; `if_lost` is the answer to its sender if it never gets there.
+    /// Sends a command to the store; `if_lost` is the answer to its sender if the command never gets there.
     pub(super) fn record_command(&mut self, wall: WallTime, fact: Fact, if_lost: Option<Refused>) {
         let entry = Entry { wall, fact };
         let seq = self.record(wall, entry.fact.clone());
@@ -156,8 +157,8 @@ impl Outbox {
         }
     }
 
-    /// Sends the commands that were lost when the store failed once more, each as it was answered. The store still has
-    /// those that came later, and stores them now.
+    /// Sends the commands again that were lost when the store failed, each with the answer that its sender got. Later
+    /// commands are not lost: the store still has them, and stores them now.
     pub(super) fn repeat_commands(&mut self) {
         let lost = self.lost;
         let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
@@ -179,9 +180,8 @@ impl Outbox {
         self.kept
     }
 
-    /// Whether everything that concerns the mission is in the store. The robot waits for it before each move, so that a
-    /// kill can never lose more than the move under way: the robot's own report of where it stands then still connects
-    /// with what is known.
+    /// Whether everything that concerns the mission is in the store. The robot waits for this before each move, so a
+    /// kill loses no more than the move under way. The robot's own report of where it stands then still fits the map.
     pub(super) fn is_settled(&self) -> bool {
         self.kept >= self.barrier
     }
@@ -222,7 +222,7 @@ impl Outbox {
         }
     }
 
-    /// Lets answers that waited for a replaced verdict on this piece wait for the new one.
+    /// Makes the answers that waited for a replaced verdict on this piece wait for the new verdict.
     pub(super) fn defer(&mut self, luggage: LuggageId, seq: Seq) {
         for waiting in &mut self.waiting {
             if waiting.luggage == Some(luggage) && waiting.verdict.is_some() {

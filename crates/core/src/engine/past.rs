@@ -19,7 +19,7 @@ use crate::world::temperature::{SourceReading, Thermometer};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
-    /// The last entry of the journal up to then; each has a snapshot of its own.
+    /// The last entry of the journal up to that moment. Every entry has a snapshot of its own.
     pub seq: Seq,
     /// The state after that entry.
     pub state: PersistentState,
@@ -31,8 +31,8 @@ pub struct Past {
     pub latest: Vec<RememberedLine>,
 }
 
-/// The cells that the robot left, the latest last, as many as a snapshot shows. `entries` are the latest of the
-/// journal, oldest first; only poses count, and what begins a new way.
+/// The cells that the robot left, the latest last, as many as a snapshot shows. `entries` are the latest entries of the
+/// journal, oldest first. Only poses count, and facts with which a new way begins.
 #[must_use]
 pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell> {
     let mut cells = vec![Cell::HOME];
@@ -49,7 +49,7 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             cells.drain(..cells.len().saturating_sub(1));
         }
     }
-    // It has not left the cell where it stands; and its first cell is known only if that was home.
+    // The robot has not left the cell where it stands. Its first cell is known only if that was home.
     cells.pop();
     if let [first, second, ..] = cells[..]
         && !first.neighbours().contains(&second)
@@ -60,7 +60,7 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
 }
 
 impl Past {
-    /// The last reading in these entries; the settings matter only to what follows from it.
+    /// The last reading in these entries. The settings do not change a reading, so the default settings do.
     #[must_use]
     pub fn reading(&self) -> Option<SourceReading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
@@ -68,8 +68,8 @@ impl Past {
         thermometer.latest()
     }
 
-    /// The state as the doors show it, with these robots beside the one that searches. Too hot is judged by the
-    /// threshold of then, and where that is not on record by that of now.
+    /// The state as the doors show it, with these robots beside the one that searches. The threshold that was on record
+    /// then decides what is too hot; if there was none, the present threshold does.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, temperatures, latest } = self;

@@ -25,7 +25,7 @@ impl Engine {
         self.perform_all(step.acts, context);
     }
 
-    /// Replaces the present phase, or the one `step.depth` interruptions below it, by that of the step.
+    /// Replaces the present phase, or the phase `step.depth` interruptions below it, by the phase of the step.
     fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;
@@ -53,7 +53,8 @@ impl Engine {
         self.is_home() && !self.robots.searching().controller.is_moving()
     }
 
-    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is about to be.
+    /// The phase that was interrupted. A wait at home is over once the robot has been driven away, or is about to be
+    /// driven away.
     fn resumed(&self, phase: Phase) -> Phase {
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
         if *interrupted == Phase::AtHome && !self.stands_at_home() { Phase::Exploring } else { *interrupted }

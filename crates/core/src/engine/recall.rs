@@ -1,5 +1,5 @@
-//! The end of the program, and the engine after a restart: in its earlier state, held, with everything completed that a
-//! kill cut short (safety R1, R2). How the state follows from the journal stands in `crate::state`.
+//! The end of the program, and the engine after a restart: it is in its earlier state, held, and completes everything
+//! that a kill cut short (safety R1, R2). `crate::state` derives the state from the journal.
 
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
-/// Smaller changes of the wall clock, in milliseconds, do not go on record: a leap second, or continuous corrections by
-/// the machine.
+/// Smallest change of the wall clock that goes on record, in milliseconds. A leap second and the machine's continuous
+/// corrections are smaller.
 const CLOCK_SET_MS: i64 = 2000;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -90,8 +90,8 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The program was asked to end, by this: the robot halts and gets no further order. Its work stays as it is, and
-    /// the next start holds it (safety R1).
+    /// The program was asked to end; `by` names the signal. The robot halts and gets no further order. The mission
+    /// stays as it is, and the next start holds it (safety R1).
     pub fn handle_end(&mut self, by: &str, now: Now) {
         self.begin(now);
         self.is_ending = true;
@@ -100,7 +100,7 @@ impl Engine {
         self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
-    /// Puts on record what waits to share an entry; call it last of all.
+    /// Puts on record the items that wait for a shared entry. Call this last of all.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
@@ -112,7 +112,7 @@ impl Engine {
         self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
-    /// Sets where the robots are. The venue goes on record when it has changed, with the threshold.
+    /// Sets where the robots are. A change of the venue or of the threshold goes on record.
     pub fn note_venue(&mut self, venue: Venue, now: Now) {
         self.begin(now);
         self.record_conditions(venue);
@@ -125,8 +125,8 @@ impl Engine {
         }
     }
 
-    /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no
-    /// mission is under way in the old one.
+    /// The robot was put down at home in another hall, so the recalled mission of the old hall is archived. To be
+    /// called only while no mission is under way in the old hall.
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
         self.put_down();
@@ -147,7 +147,7 @@ impl Engine {
     }
 
     fn take_up(&mut self, state: PersistentState) {
-        // The exact place of a robot that was on its way is unknown until it reports that, or senses.
+        // The exact place of a robot that was moving is unknown until it reports or senses where it stands.
         self.robots.searching_mut().off_centre = was_moving(&state.phase);
         if state.led_blinking {
             self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
@@ -156,7 +156,7 @@ impl Engine {
         self.planner.learn(&self.state.map);
         self.recall_team();
         let cell = self.state.pose.cell;
-        // A robot before the entrance stands in no cell: a parcel may lie at home by now.
+        // A robot outside the entrance stands in no cell, and a parcel may lie at home by now.
         if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {
             self.mark(cell, Mark::Visited);
         }

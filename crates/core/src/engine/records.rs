@@ -36,7 +36,7 @@ impl Engine {
         self.set_stage(Stage::Recording(id));
     }
 
-    /// A new photo of a recorded piece; when it failed, an older one stays valid.
+    /// Records a new photo of a known piece. If the photo failed, an older photo stays valid.
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
@@ -57,15 +57,15 @@ impl Engine {
         self.mission.recording.push(Recording { seq, wall, fact });
     }
 
-    /// The record of a piece is in the store: asks the operator about it. The question is an entry of its own, and the
-    /// piece is shown when that is in the store, too (`on_record.shown`).
+    /// Asks the operator about a piece whose record is in the store. The question is an entry of its own, and the piece
+    /// is shown when that entry is in the store, too (`on_record.shown`).
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
         let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
 
-    /// Sends a verdict to the store; a danger replaces a safe that is not there yet (safety V1).
+    /// Sends a verdict to the store; danger replaces a verdict of safe that is not there yet (safety V1).
     pub(super) fn record_verdict(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
@@ -145,8 +145,8 @@ impl Engine {
         self.send_answer(waiting.ticket, answer);
     }
 
-    /// The store has failed: verdicts on their way are withdrawn, a danger among them raises an alarm all the same, and
-    /// senders that wait for a record are told.
+    /// The store has failed. Verdicts on their way are withdrawn, but a danger among them still raises an alarm.
+    /// Senders that wait for a record are told.
     pub(super) fn withdraw_unkept(&mut self) {
         for deciding in std::mem::take(&mut self.mission.deciding) {
             if deciding.verdict == Verdict::Danger {
@@ -163,7 +163,7 @@ impl Engine {
         }
     }
 
-    /// The store writes again: entries that it may have lost go on record once more, a withdrawn verdict never.
+    /// The store writes again: entries that it may have lost go on record once more. A withdrawn verdict does not.
     pub(super) fn record_anew(&mut self) {
         let wall = self.now.wall;
         self.outbox.repeat_commands();

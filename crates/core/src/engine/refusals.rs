@@ -1,7 +1,7 @@
-//! Limits how many of the doors' refusals go on record one by one (safety A5, A6): a sender who is refused without end,
-//! perhaps with a viewer's key, must fill neither the disk nor the queue of records in which a STOP waits. Beyond a
-//! burst the refusals of a sender share an entry with their number. Refusals by the state are not counted here: those
-//! are the operators' own.
+//! Limits how many of the doors' refusals get an entry each (safety A5, A6). A sender that is refused endlessly,
+//! perhaps with a viewer's key, must fill neither the disk nor the queue of records in which a STOP waits. After a
+//! burst, the refusals of a sender share an entry with their number. Refusals by the state are not counted here,
+//! because they answer operators' own commands.
 
 use std::time::Duration;
 
@@ -14,8 +14,8 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Now, Seq};
 
-/// The burst is more than a person presses in a minute; beyond it there is one entry per period. The doors together
-/// have fewer keys than there is room for senders.
+/// The burst is more than a person presses in a minute; after it there is one entry per period. There is room for more
+/// senders than all doors together have keys.
 pub(super) const LIMITS: CoalescingLimits =
     CoalescingLimits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
@@ -28,9 +28,8 @@ pub(super) struct Note {
 }
 
 impl Engine {
-    /// Notes a command that a door refused (safety A6): `asked` is what was asked for, as the door knows it, the last
-    /// of `count`. Returns its place in the journal; `None` when it will share an entry, because its sender is refused
-    /// without end.
+    /// Notes `count` commands of one sender that a door refused (safety A6); `asked` is the last of them, as the door
+    /// knows it. Returns the place of the entry in the journal; `None` if the commands will share an entry with others.
     pub fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
         let note = Note { issuer, asked, refused: refused.clone() };

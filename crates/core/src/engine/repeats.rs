@@ -1,5 +1,5 @@
-//! Commands that come again under the same id: they get the same answer and are not carried out again, even after a
-//! restart. A STOP is not among them: it halts each time (`stops`).
+//! Commands that come again under the same id get the same answer and are not carried out again, even after a restart.
+//! STOP is an exception: it halts each time (`stops`).
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -11,11 +11,11 @@ use crate::effect::{Entry, Fact};
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
-/// Most ids that are remembered: more than any client has under way. Beyond it, the sender with most ids, by name and
-/// address, loses its oldest: a flood from one address costs no other sender an id.
+/// Maximum number of ids that are remembered: more than any client has under way. When there are more, the sender with
+/// the most ids (by name and address) loses its oldest id. So a flood from one address costs no other sender an id.
 pub const IDS: usize = 1024;
 
-/// The sender, and its id for the command: two people may use the same.
+/// The sender, and its id for the command: two senders may use the same id.
 type Key = (Arc<str>, CommandId);
 
 type IdOwner = (Arc<str>, Arc<str>);
@@ -24,7 +24,7 @@ type IdOwner = (Arc<str>, Arc<str>);
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
     ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
-    /// The senders by their number of ids; of those with equally many, the one with the oldest id comes last.
+    /// The senders by their number of ids. Among senders with equally many ids, the one with the oldest id comes last.
     ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
     open: BTreeMap<Ticket, Key>,
     noted: u64,
@@ -34,7 +34,7 @@ pub(super) struct Repeats {
 struct Repeat {
     content: Content,
     outcome: Outcome,
-    /// The address it came from first.
+    /// The address from which the command came first.
     from: Arc<str>,
     /// Later ids have higher numbers.
     number: u64,
@@ -51,7 +51,7 @@ pub(super) struct Content {
 pub(super) enum Outcome {
     Open(Ticket),
     Answered(Result<Accepted, Refused>),
-    /// It was accepted before the program was started again; with the piece it was about.
+    /// The command was accepted before the program was started again; with the piece that the command was about.
     Before(Option<LuggageId>),
 }
 
@@ -117,7 +117,7 @@ impl Repeats {
 
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
         let Some(key) = self.open.remove(&ticket) else { return };
-        // Its id may have been forgotten, and used again for another command.
+        // The id of this command may have been forgotten, and used again for another command.
         let is_its = |repeat: &&mut Repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket);
         let Some(repeat) = self.known.get_mut(&key).filter(is_its) else { return };
         repeat.outcome = Outcome::Answered(answer.clone());

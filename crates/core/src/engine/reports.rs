@@ -96,7 +96,7 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The robot's own reckoning counts: it may have ended a move of which nothing is on record (safety R2).
+    /// The robot's own report of its place counts: it may have ended a move that is not on record (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
         if !is_in_reach(pose.cell) {
             return self.is_too_far(robot, pose.cell);
@@ -123,7 +123,7 @@ impl Engine {
         }
     }
 
-    /// The robot's own reckoning counts here as well.
+    /// Here, too, the robot's own report of its place counts.
     fn stands_outside(&mut self, robot: &RobotId, steps: u8, heading: Heading, off_centre: OffCentre) {
         self.set_off_centre(robot, off_centre);
         self.world.touch(Resource::Robot);
@@ -227,7 +227,7 @@ impl Engine {
     fn done(&mut self, robot: &RobotId, id: OrderId) {
         let Some(order) = self.close(robot, id) else { return };
         if let Some(robot) = self.robots.get_mut(robot) {
-            // A hook that has closed without a piece has not done what it was to do.
+            // A hook that closed without a piece has failed.
             let is_empty = order.action == Action::Arm(ArmAction::CloseGripper) && robot.arm == ArmState::default();
             robot.failures = if is_empty { robot.failures.saturating_add(1) } else { 0 };
         }
@@ -243,7 +243,7 @@ impl Engine {
         }
     }
 
-    /// Nothing is stored of a cell beyond the reach, so the robot's place stays as it was recorded last.
+    /// Cells beyond the reach are not stored, so the robot's place stays as it was recorded last.
     fn is_too_far(&mut self, robot: &RobotId, cell: Cell) {
         let said = Said::Robot(robot.clone(), Trouble::TooFar(cell));
         if self.searches(robot) {
@@ -253,7 +253,7 @@ impl Engine {
         }
     }
 
-    /// The robot stands where the move led; after a late answer too, so it is no longer off centre.
+    /// The robot stands where the move led, and is no longer off centre. This holds for a late answer, too.
     fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);

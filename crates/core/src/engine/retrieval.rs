@@ -1,6 +1,6 @@
-//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and it comes home
-//! again. The pair's actions while it fetches come from its trees (`crate::retrieval`); all their proposals go through
-//! the one gate.
+//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and the robot that
+//! searches comes home again. The pair's actions while it fetches come from its trees (`crate::retrieval`); all
+//! proposals of the trees go through the one gate.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -37,7 +37,8 @@ impl Engine {
         fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
     }
 
-    /// Includes the robot that searches, which has to make room even when others fetch.
+    /// The first robot of a retrieval that cannot be reached. The robot that searches counts, because it has to make
+    /// room even when others fetch.
     pub(super) fn unreached(&self) -> Option<RobotId> {
         let needed = self.fetchers().into_iter().flatten().chain([self.robots.searching_id().clone()]);
         let is_linked = |robot: &RobotId| self.robots.get(robot).is_some_and(|robot| robot.controller.capabilities.is_some());
@@ -48,7 +49,7 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// The first robot that is not where a mission begins, if a retrieval that can go on would bring it there. The
+    /// The first robot that is not where a mission begins, although a retrieval could go on and bring it there. The
     /// robot that searches counts in any case while it carries something.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
@@ -103,7 +104,8 @@ impl Engine {
         }
     }
 
-    /// Nobody has what was lifted, and nobody knows where it lies: it is looked for where it was found.
+    /// The lifted piece is lost: no robot holds it, and nobody knows where it lies. The search for it begins where it
+    /// was found.
     fn stands_again(&mut self, luggage: LuggageId) -> BTreeSet<Cell> {
         let piece = self.state.luggage.get(luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
         for cell in &piece {
@@ -151,7 +153,7 @@ impl Engine {
         let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
         let (began, set) = (retrieval.fetcher, self.settings.fetcher);
         if began != set {
-            // The robot that began it may stand anywhere, with the piece in the grip.
+            // The robot that began the retrieval may stand anywhere, with the piece in the grip.
             self.not_fetched(NotFetched::OtherFetcher { began, set });
             return Turn::Again;
         }
@@ -181,7 +183,7 @@ impl Engine {
             self.set_retrieval_stage(RetrievalStage::Fetching);
             return Turn::Again;
         }
-        // The entrance is behind a robot that stands at home as a mission begins.
+        // At the beginning of a mission, the robot stands at home with the entrance behind it.
         match self.state.pose.heading {
             Heading::South => self.order(Action::Leave),
             Heading::East => self.order(Action::Move(Move::TurnRight)),
@@ -222,7 +224,7 @@ impl Engine {
         self.stuck(reason, StuckFault::NoWayOut)
     }
 
-    /// They cannot go out; START tries once more.
+    /// The robots cannot go out; START makes them try once more.
     fn stuck(&mut self, reason: Option<NotFetched>, fault: StuckFault) -> Turn {
         self.forget_failures();
         self.not_fetched(NotFetched::Stuck(fault, reason.map(Box::new)));
@@ -284,7 +286,8 @@ impl Engine {
     }
 }
 
-/// The next action of both arms to release what they hold, wherever a halt has left it; `None` when both are open.
+/// The next action with which both arms release what they hold, however far a halt let them get; `None` when both
+/// grippers are open.
 fn set_down(bases: &[BaseView; 2]) -> Option<ArmAction> {
     let arms = bases.map(|base| base.arm);
     if arms.iter().any(|arm| arm.holds.is_some() && !arm.on_floor) {

@@ -1,6 +1,6 @@
-//! Actions on a simulated hall and simulated robots, and what they mean for the mission: they go on record with whoever
-//! took them, and a robot is put down in another hall only when nothing is lost by it. How anything is simulated is not
-//! known here.
+//! Actions on a simulated hall and simulated robots, and what they mean for the mission. Each action goes on record
+//! with the person who took it. The robots are put down in another hall only if nothing is lost by that. How anything
+//! is simulated is not known here.
 
 use std::sync::Arc;
 
@@ -23,12 +23,12 @@ impl Engine {
         self.write_simulated(issuer, simulated);
     }
 
-    /// Puts the robots down at home in another hall, while no mission is under way (one that is over is put away).
-    /// These simulated robots count as unreached until they report that they stand there. The ticket is answered when
-    /// all of it is on record.
+    /// Puts the robots down at home in another hall. No mission may be under way; a mission that is over is archived.
+    /// The simulated robots in `robots` count as unreached until they report that they stand there. The ticket is
+    /// answered when all of this is on record.
     ///
     /// # Errors
-    /// Why not now: something would be lost. Nothing has changed.
+    /// Why the robots cannot be put down now: something would be lost. Nothing has changed then.
     pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: Issuer, now: Now) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);

@@ -1,6 +1,6 @@
-//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). Each
-//! sender's STOPs are on record one by one; beyond a few a second they share an entry, so that nobody can fill the
-//! store by pressing without end (safety A5, A6). The halt itself waits for nothing; it went out before.
+//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). The
+//! STOPs of a sender get an entry each. When there are more than a few per second they share an entry, so that nobody
+//! can fill the store by pressing endlessly (safety A5, A6). The halt itself was sent before, and waits for nothing.
 
 use std::collections::VecDeque;
 use std::net::IpAddr;
@@ -16,26 +16,27 @@ use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::units::{Epoch, Ticket, WallTime};
 
-/// More than a person presses, and less than a disk can write. The senders are those who pressed in the last seconds.
+/// A person presses less often, and a disk can write more. The senders are those who pressed in the last seconds.
 const RECORDS: CoalescingLimits =
     CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
 /// Longest wait of a stop's answer for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Time within which a STOP with the same id is the same press, unless the robot was released meanwhile: a page that
-/// gets no answer tries again and again.
+/// Time within which a STOP with the same id counts as the same press, because a page without an answer keeps trying.
+/// After a release of the robot it counts as a new press.
 const SAME_PRESS: Duration = Duration::from_secs(60);
 
-/// Presses with an id that are remembered: more than there are pages. Beyond it the oldest is forgotten.
+/// Maximum number of presses with an id that are remembered: more than there are pages. When there are more, the oldest
+/// is forgotten.
 const PRESSES: usize = 128;
 
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
-    /// Oldest first, each with the latest time of its answer. Bounded by the doors, as each belongs to a sender that
-    /// waits.
+    /// The answers that wait, oldest first, each with its latest time. The doors bound their number, because each
+    /// belongs to a sender that waits.
     waiting: Vec<(Ticket, Duration)>,
-    /// When an order may be given that was put off for the sake of an answer.
+    /// When the next order may be given, if it was put off for the sake of an answer.
     put_off: Option<Duration>,
     pub(super) records: CoalescedEntries<StopRequest>,
     /// Oldest first.
@@ -79,8 +80,8 @@ impl Engine {
         }
     }
 
-    /// Gives the next order, if there is one. After answers to stops it is put off, so that the robot still stands in
-    /// the revision that these answers name.
+    /// Gives the next order, if there is one. After answers to stops the order is put off, so that the robot still
+    /// stands in the revision that these answers name.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
         if self.stops.waiting.is_empty() || self.robots.are_halting() {
@@ -145,7 +146,7 @@ impl Engine {
     }
 }
 
-/// What tells a sender apart: its name, or its address where nobody on this machine signs in.
+/// The name by which a sender is told apart; for senders on this machine without a name, the address.
 fn sender(issuer: &Issuer) -> Sender {
     let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
     let name = if is_here && *issuer.who == *OPERATOR { Arc::clone(&issuer.from) } else { issuer.key() };

@@ -1,5 +1,5 @@
 //! The pair's trees at work in the hall: when they are ticked, what they see, and what becomes of their proposals,
-//! which go through the one gate. While anything holds the pair nobody ticks them, so their time stands still.
+//! which go through the one gate. While anything holds the pair nobody ticks the trees, so their time stands still.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,9 +23,9 @@ use crate::world::resource::Resource;
 #[derive(Clone, Debug)]
 pub(super) struct Ticked {
     pub(super) team: Team,
-    /// Since the start of the program; `None` before the first tick, and after a hold.
+    /// Time of the last tick since the start of the program; `None` before the first tick, and after a hold.
     at: Option<Duration>,
-    /// Something has happened since, so the next tick is due at once.
+    /// Whether something has happened since the last tick, so that the next tick is due at once.
     is_awake: bool,
 }
 
@@ -133,7 +133,8 @@ impl Engine {
         }
     }
 
-    /// The view of the trees is new with each tick; only state that they could not resume without goes on record.
+    /// Makes a new view of the trees after each tick. Only state without which the trees could not resume goes on
+    /// record.
     fn note_tick(&mut self, team: &Team) {
         self.trees = Arc::new(TreesView::of(team.trees(), team.blackboard()));
         let state = team.state();
@@ -155,7 +156,7 @@ impl Engine {
         self.raise(Hold::Alarm, None);
     }
 
-    /// The container holds it. The robots that fetched still have to go out.
+    /// The piece is in the container. The robots that fetched still have to go out.
     pub(super) fn secured(&mut self) -> Turn {
         let Some(Retrieval { luggage, fetcher, .. }) = self.state.retrieval.clone() else { return Turn::Rest };
         self.world.touch(Resource::Luggage);

@@ -64,8 +64,8 @@ impl Engine {
         robots.collect()
     }
 
-    /// The holds of a robot beside the one that searches: its own link, and the holds of all; each waits for START by
-    /// itself.
+    /// The holds of a robot other than the one that searches: its own lost link, its own wait for START, and every
+    /// other hold of the mission.
     pub(super) fn holds_of(&self, robot: &Robot) -> Vec<Hold> {
         let of_all = |hold: &Hold| !matches!(hold, Hold::RobotLink | Hold::AwaitingStart) && self.state.holds.contains(*hold);
         Hold::ALL.into_iter().filter(|hold| of_all(hold) || robot.holds.contains(*hold)).collect()
@@ -92,7 +92,7 @@ impl Engine {
         }
     }
 
-    /// The results of commands and finds as far as they are on record; warnings and halts as they are.
+    /// Shows the results of commands and the pieces found as far as they are on record, and warnings and halts at once.
     fn mission_view(&self) -> MissionView {
         let shown = &self.on_record.shown;
         let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
@@ -159,8 +159,8 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.unsearched(), left: self.time_left(), reach }
     }
 
-    /// Shown during a search, whatever holds or interrupts it. It is an estimate from all that is known, on record or
-    /// not.
+    /// The remaining time, shown during a search even while something holds or interrupts it. It is estimated from all
+    /// that is known, on record or not.
     fn time_left(&self) -> Option<TimeLeft> {
         if !matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_)) {
             return None;
@@ -176,8 +176,8 @@ impl Engine {
         self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }
 
-    /// The refusals as they are shown: those by holds at once, any other new one as `NotOnRecord` until its cause is on
-    /// record.
+    /// The refusals as they are shown. A refusal by holds is shown at once. Any other new refusal is shown as
+    /// `NotOnRecord` until its cause is on record.
     fn refusals_shown(&self) -> Refusals {
         if self.on_record.is_current() {
             return self.on_record.shown.refusals.clone();
@@ -190,7 +190,7 @@ impl Engine {
         })
     }
 
-    /// `why` also gets what is shown of each button.
+    /// `why` also gets the refusal that is shown at each button.
     fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<Refused>) -> Option<Refused>) -> Refusals {
         let plain = InputContext::default();
         let turn = InputContext { step: Some(Move::TurnLeft), ..InputContext::default() };

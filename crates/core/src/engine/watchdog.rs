@@ -11,7 +11,7 @@ pub(super) struct SensorWatchdog(Vec<Watched>);
 struct Watched {
     sensor: Arc<str>,
     patience: Duration,
-    /// When its silence will have lasted too long; `None` while it has.
+    /// When the silence of the sensor will have lasted too long; `None` once it has.
     due: Option<Duration>,
 }
 
@@ -26,7 +26,7 @@ impl SensorWatchdog {
         self.0.iter().any(|watched| *watched.sensor == *sensor)
     }
 
-    /// The sensor reported; true when it was the last that had been silent.
+    /// The sensor reported; true when it was the last silent sensor.
     pub(super) fn hear(&mut self, sensor: &str, since_start: Duration) -> bool {
         let Some(watched) = self.0.iter_mut().find(|watched| *watched.sensor == *sensor) else { return false };
         let was_silent = watched.due.replace(since_start.saturating_add(watched.patience)).is_none();

@@ -19,9 +19,9 @@ pub(crate) struct RobotController {
     /// An order that was given up: its answer may still come.
     overdue: Option<Order>,
     last: OrderId,
-    /// It was told to halt, or cannot be reached, and has not reported since that it stands.
+    /// Whether the robot was told to halt, or cannot be reached, and has not reported since that it stands.
     halting: bool,
-    /// Its time stands still: nothing it does is overdue.
+    /// Whether the robot's time stands still, so that nothing it does is overdue.
     is_paused: bool,
     /// The state that the robot will show when it recentres: the opposite of the move that took it off centre.
     way_back: Option<RobotState>,
@@ -56,7 +56,8 @@ impl RobotController {
         self.halting |= self.may_be_moving();
     }
 
-    /// The robot's link is lost; true when it was on the move. It halts by itself, and reports that when it is back.
+    /// The robot's link is lost; true when the robot was on the move. The robot halts by itself, and reports that when
+    /// it is back.
     pub(crate) fn lose(&mut self) -> bool {
         self.capabilities = None;
         let halting = self.halting || self.may_be_moving();
@@ -65,8 +66,8 @@ impl RobotController {
         was_moving
     }
 
-    /// The robot's link is up: it stands, unless it has an order. The deadline of that one starts again, by this
-    /// robot's times.
+    /// The robot's link is up: the robot stands, unless it has an order. The deadline of this order starts again, by
+    /// this robot's times.
     pub(crate) fn link_up(&mut self, can: Capabilities, since_start: Duration) {
         (self.capabilities, self.is_paused) = (Some(can), false);
         self.halting &= self.is_moving();
@@ -86,8 +87,8 @@ impl RobotController {
         self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
     }
 
-    /// A new open order. It ends the wait for a halt: the robot begins it after everything it was told before, and
-    /// after a fault somebody has looked after the robot.
+    /// A new open order, which ends the wait for a halt. The robot begins the order after everything that it was told
+    /// before; after a fault, somebody has looked after the robot.
     pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
@@ -96,7 +97,8 @@ impl RobotController {
         order
     }
 
-    /// Closes the open order, or the one that was given up, if it has this id; an answer to any other is out of date.
+    /// Closes the order with this id, if it is the open order or the one that was given up. An answer to any other
+    /// order is out of date.
     pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
         let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
         self.halting &= self.may_be_moving();
@@ -139,7 +141,7 @@ impl RobotController {
         }
     }
 
-    /// Three times as long as the robot says it takes, and a second for its start.
+    /// Three times the time that the robot states for the action, and a second for its start.
     fn deadline(&self, action: Action) -> Duration {
         let nominal = self.capabilities.map_or(Duration::ZERO, |can| match action {
             Action::Move(step) => can.time(step),

@@ -1,5 +1,5 @@
-//! The robots by their ids: capabilities, open orders, holds of their own. One of them searches; where it stands is
-//! part of `state`, as is where the others do. What a mission wants of them is not decided here.
+//! The robots by their ids: capabilities, open orders, holds of their own. One of them searches. The places of all
+//! robots are part of `state`. What a mission wants of the robots is not decided here.
 
 mod controller;
 
@@ -17,21 +17,21 @@ use crate::units::WallTime;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Robot {
     pub(crate) controller: RobotController,
-    /// Whether it stands away from where its last completed order left it.
+    /// Whether the robot stands away from where its last completed order left it.
     pub(crate) off_centre: bool,
-    /// `None` beyond its range, or before its first reading.
+    /// `None` beyond the sonar's range, or before the first reading.
     pub(crate) sonar_cm: Option<u16>,
-    /// What is ahead of it once the order under way is done.
+    /// What will be ahead of the robot once the order under way is done.
     pub(crate) ahead: Option<Ahead>,
-    /// The holds of this robot alone. Those of the one that searches are among the holds of the mission.
+    /// The holds of this robot alone. The holds of the robot that searches are among the holds of the mission.
     pub(crate) holds: Holds,
-    /// As last reported; the default for a robot without an arm.
+    /// The arm as last reported; the default for a robot without an arm.
     pub(crate) arm: ArmState,
-    /// Whether it has reported its arm since the program began or its link was lost.
+    /// Whether the robot has reported its arm since the program began or the link was lost.
     pub(crate) arm_is_heard: bool,
-    /// Consecutive orders that it failed to carry out.
+    /// Number of consecutive orders that the robot failed to carry out.
     pub(crate) failures: u32,
-    /// Why it cannot be reached, while that is so and a reason is known.
+    /// Why the robot cannot be reached, while that is so and a reason is known.
     pub(crate) unreached: Option<Arc<str>>,
     pub(crate) unreached_since: Option<WallTime>,
 }
@@ -47,7 +47,7 @@ impl Robots {
         Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
-    /// The robot counts as unreached at first, and waits for a START if the one that searches does.
+    /// Adds a robot, which counts as unreached at first. If `is_awaited`, the robot also waits for a START.
     pub(crate) fn add(&mut self, id: RobotId, is_awaited: bool) {
         if id != self.searching.0 {
             let holds = std::iter::once(Hold::RobotLink).chain(is_awaited.then_some(Hold::AwaitingStart)).collect();
@@ -80,13 +80,13 @@ impl Robots {
         std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }
 
-    /// Called for a hold of all robots during a mission, so that its end sets none of them moving before a START.
-    /// Returns whether that is new to any.
+    /// Makes the other robots wait for START, so that none of them moves when a hold of all robots ends. Called when
+    /// such a hold begins during a mission. Returns whether the wait is new to any robot.
     pub(crate) fn others_wait(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
-    /// A START was accepted: robots that waited for it may move. Returns whether any did.
+    /// A START was accepted: robots that waited for it may move. Returns whether any robot waited.
     pub(crate) fn release(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.release())
     }
@@ -95,7 +95,7 @@ impl Robots {
         self.iter().map(|(id, _)| id.clone()).collect()
     }
 
-    /// Whether any may still be moving although it was told to halt (safety S8).
+    /// Whether any robot may still be moving although it was told to halt (safety S8).
     pub(crate) fn are_halting(&self) -> bool {
         self.iter().any(|(_, robot)| robot.controller.is_halting())
     }
