@@ -30,8 +30,8 @@ impl Curve {
         let differs = |second: u64| tenths(self.at_s(seconds(second))) != shown;
         let mut first = after + 1;
         for (at, _) in &self.keys {
-            // Up to each keyframe the temperature is monotonic: when it differs at all, it still does at the last
-            // second.
+            // Up to each keyframe the temperature is monotonic: if it differs at any second, it still differs at the
+            // last one.
             let last = whole_second_before(*at);
             if first > last {
                 continue;
@@ -66,8 +66,7 @@ pub(super) fn tenths(temperature: Celsius) -> i64 {
     (temperature.degrees() * 10.0).round() as i64
 }
 
-/// The first second in `first..=last` for which `holds` is true; it must be true for `last` and for all seconds after
-/// the first such one.
+/// The first second in `first..=last` for which `holds` is true; once true it must stay true up to `last`.
 fn first_that(mut first: u64, mut last: u64, holds: impl Fn(u64) -> bool) -> u64 {
     while first < last {
         let middle = first + (last - first) / 2;

@@ -93,7 +93,8 @@ impl Chassis {
 /// An angle in `-π..=π`.
 #[must_use]
 pub fn normal(angle: f64) -> f64 {
-    // An angle that is within already stays as it is, to the last bit: a body that has not moved is still centred.
+    // An angle within these limits is returned unchanged to the last bit, so that a body that has not moved is still
+    // centred.
     if angle.abs() <= PI {
         return angle;
     }

@@ -6,7 +6,7 @@
 //!                      ├─► simulator ─► memory ─► page (how it is written)
 //!  drive · sonar · recognise · camera ─┘
 //! ```
-//! What the robot is told to do is not decided here: it gets one order at a time, and answers it.
+//! The orders of the robot are decided elsewhere: it gets one at a time, and answers it.
 
 mod bag;
 pub mod camera;

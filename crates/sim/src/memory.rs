@@ -1,6 +1,6 @@
 //! The state that a robot and its hall would retain by physics when the program dies: where the robot stands, how it is
-//! moving, how old the hall is. Whoever runs the robot stores it; how a robot goes on from it stands in
-//! `simulator::recall`.
+//! moving, how old the hall is. The program that runs the robot stores the state; `simulator::recall` continues from
+//! it.
 //!
 //! ```text
 //!            pose: the cell and heading of the last completed order
@@ -25,21 +25,22 @@ use hallsweep_core::units::{Cell, Piece, Pose};
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
 
-/// What rounding to micrometres and microradians may add.
+/// Largest error from rounding to micrometres and microradians.
 const ROUNDING: i64 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimMemory {
     /// The cell and heading in which the last completed order left the robot.
     pub pose: Pose,
-    /// Steps from home at which it stands before the entrance; 0: it is in the hall.
+    /// Distance from home in steps of a robot outside, before the entrance; 0 in the hall.
     pub outside: u8,
     pub stands: Astray,
     pub taken: Taken,
     pub motion: Option<Underway>,
-    /// How long the hall has existed, over all runs: its temperature goes on from here.
+    /// How long the hall has existed, over all runs; the temperature curve continues from this age.
     pub age: Duration,
-    /// How often the robot went on after the end of a program; the noise of its sensors begins anew each time.
+    /// Number of times that the robot continued after the end of a program; each time the noise of its sensors begins
+    /// anew.
     pub restarts: u32,
 }
 
@@ -57,7 +58,7 @@ impl Taken {
 
     pub(crate) const WORDS: usize = 16;
 
-    /// Whether a piece can be remembered: numbers are counted from 1 over the hall, which has fewer.
+    /// Whether a piece can be remembered: there is one bit for each number, and numbers in a hall are counted from 1.
     #[must_use]
     pub const fn has_room_for(piece: Piece) -> bool {
         (piece.0 as usize) < 64 * Taken::WORDS
@@ -81,7 +82,7 @@ impl Taken {
     }
 }
 
-/// How far a body is from the centre and heading it belongs to. At most one of the two is not zero.
+/// How far a body is from the centre and heading it belongs to. At least one of the two is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Astray {
     /// Micrometres ahead of the centre; behind it when negative.
@@ -93,7 +94,7 @@ pub struct Astray {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Underway {
     pub to: Astray,
-    /// How long it still takes, in simulated time.
+    /// Remaining simulated time of the motion.
     pub left: Duration,
 }
 
@@ -110,8 +111,8 @@ impl SimMemory {
     };
 
     /// The state once the program that drove the robot has died and the robot has come to rest. Nobody saw when the
-    /// wheels stopped: it was at most `WATCHDOG` after the last moment known, and not beyond the motion's end; the seed
-    /// draws when.
+    /// wheels stopped, so a random time is drawn from the seed: at most `WATCHDOG` after the last known moment, and not
+    /// after the end of the motion.
     pub fn at_rest(self, seed: u64) -> SimMemory {
         let restarts = self.restarts.wrapping_add(1);
         let stands = self.motion.map_or(self.stands, |motion| {
@@ -138,12 +139,12 @@ impl SimMemory {
         stands && self.reaches(self.stands, hall) && moving
     }
 
-    /// Whether a body that belongs on the free floor of `pose` can get so far astray.
+    /// Whether a body that belongs to the free floor of `pose` can be this far astray.
     fn reaches(&self, astray: Astray, hall: &Hall) -> bool {
         let backs = astray.ahead_um < 0;
         let heading = if backs { self.pose.heading.opposite() } else { self.pose.heading };
-        // At home the entrance is at the robot's back when a mission begins, and the robot is outside already in the
-        // middle of it.
+        // Before a mission the robot is at home with its back to the entrance. Halfway through the entrance it counts
+        // as outside already.
         let way = if self.outside > 0 || backs && self.pose == Pose::START {
             1.0
         } else {
@@ -188,7 +189,7 @@ pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
     }
 }
 
-/// The seed of the noise after this many restarts: the user's own until the first.
+/// The seed of the noise after this many restarts: before the first restart it is the user's own.
 pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
     // The golden ratio's bits set neighbouring counts, and seeds, far apart.
     seed ^ u64::from(restarts).wrapping_mul(0x9e37_79b9_7f4a_7c15)

@@ -8,8 +8,8 @@
 //!  3072  77e2… {"turn":42, …}                                      blanks ⏎   slot 1: the odd turns
 //!  4096
 //! ```
-//! A write goes into the slot of the older turn, so that one that is cut short leaves the other whole; the later whole
-//! one counts.
+//! A write goes into the slot of the older turn, so that a write that is cut short leaves the other slot whole. The
+//! whole slot with the later turn counts.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ use super::hall::Hall;
 use super::memory::{Astray, SimMemory, Taken, Underway};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// Bytes before the slots: room for the longest name, should each of its letters be written as six.
+/// Bytes before the slots: room for the longest name, even if each letter is escaped as six.
 const HEAD: usize = 2048;
 
 /// Bytes of a slot: several times what the longest memory needs.
@@ -39,9 +39,9 @@ const VERSION: &str = "1";
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whose {
-    /// Its name, for people.
+    /// Name of the hall, for people.
     pub hall: String,
-    /// By this it is recognised.
+    /// Fingerprint by which the hall is recognised.
     fingerprint: String,
 }
 
@@ -195,7 +195,7 @@ fn micros(duration: Duration) -> u64 {
     u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
-/// A checksum, JSON, and blanks up to `size` bytes, the last of which ends the line.
+/// A line of `size` bytes: a checksum, JSON, blanks and a line break.
 fn line(value: &impl Serialize, size: usize) -> Vec<u8> {
     let json = serde_json::to_string(value).expect("numbers, words and lists of them can always be written as JSON");
     let text = format!("{:016x} {json}", Fingerprint::of(&json));

@@ -1,11 +1,11 @@
-//! What the camera takes an obstacle for that the robot has met, or has seen ahead. The camera's errors are made in
-//! `senses`, its pictures in `camera`.
+//! What the camera recognises in an obstacle that the robot has met or has seen ahead. Errors of the camera are made in
+//! `senses`, pictures in `camera`.
 
 use super::hall::{Hall, Truth};
 use hallsweep_core::event::Obstacle;
 use hallsweep_core::units::{Heading, Pose};
 
-/// What really is ahead of `pose.cell`, seen along `pose.heading`; unknown when nothing is.
+/// What really is ahead of `pose.cell`, seen along `pose.heading`; unknown when nothing is there.
 pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     match hall.truth(pose.ahead()) {
         Truth::Wall => Obstacle::Wall {
@@ -17,7 +17,7 @@ pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     }
 }
 
-/// How many more cells the wall face ahead continues sideways, as far as it can be seen: each must be wall, and the
+/// Number of cells by which the wall ahead continues sideways, as far as it can be seen: each must be wall, and the
 /// cell in front of it free.
 fn further_cells(hall: &Hall, pose: Pose, side: Heading) -> u16 {
     let mut here = pose.cell;

@@ -104,7 +104,7 @@ impl Thermometer {
         self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
     }
 
-    /// The thermometer was missing until the hall had this age: the reports of that time are dropped.
+    /// Drops the reports of the time in which the thermometer was missing, up to this age of the hall.
     pub(super) fn come_back(&mut self, age: Duration) {
         self.next = self.next.map(|second| second.max(age.as_secs()));
     }

@@ -13,7 +13,8 @@ pub struct SimSettings {
     pub photo_failure_rate: f64,
     /// The standard deviation of the sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// Cells ahead of which it reports without a question whether they are free; 0: it bumps into what is there.
+    /// Number of cells ahead that the sonar reports as free or not without being asked. With 0 the robot bumps into
+    /// what is there.
     pub sonar_cells: u8,
     pub camera: Camera,
     /// Duration of a step of one cell.
@@ -21,7 +22,7 @@ pub struct SimSettings {
     /// Duration of a turn of 90°.
     pub turn: Duration,
     pub photo: Duration,
-    /// Whether it has a hook, by which it takes the piece ahead onto its back.
+    /// Whether the robot has a hook, with which it takes the piece ahead onto its back.
     pub has_hook: bool,
     /// Duration of taking a piece, and of releasing it.
     pub hook: Duration,

@@ -40,9 +40,9 @@ pub struct Sim {
     settings: SimSettings,
     chassis: Chassis,
     now: Duration,
-    /// Where the last completed order left it.
+    /// The pose in which the last completed order left the robot.
     pose: Pose,
-    /// Steps from home at which it stands before the entrance, facing it; 0: it is in the hall.
+    /// Distance from home in steps of a robot outside, before the entrance and facing it; 0 in the hall.
     outside: u8,
     /// Where it really stands while nothing moves it.
     body: BodyPose,
@@ -54,7 +54,7 @@ pub struct Sim {
     failures: RandomStream,
     events: VecDeque<RobotEvent>,
     before: Duration,
-    /// How often the robot went on after the end of a program.
+    /// Number of times that the robot continued after the end of a program.
     restarts: u32,
     /// Whether something has changed that must be stored.
     unkept: bool,
@@ -227,7 +227,7 @@ impl Sim {
         }
     }
 
-    /// One cell along the heading (`sign` 1) or against it (−1), or as far as the obstacle there allows.
+    /// Begins a step of one cell along the heading (`sign` 1) or against it (−1), or as far as an obstacle allows.
     fn begin_step(&mut self, order: Order, sign: f64) {
         let heading = if sign > 0.0 { self.pose.heading } else { self.pose.heading.opposite() };
         let target = self.pose.cell.ahead(heading);
@@ -245,8 +245,8 @@ impl Sim {
         self.begin_motion(order, self.chassis.spin(speed.copysign(angle)), lasts, End::At(to));
     }
 
-    /// Senses, and goes back to where the last completed order left it: a halt leaves it either off the centre or
-    /// between two headings, never both, because from there it only recentres.
+    /// Senses, and returns the robot to where the last completed order left it. After a halt it is either off the
+    /// centre or between two headings, never both: until it has recentred it makes no other motion.
     fn begin_recentring(&mut self, order: Order) {
         let reading = self.senses.listen(self.body);
         self.events.push_back(reading);
@@ -363,7 +363,7 @@ impl Sim {
 }
 
 impl Work {
-    /// When it ends, unless that depends on somebody else.
+    /// When the work ends; `None` if that depends on somebody else.
     const fn ends(&self) -> Option<Duration> {
         match self {
             Work::Drive { motion, .. } => Some(motion.ends),

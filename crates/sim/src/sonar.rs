@@ -1,4 +1,4 @@
-//! The front sonar: the distance from the robot's front to what is ahead. What that is, it cannot tell.
+//! The front sonar: the distance from the robot's front to what is ahead. It cannot tell what that is.
 
 use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
@@ -22,7 +22,7 @@ pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
 }
 
 /// Number of whole cells that are free before the source of a reading, for a robot that stands centred. Walls and
-/// luggage begin within the first quarter of their cells, so half a cell is the middle between one and the next.
+/// luggage begin within the first quarter of their cells, so rounding to the nearest number of cells is safe.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a reading ends at the sonar's range")]
 pub(super) fn free_cells(cm: u16, cell_m: f64) -> u16 {
     let begins = 0.5 - BODY_HALF + LUGGAGE_INSET / 2.0;
@@ -39,13 +39,13 @@ pub(super) fn cells_in_range(cell_m: f64) -> u16 {
     (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
-/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free
-/// one.
+/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` if the
+/// next cell is free.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
 }
 
-/// Distance of what fills a cell from the cell's sides, in cells; `None` for a free one.
+/// Distance of what fills a cell from the cell's sides, in cells; `None` for a free cell.
 const fn inset(truth: Truth) -> Option<f64> {
     match truth {
         Truth::Free => None,

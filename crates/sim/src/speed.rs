@@ -21,7 +21,7 @@ impl Speed {
     /// The fastest speed; timers are no finer than a millisecond, so more would not be quicker.
     pub const FASTEST: f64 = 1000.0;
 
-    /// Simulated durations are divided by it when they are reported to the core, and the core's deadlines are
+    /// Simulated durations are divided by this factor when they are reported to the core; deadlines of the core are
     /// multiplied by it.
     #[must_use]
     pub const fn factor(self) -> f64 {

@@ -1,5 +1,5 @@
-//! What is known about the two robots and the yard from the robots' reports alone, with the orders that are not answered yet: the
-//! part of the core's engine in a hall. The true state is in the pair only.
+//! What the robots' reports tell about the two robots and the yard, and the orders that are not answered yet. In a hall this is
+//! the task of the core's engine. Only the pair knows the true state.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -68,8 +68,8 @@ impl Crew {
             .map(|parcel| (parcel.piece, parcel.place))
     }
 
-    /// Turns a proposal into an order, with a deadline of three times its usual duration and a second; `None` while the robot has
-    /// an open order.
+    /// Turns a proposal into an order, with a deadline of three times the order's usual duration plus a second; `None` while
+    /// the robot has an open order.
     pub(super) fn order(&mut self, proposal: Proposal) -> Option<Order> {
         let base = &mut self.bases[proposal.which.index()];
         if base.open.is_some() {

@@ -7,7 +7,7 @@ use super::run::{Asked, PalletRun};
 use super::yard::MOST_PARCELS;
 use hallsweep_sim::pair::Slip;
 
-/// Steps after which a parcel slips that is to be lost on the way: far from both ends of most ways.
+/// Number of steps after which a parcel slips when its loss was requested: far from both ends of most ways.
 const LOST_AFTER: u32 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,11 +49,11 @@ impl Mishap {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskedFault {
     pub mishap: Mishap,
-    /// 1 for a fault of the whole run.
+    /// Number of the parcel, counted from 1; 1 for a fault of the whole run.
     pub parcel: u32,
 }
 
-/// Whoever shows the error puts the text before it.
+/// The message does not contain the faulty text: whoever shows the error puts the text before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     #[error("nothing that goes wrong is called that; there are lost, lostLifting, unrecognised, blocked, jammed and absent")]
@@ -131,7 +131,7 @@ pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> 
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missed {
-    /// Nothing happened for which the operator is called.
+    /// No event of the run called the operator.
     NobodyCalled,
     RunEnded,
 }

@@ -16,15 +16,15 @@ pub enum Phase {
     Approach,
     /// 3: the parcel is identified.
     Identify,
-    /// 4: both take hold of it.
+    /// 4: both take hold of the parcel.
     PickUp,
-    /// 5: it is lifted and carried.
+    /// 5: the parcel is lifted and carried.
     Transport,
-    /// 6: it is put down.
+    /// 6: the parcel is put down.
     PutDown,
     /// 7: both go back to the pallet.
     Return,
-    /// 8: the same for the next one.
+    /// 8: the same for the next parcel.
     Next,
 }
 
@@ -65,7 +65,7 @@ impl Phase {
         match self {
             Phase::Find => Some((0, "FindPallet")),
             Phase::Approach => Some((0, "SRM1_to_LoadSite")),
-            // The sequence itself is ticked from the beginning, to wait for both robots.
+            // Not the sequence above this node: it is ticked from the beginning, because it waits for both robots.
             Phase::Identify => Some((2, "FindParcel")),
             Phase::PickUp => Some((2, "Pick-UpPrepSequence")),
             Phase::Transport => Some((2, "TransportSequence")),

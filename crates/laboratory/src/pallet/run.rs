@@ -19,7 +19,7 @@ use hallsweep_core::state::TeamStage;
 use hallsweep_core::units::{Cell, Now, WallTime};
 use hallsweep_sim::pair::{Holding, Mishaps, Pair, PairSettings};
 
-/// Longest simulated time for each parcel: a hundred times what one takes.
+/// Maximum simulated time for each parcel: a hundred times the usual time.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
 /// Time without an answer after which the operator counts as absent, and the run ends.
@@ -28,17 +28,17 @@ const NOBODY_COMES: Duration = Duration::from_secs(600);
 /// Interval of the frames that are stored, in ticks.
 const FRAME_EVERY: u64 = 5;
 
-/// Maximum number of frames: hours of simulated time. A longer run is drawn up to here.
+/// Maximum number of frames, enough for hours of simulated time. The drawing of a longer run ends there.
 const MOST_FRAMES: usize = 100_000;
 
-/// Maximum number of entries of a record: thousands of losses, which no run survives.
+/// Maximum number of entries of a record: enough for thousands of losses, more than any run has.
 const MOST_ENTRIES: usize = 100_000;
 
 /// Requested faults. Parcels are counted from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     pub mishaps: Mishaps,
-    /// Parcels at whose lifting the way into the target area is closed.
+    /// Parcels whose lifting closes the way into the target area.
     pub blocked: Vec<u32>,
     pub absent: bool,
 }
@@ -66,7 +66,7 @@ pub struct PalletRun {
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
-    /// Errors of holding before the last restart, which the new pair does not know.
+    /// Errors of holding before the last restart; the new pair starts without them.
     held_before: Holding,
     entries: Vec<Entry>,
     logs: [TickLog; 3],

@@ -19,9 +19,9 @@ pub struct Pallet {
     pub(super) run: PalletRun,
     pub(super) faults: Vec<AskedFault>,
     pub(super) figures: Figures,
-    /// The yard at all moments, without frames between two equal ones.
+    /// The frames of the whole run; of a series of equal frames only the first and the last.
     pub(super) frames: Vec<Frame>,
-    /// Cells of the parcels on the floor, from each time that they changed.
+    /// The cells of the parcels on the floor, at the start and after each change, with the time.
     pub(super) lying: Vec<(Duration, Vec<Cell>)>,
 }
 
@@ -86,7 +86,7 @@ impl Pallet {
     }
 }
 
-/// Adds a frame, which replaces the last one when nothing has changed since the frame before that.
+/// Adds a frame. If the last two frames are equal to it except for their times, it replaces the last one.
 fn keep(frames: &mut Vec<Frame>, frame: Frame) {
     let is_same = |other: &Frame| Frame { at: frame.at, ..other.clone() } == frame;
     if let [.., before, last] = frames.as_slice()

@@ -49,7 +49,7 @@ pub struct Yard {
     pub starts: [BasePose; 2],
     /// Cell where parcels are put down.
     pub target: Place,
-    /// Whether a way leads out at home, as in a hall; drawn yards have none.
+    /// Whether a way leads out of the yard at home, as in a hall; drawn yards have none.
     pub way_out: bool,
     /// Parcels with their cells, in the order in which they are fetched.
     pub parcels: Vec<(Piece, Cell)>,

@@ -29,7 +29,7 @@ fn is_same(one: &Run, other: &Run, index: usize) -> bool {
             let kind = |change: &Transition| (change.from, change.to, change.angle.map(f64::to_bits));
             kind(a) == kind(b) && lasted(one, index).abs_diff(lasted(other, index)) <= 1
         }
-        // One run may have come this far when its time was up: it is behind by a tick per phase at most.
+        // The other run may have ended just before this transition: it lags by a tick per phase at most.
         (Some(last), None) => is_about_to_end(one, last, index),
         (None, Some(last)) => is_about_to_end(other, last, index),
         (None, None) => true,

@@ -23,7 +23,7 @@ impl Floor {
         Floor { passed: vec![false; COLUMNS * ROWS], count: 0 }
     }
 
-    /// The centre of the body is at (`x_m`, `y_m`); no square counts twice.
+    /// Counts the squares under a body with its centre at (`x_m`, `y_m`); no square counts twice.
     pub(super) fn pass(&mut self, x_m: f64, y_m: f64) {
         for row in near(y_m, ROWS) {
             for column in near(x_m, COLUMNS) {
@@ -64,7 +64,7 @@ fn centre(index: usize) -> f64 {
     (index as f64 + 0.5) * SQUARE_M
 }
 
-/// Out of `of` columns or rows, those that a body at this coordinate can be over.
+/// Range of the `of` columns or rows that a body at this coordinate can be over.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float becomes the nearest number that there is")]
 fn near(at_m: f64, of: usize) -> std::ops::Range<usize> {
     let index = |m: f64| (m / SQUARE_M) as usize;

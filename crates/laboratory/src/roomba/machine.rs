@@ -27,7 +27,7 @@ impl Machine {
         Machine { motion: Motion::begin(Phase::MoveForward, &mut turns), turns }
     }
 
-    /// The bumper comes before the time: a wall that is met in the last tick still counts.
+    /// Checks the bumper before the time, so that a wall met in the last tick still counts.
     fn next(&self, bumper: bool) -> Option<Phase> {
         if self.motion.meets_wall(bumper) {
             return Some(Phase::GoBack);

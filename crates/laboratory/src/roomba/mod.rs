@@ -1,13 +1,13 @@
-//! The Roomba of seed 001: a round robot in an empty room, driven by a state machine or by a behaviour tree that do the same. It
-//! shares only arithmetic and random numbers with the hall and its mission.
+//! The Roomba of seed 001: a round robot in an empty room, driven by a state machine or by a behaviour tree with the same
+//! behaviour. It shares only arithmetic and random numbers with the hall and its mission.
 //!
 //! ```text
 //!              ┌── machine ──┐  how fast?                 ┌─ drawing (SVG)
 //!  seed ─► phase             ├───────────► room ─► run ───┼─ compare
 //!              └── tree ─────┘  ◄── bumper ──            └─ floor (share passed over)
 //! ```
-//! There are sixty ticks per second. In each the driver is told whether a wall cut the last move short, and says how fast to go;
-//! then the body moves. `phase` describes each of the four phases. Machine and tree only know their order.
+//! There are sixty ticks per second. In each tick the driver is told whether a wall cut the last move short, and returns the
+//! speeds; then the body moves. `phase` describes each of the four phases. Machine and tree only know the order of the phases.
 
 mod compare;
 mod drawing;

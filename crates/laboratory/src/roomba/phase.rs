@@ -85,7 +85,8 @@ impl Motion {
         Motion { phase, ticks: 0, angle }
     }
 
-    /// Whether a wall ends the phase. The phase must have met it itself, since each phase lasts at least one tick.
+    /// Whether a wall ends the phase. In its first tick a phase ignores the bumper, since the wall was met in the phase before;
+    /// so each phase lasts at least one tick.
     pub(super) const fn meets_wall(&self, bumper: bool) -> bool {
         bumper && self.ticks > 0 && self.phase.heeds_bumper()
     }
@@ -120,7 +121,7 @@ impl Motion {
         velocity
     }
 
-    /// Angle that a turn has left, in radians, without its sign.
+    /// Absolute value of the angle left to turn, in radians.
     fn left_to_turn(&self) -> f64 {
         let whole = self.angle.map_or(0.0, f64::abs);
         (whole - TURN_SPEED * seconds(self.ticks)).max(0.0)

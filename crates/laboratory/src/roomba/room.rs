@@ -44,7 +44,7 @@ pub(super) struct Velocity {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
     pub(super) pose: BodyPose,
-    /// Whether a wall cut its last move short. Standing beside a wall or turning there does not press it.
+    /// Whether a wall cut the last move short. A body that stands or turns beside a wall does not press the bumper.
     pub(super) bumper: bool,
 }
 
@@ -53,9 +53,9 @@ impl Body {
     pub(super) const START: Body =
         Body { pose: BodyPose { x_m: ROOM_LENGTH_M / 2.0, y_m: ROOM_WIDTH_M / 2.0, theta: 0.0 }, bumper: false };
 
-    /// The body after a tick at these speeds. A wall stops only the part of the move that is across the wall.
+    /// The body after a tick at these speeds. A wall stops only the component of the move towards the wall.
     pub(super) fn driven(self, velocity: Velocity) -> Body {
-        // Each speed is limited by itself: a body that is to turn too fast drives at its speed in a wider curve.
+        // Each speed is limited separately: a body told to turn too fast keeps its driving speed in a wider curve.
         let linear = velocity.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
         let angular = velocity.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR);
         let free = self.pose.after(linear, angular, TICK_S);

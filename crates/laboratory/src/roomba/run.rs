@@ -126,7 +126,7 @@ pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u
         let before = driver.motion().phase;
         let next = body.driven(driver.tick(body.bumper));
         let motion = driver.motion();
-        // A phase in its first tick has just begun; only the first phase of all follows no other.
+        // A phase in its first tick has just begun. The first phase of the run is no transition, because it follows no other.
         if motion.ticks == 1 && tick > 0 {
             transitions.push(Transition { tick, from: before, to: motion.phase, angle: motion.angle });
         }

@@ -12,8 +12,8 @@ use hallsweep_core::rng::RandomStream;
 /// The tree, as a file that the usual graphical editor opens.
 const FILE: &str = include_str!("../../../../config/behaviours/roomba.xml");
 
-/// Maximum number of ticks of the tree in one tick of the body: a tree that has ended is ticked again and so begins again at
-/// once. Then its first leaf, or the one after a wall, runs for more than a tick.
+/// Maximum number of ticks of the tree in one tick of the body. A tree that has ended is ticked once more, so that it begins
+/// again at once. Its first leaf, or the leaf after a wall, then runs for more than a tick.
 const ROUNDS: u32 = 2;
 
 /// Behaviour tree of seed 001.
@@ -24,7 +24,7 @@ pub(super) struct Tree {
     leaves: Wheels,
 }
 
-/// Performs the leaves, and has the speeds that they ask for.
+/// Performs the leaves, and stores the speeds that they request.
 #[derive(Debug)]
 struct Wheels {
     motion: Motion,
@@ -75,7 +75,7 @@ impl Leaves for Wheels {
         if leaf.is_starting() {
             self.motion = Motion::begin(phase, &mut self.turns);
         }
-        // The bumper comes first, as in the machine: a wall that is met in the last tick still counts.
+        // The bumper is checked first, as in the machine: a wall met in the last tick still counts.
         if self.motion.meets_wall(self.bumper) {
             return Status::Failure;
         }

@@ -1,5 +1,5 @@
-//! The pixels of a picture, with the depth of each and the number of the solid that it shows. What is drawn is not
-//! known here.
+//! The pixels of a picture, each with its depth and the number of the solid that it shows. What is drawn is not known
+//! here.
 
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};
@@ -11,7 +11,7 @@ pub(super) struct Canvas {
     solids: Vec<u16>,
 }
 
-/// A rectangle of pixels; the second of each pair is excluded.
+/// A rectangle of pixels, as half-open ranges of columns and rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) columns: (usize, usize),
@@ -30,7 +30,7 @@ impl Canvas {
         self.depths[place] = depth;
     }
 
-    /// Draws a pixel of a solid, whose number tells it from its neighbours.
+    /// Draws a pixel of a solid. The solid's number distinguishes it from its neighbours.
     pub(super) fn set_solid(&mut self, column: usize, row: usize, depth: f32, paint: Paint, solid: u16) {
         self.set(column, row, depth, paint);
         self.solids[row * WIDTH + column] = solid;
@@ -72,7 +72,8 @@ impl Canvas {
 }
 
 impl Frame {
-    /// The smallest frame on the picture that holds these points; the whole picture when one of them is not ahead.
+    /// The smallest frame on the picture that holds these points; the whole picture when a point is not ahead of the
+    /// camera.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture before")]
     pub(super) fn around(view: &View, points: impl IntoIterator<Item = super::space::Vector>) -> Frame {
         let (mut least, mut most) = ((f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY));

@@ -29,7 +29,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
     write(canvas, &name, (WIDTH - MARGIN - width, HEIGHT - BAR + 28), TEXT);
 }
 
-/// The bar without the name of a hall, which is all that a plan has.
+/// Draws the bar of a plan, which has no name of a hall.
 pub(super) fn draw_plain(canvas: &mut Canvas, words: &str, wall: WallTime) {
     for row in HEIGHT - BAR..HEIGHT {
         for column in 0..WIDTH {

@@ -1,7 +1,7 @@
 //! A bitmap font of five by seven dots: capitals, digits and the signs of coordinates and times. Small letters are shown as
 //! capitals, and anything else as a question mark.
 
-/// From one letter to the next, in dots.
+/// Distance from one letter to the next, in dots.
 pub(super) const ADVANCE: usize = 6;
 
 /// The height of a letter, in dots.

@@ -26,7 +26,7 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
-/// Greatest distance of the subject, in cells: a sonar may be set to see as far.
+/// Greatest distance of the subject, in cells: the longest range to which a sonar can be set.
 const SIGHT: u16 = 7;
 
 /// A photo that has been taken and not developed: everything that is needed to draw it, on any thread.
@@ -42,7 +42,7 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    /// The view of a robot whose body is at `body` and which believes to be at `pose`; the stamp is written on it.
+    /// A photo by a robot that is really at `body` and believes to be at `pose`; the stamp is written on the photo.
     #[must_use]
     pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
         let away = away(&hall, pose);

@@ -68,8 +68,8 @@ fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     }
 }
 
-/// A long piece lies along its cells; any other shows its broad side to where one can come from, turned by a small
-/// angle of its own.
+/// The direction of a piece. A long piece lies along its cells. Any other piece turns its broad side to a free
+/// neighbouring cell, up to a small angle that depends on its number.
 #[expect(clippy::cast_precision_loss, reason = "a piece is turned by a handful of steps")]
 fn turn(hall: &Hall, bag: &Bag, first: Cell, last: Cell) -> (f32, f32) {
     let free = |cell: Cell| hall.truth(cell) == Truth::Free;

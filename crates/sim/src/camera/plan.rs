@@ -1,5 +1,5 @@
-//! The replacement for a photo where a robot has no camera: a plan of what is known, seen from above, which says in
-//! large letters that it is a drawing.
+//! The replacement for a photo of a robot without a camera: a plan of what is known, seen from above. Large letters say
+//! that it is a drawing.
 
 use super::canvas::Canvas;
 use super::space::Paint;

@@ -1,5 +1,5 @@
-//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. For a
-//! column of the picture the cells are followed to the first wall. Luggage is drawn over it by `solid`.
+//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. In each
+//! column of the picture a ray is followed to the first wall. `solid` draws luggage over the hall.
 
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
@@ -31,13 +31,13 @@ const LAMP: Paint = Paint(255.0, 254.0, 246.0);
 struct Face {
     /// Distance ahead, in cells.
     depth: f32,
-    /// Share that is lost in the haze, 0–1.
+    /// Share of the wall's colour that is lost in the haze, 0–1.
     haze: f32,
     /// Place along the wall, in cells.
     along: f32,
-    /// Whether it runs from north to south: such walls are a little darker.
+    /// Whether the wall runs from north to south: such walls are a little darker.
     meridian: bool,
-    /// Whether it is the hall's outer wall rather than a pillar or counter.
+    /// Whether the wall is the hall's outer wall rather than a pillar or counter.
     outer: bool,
 }
 
@@ -90,8 +90,8 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     Face { depth, haze: haze(depth), along, meridian, outer: !hall.bounds().contains(cell) }
 }
 
-/// The floor along one row of the picture, all of it equally far ahead: two tiles to a cell with grout between. The
-/// pattern fades with distance before it can flicker.
+/// The floor in one row of the picture, whose points are all equally far ahead. It has square tiles of half a cell,
+/// with grout between them. The pattern fades with distance before it can flicker.
 struct FloorRow {
     depth: f32,
     haze: f32,
@@ -118,7 +118,7 @@ impl FloorRow {
     }
 }
 
-/// A tone from 0 to 1 that is each tile's own.
+/// A tone from 0 to 1, different for each tile.
 fn tile_tone(at: Vector) -> f32 {
     let tile = |place: f32| whole(floored(place * 2.0)).cast_unsigned();
     let mixed = tile(at.x).wrapping_mul(0x9e37_79b1) ^ tile(at.y).wrapping_mul(0x85eb_ca77);
@@ -185,7 +185,7 @@ fn ceiling(at: Vector) -> Paint {
     if (1.6..2.4).contains(&strip) && wrapped(at.y, 6.0) < 5.2 { LAMP } else { CEILING_PAINT }
 }
 
-/// Share that is lost in the haze at this distance, 0–1.
+/// Share of a colour that is lost in the haze at this distance, 0–1.
 fn haze(depth: f32) -> f32 {
     smooth(2.0, 40.0, depth) * 0.85
 }

@@ -65,7 +65,8 @@ impl Placement {
     }
 }
 
-/// Draws a solid where nothing nearer is drawn yet. `number` tells it from its neighbours when outlines are softened.
+/// Draws a solid where nothing nearer is drawn yet. `number` distinguishes the solid from its neighbours when outlines
+/// are softened.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &Solid, number: u16) {
     let (least, most) = solid.shape.bounds();
     let corners = corners(least, most).map(|corner| place.to_hall(corner));
@@ -130,7 +131,7 @@ impl Shape {
         }
     }
 
-    /// How far along a direction the body is met, in lengths of that direction.
+    /// Distance to the body along a direction, as a multiple of the direction's length.
     fn hit(&self, eye: Vector, direction: Vector) -> Option<f32> {
         match *self {
             Shape::Block { middle, half, radius } => hit_block(eye - middle, direction, half, radius),
@@ -155,8 +156,8 @@ impl Shape {
     }
 }
 
-/// Meets the box itself first, and near its edges the rounding in the octant that is met (after Inigo Quilez's
-/// collection of intersection formulas).
+/// Intersects a ray with the box, and near the edges of the box with the rounding in the octant that the ray hits
+/// (after Inigo Quilez's collection of intersection formulas).
 fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Option<f32> {
     let span = |place: f32, d: f32, half: f32| {
         let (a, b) = ((-half - place) / d, (half - place) / d);
@@ -179,14 +180,15 @@ fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Optio
     };
     let up = met.z.signum();
     let near = half_body(up);
-    // A flat body's rounding may be met below its middle by a ray that enters above it: then the other half is tried.
+    // A ray that enters a flat body above its middle may hit the rounding below the middle: then the other half is
+    // tried.
     if near.is_some_and(|way| (eye.z + direction.z * way) * up > -core.z) {
         return near;
     }
     [near, half_body(-up)].into_iter().flatten().min_by(f32::total_cmp)
 }
 
-/// Meets the three rounded edges and the corner of the first octant.
+/// Intersects a ray with the three rounded edges and the corner of the first octant.
 fn hit_rounding(eye: Vector, d: Vector, core: Vector, radius: f32) -> Option<f32> {
     let o = eye - core;
     let corner = root(d.dot(d), o.dot(d), o.dot(o) - radius * radius);

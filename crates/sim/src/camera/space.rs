@@ -31,7 +31,7 @@ impl Vector {
         vector(change(self.x), change(self.y), change(self.z))
     }
 
-    /// Turned about the vertical by an angle of this cosine and sine.
+    /// This vector, turned about the vertical by an angle with this cosine and sine.
     pub(super) fn turned(self, (cos, sin): (f32, f32)) -> Vector {
         vector(cos * self.x - sin * self.y, sin * self.x + cos * self.y, self.z)
     }
@@ -58,7 +58,7 @@ impl Mul<f32> for Vector {
     }
 }
 
-/// A colour, each part 0–255, which may be exceeded while colours are mixed.
+/// A colour. Its parts are 0–255, but may exceed that while colours are mixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Paint(pub(super) f32, pub(super) f32, pub(super) f32);
 
@@ -66,7 +66,7 @@ pub(super) struct Paint(pub(super) f32, pub(super) f32, pub(super) f32);
 pub(super) const HAZE: Paint = Paint(206.0, 214.0, 222.0);
 
 impl Paint {
-    /// Lighter (above 1) or darker.
+    /// The colour made lighter (`factor` above 1) or darker.
     pub(super) fn lit(self, factor: f32) -> Paint {
         Paint(self.0 * factor, self.1 * factor, self.2 * factor)
     }

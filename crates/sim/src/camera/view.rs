@@ -1,7 +1,7 @@
 //! Where the camera is, which way a pixel looks, and on which pixel a point falls.
 //!
-//! The lens is shifted rather than the camera tilted: the horizon lies above the middle of the picture while everything
-//! upright stays upright, which also allows the room to be drawn a column at a time.
+//! The lens is shifted instead of the camera being tilted: the horizon is above the middle of the picture, but upright
+//! lines stay upright. So the distance to a wall can be computed once for each column.
 
 use super::super::drive::BodyPose;
 use super::space::{Vector, vector};
@@ -51,7 +51,7 @@ impl View {
         self.right * (1.0 / self.focal)
     }
 
-    /// How much a row looks down for every cell forward.
+    /// How far the line of sight of a row falls for each cell forward.
     pub(super) fn fall(&self, row: usize) -> f32 {
         (as_float(row) + 0.5 - HORIZON) / self.focal
     }
@@ -71,7 +71,7 @@ impl View {
         (point - self.eye).dot(self.forward)
     }
 
-    /// The column and row on which a point falls, fractions included; `None` when it is not ahead.
+    /// The column and row on which a point falls, fractions included; `None` when the point is not ahead of the camera.
     pub(super) fn project(&self, point: Vector) -> Option<(f32, f32)> {
         let depth = self.depth(point);
         let scale = self.focal / depth;

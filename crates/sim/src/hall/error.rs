@@ -1,5 +1,5 @@
-//! What can be wrong with a hall file, worded for its author: file, line, reason, what to do. Each format's reader
-//! finds its faults.
+//! Faults of hall files, worded for the author of the file: file, line, reason, what to do. The reader of each format
+//! finds the faults.
 
 use std::fmt;
 

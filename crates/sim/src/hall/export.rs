@@ -1,5 +1,5 @@
 //! Writes halls and explored maps to files: which formats there are, what is written in each, and what is lost in it.
-//! How each format is written stands beside its reader.
+//! The code that writes a format is beside the code that reads it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -51,13 +51,13 @@ pub struct WrittenHall {
     pub file: Vec<u8>,
     /// The PGM image beside it, for the format that has one.
     pub image: Option<Vec<u8>>,
-    /// What the file does not say of the hall, a few words each.
+    /// Parts of the hall that the file leaves out, a few words each.
     pub lost: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// With walls where nothing is known.
+    /// The hall to write, with walls where nothing is known.
     hall: Hall,
     /// What is known of each square of an explored hall.
     marks: Option<Vec<Mark>>,
@@ -78,8 +78,8 @@ impl From<HallOfScene> for Export {
 }
 
 impl Export {
-    /// The explored part of a hall, with walls round it; `cell_m` is the side of a cell. Each cell of luggage is a
-    /// piece, of which nothing is known but whether it is dangerous.
+    /// The explored part of a hall, with walls round it; `cell_m` is the side of a cell. Each cell of luggage becomes a
+    /// piece; all that is known of it is whether it is dangerous.
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
@@ -87,7 +87,7 @@ impl Export {
         let mut marks = Vec::new();
         for y in bounds.least.y..=bounds.most.y {
             for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
-                // The robot has been where it started, whatever was forgotten since.
+                // The robot has visited the cell where it started, even if that was forgotten since.
                 let mark = if cell == Cell::HOME { Mark::Visited } else { state.map.at(cell) };
                 let in_drawing = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);
                 let truth = match mark {
@@ -114,7 +114,7 @@ impl Export {
         format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
     }
 
-    /// Every square, row after row from the north, with what is known of it if the hall is an explored one.
+    /// Every square, row by row from the north. In an explored hall each square has its mark.
     fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
         let marks = self.marks.iter().flatten().copied().map(Some).chain(std::iter::repeat(None));
         self.hall.squares.iter().copied().zip(marks)
@@ -137,10 +137,11 @@ impl Export {
         occupancy::image(&self.hall, self.squares())
     }
 
-    /// All files of this format, and what they do not say: they are read again and compared.
+    /// All files of this format, and what they leave out. To find that out, the files are read again and compared with
+    /// the hall.
     ///
     /// # Errors
-    /// What is written could not be read again, such as a map wider than a hall may be.
+    /// When the written files could not be read again, for example because the map is wider than a hall may be.
     pub fn written(&self, format: Format, stem: &str) -> Result<WrittenHall, HallError> {
         let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
         let name = format!("{stem}.{}", format.extension());
@@ -215,8 +216,8 @@ fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} of {}", pieces(count))).collect()
 }
 
-/// The known area with home and the walls round it. Those round a hall of the largest size are left out: it could not
-/// be read again with them, and outside a hall everything is wall.
+/// The known area with home and the walls round it. Walls round a hall of the largest size are left out: with them the
+/// file could not be read again, and outside a hall everything is wall anyway.
 fn known_bounds(map: &HallMap) -> Bounds {
     let with = |bounds: Bounds, cell: Cell| Bounds {
         least: Cell::new(bounds.least.x.min(cell.x), bounds.least.y.min(cell.y)),

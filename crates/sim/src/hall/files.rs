@@ -1,5 +1,5 @@
-//! Finds halls: the built-in ones by name, and files in any format, told apart by their content; images and their YAML
-//! by their names. Each format stands in a file of its own.
+//! Finds halls: built-in ones by name, and files in any format. The content of a file tells its format; images and
+//! their YAML are told by their names. Each format has a file of its own here.
 
 use std::fs::File;
 use std::io::Read;
@@ -21,7 +21,7 @@ const BUILT_IN: [(&str, &str); 4] = [
 const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Hall {
-    /// The first is the default.
+    /// Names of the built-in halls; the first is the default.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.into_iter().map(|(name, _)| name)
     }
@@ -29,15 +29,15 @@ impl Hall {
     /// A built-in hall by its name, or else the hall in the file of this path, in any format.
     ///
     /// # Errors
-    /// The file cannot be read, or what is wrong in it.
+    /// When the file cannot be read or has a fault.
     pub fn named_or_file(name_or_path: &str) -> Result<Hall, HallError> {
         Hall::open(name_or_path, None)
     }
 
-    /// Like `named_or_file`, with cells of this many metres where the file leaves that open: a map of pixels.
+    /// Like `named_or_file`. `cell_m` is the side of a cell in metres, for a file that leaves it open: a map of pixels.
     ///
     /// # Errors
-    /// The file cannot be read, has cells of its own, or what is wrong in it.
+    /// When the file cannot be read, has a fault, or sets the side of its cells itself although `cell_m` is given.
     pub fn open(name_or_path: &str, cell_m: Option<f64>) -> Result<Hall, HallError> {
         if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
             return Hall::parse(name, text).and_then(|hall| hall.with_own_cells(name, cell_m));
@@ -67,8 +67,7 @@ impl Hall {
     /// nothing else, otherwise TOML. A byte order mark is skipped. `file` is named in errors, and its stem is the
     /// hall's name when the text has none.
     ///
-    /// # Errors
-    /// What is wrong, and in which line.
+    /// The fault and its line.
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
         let (name, text) = (stem(file), unmarked(text));
         if has_extension(Path::new(file), &YAML) {
@@ -82,11 +81,10 @@ impl Hall {
         }
     }
 
-    /// The hall of an image, by the YAML file `file` that says what it means. `cell_m` is the side of a cell; half a
-    /// metre, or a pixel where that is longer, when neither it nor the file says.
+    /// The hall of an image that the YAML file `file` describes. `cell_m` is the side of a cell in metres. If neither
+    /// `cell_m` nor the file sets it, a cell is half a metre, or one pixel if that is longer.
     ///
-    /// # Errors
-    /// What is wrong, in which of the files, and in which line.
+    /// The fault, its file and its line.
     pub fn parse_occupancy(
         file: &str,
         yaml: &str,
@@ -138,8 +136,8 @@ fn open_yaml(file: &str, path: &Path, cell_m: Option<f64>) -> Result<Hall, HallE
     description.hall(file, &stem(file), &image_file, &image, cell_m)
 }
 
-/// Whether a text is meant as a MovingAI map: it begins with a word of such a header, even if the lines are in the
-/// wrong order or the first is missing; or its file has the ending of one and nothing in it can be TOML.
+/// Whether a text is meant as a MovingAI map. Either it begins with a word of the header of such a map, even if lines
+/// are missing or in the wrong order; or its file has the extension of such maps and nothing in the text can be TOML.
 fn is_movingai(file: &str, text: &str) -> bool {
     let mut words = text.split_whitespace();
     let begins = words.next().is_some_and(|word| ["type", "height", "width", "map"].contains(&word));
@@ -148,8 +146,8 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-/// Whether a text is meant as a map of old clients: it is one, or its file has the ending of one and nothing in it can
-/// be TOML.
+/// Whether a text is meant as a map of old clients. Either it is one; or its file has the extension of such maps and
+/// nothing in the text can be TOML.
 fn is_seed_text(file: &str, text: &str) -> bool {
     seed_text::is_one(text) || (has_extension(Path::new(file), &["txt"]) && !text.contains('='))
 }
@@ -162,7 +160,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, HallFault> {
     Ok(bytes)
 }
 
-/// All of a file; `None` when it has more bytes than these.
+/// All of a file; `None` when it has more than `most` bytes.
 fn read_at_most(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;

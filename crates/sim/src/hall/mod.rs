@@ -74,7 +74,7 @@ impl Hall {
     /// A hall with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
-        // It is printed on terminals, which obey control characters.
+        // The name is printed on terminals, which obey control characters.
         let name: String = name.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
@@ -107,7 +107,7 @@ impl Hall {
         self.bounds
     }
 
-    /// Outside the rectangle everything is wall.
+    /// The content of a cell; outside the rectangle everything is wall.
     #[must_use]
     pub fn truth(&self, cell: Cell) -> Truth {
         self.place(cell).and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
@@ -118,7 +118,7 @@ impl Hall {
         self.bounds.contains(cell).then(|| usize::try_from(place()).ok())?
     }
 
-    /// In the order of their numbers.
+    /// All pieces, in the order of their numbers.
     #[must_use]
     pub fn pieces(&self) -> &[Bag] {
         &self.bags
@@ -129,14 +129,14 @@ impl Hall {
         self.bags.get(index)
     }
 
-    /// False for a piece that does not exist.
+    /// Whether this piece is dangerous; false if it does not exist.
     #[must_use]
     pub fn is_dangerous(&self, piece: Piece) -> bool {
         self.bag(piece).is_some_and(|bag| bag.dangerous)
     }
 
-    /// The same hall after some luggage was moved: each of these pieces lies in one cell now, however large it was, or
-    /// is gone.
+    /// The same hall after some luggage was moved: each moved piece now lies in one cell, however large it was, or is
+    /// gone.
     #[must_use]
     pub fn rearranged(&self, moved: &BTreeMap<Piece, Option<Cell>>) -> Hall {
         let mut hall = self.clone();
@@ -156,7 +156,8 @@ impl Hall {
         hall
     }
 
-    /// The same hall with obstacles in those of these cells that are free: nobody knows what they are before a look.
+    /// The same hall with obstacles in the given cells, except for those that are not free. What the obstacles are,
+    /// nobody knows before a look.
     #[must_use]
     pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
         let mut hall = self.clone();
@@ -171,7 +172,7 @@ impl Hall {
     /// The same hall with the robot starting in this column and row, counted from 0 in the north-west corner.
     ///
     /// # Errors
-    /// No free cell lies there.
+    /// When no free cell lies there.
     pub fn starting_at(mut self, (column, row): (u32, u32)) -> Result<Hall, HallFault> {
         let whole = |number: u32| i32::try_from(number).ok().filter(|number| *number < 1 << 16);
         let start = whole(column).zip(whole(row)).map(|(x, y)| Cell::new(x, y).relative_to(self.home()));
@@ -193,7 +194,7 @@ impl Hall {
         Reach { reachable: count(self.reached().len()), free: count(free) }
     }
 
-    /// Pieces none of whose cells is beside a reachable one.
+    /// Pieces that have no cell beside a reachable one.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
         let reached = self.reachable();
@@ -228,7 +229,7 @@ impl Hall {
         Cell::new(-self.bounds.least.x, -self.bounds.least.y)
     }
 
-    /// From the north, each row from the west.
+    /// Rows from the north, each from the west.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[Truth]> {
         self.squares.chunks(usize::try_from(self.bounds.width()).unwrap_or(1))
     }

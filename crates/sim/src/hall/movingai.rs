@@ -80,7 +80,7 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
     let found = rows.iter().rposition(|row| !row.is_empty()).map_or(0, |last| last + 1);
     let height = header.height;
     let wanted = if header.has_corners { height.saturating_mul(2) } else { height };
-    // The first row that is too many, or the last one there is.
+    // The line of the first surplus row, or of the last row if rows are missing.
     let line = HEADER_LINES + if found > wanted { wanted + 1 } else { found };
     match found == wanted {
         true => Ok(&rows[..found]),
@@ -89,7 +89,7 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
     }
 }
 
-/// The heights of corners do not matter to a robot, but a row of terrain among them means that a row is missing.
+/// Heights of corners are ignored, but a row of terrain among the heights means that a row is missing.
 fn check_corners(index: usize, row: &str) -> Result<(), HallFault> {
     match row.chars().enumerate().find(|(_, mark)| !mark.is_ascii_digit()) {
         Some((place, mark)) => Err(HallFault::CornerHeight { row: index + 1, column: place + 1, mark }),

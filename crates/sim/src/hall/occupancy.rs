@@ -1,9 +1,9 @@
 //! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. `pixels` reads
 //! the image.
 //!
-//! Which pixel is free follows the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`),
-//! above `occupied_thresh` it is occupied, below `free_thresh` free, between them unknown (trinary) or a percentage
-//! (scale).
+//! Pixels are judged as in the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`). A
+//! pixel with `occ` above `occupied_thresh` is occupied, one below `free_thresh` is free; in between it is unknown
+//! (trinary) or a percentage (scale).
 
 use serde::Deserialize;
 use serde_saphyr::Spanned;
@@ -22,8 +22,8 @@ pub(super) const MAX_YAML_BYTES: u64 = 64 << 10;
 /// The limits of a side of a cell in metres, as in hall files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 
-/// Greatest distance between a cell's border and a pixel's at which they count as one, as a share of a pixel: decimal
-/// fractions are not exact.
+/// Maximum distance between the borders of a cell and of a pixel that count as one border, as a share of a pixel:
+/// decimal fractions are not exact.
 const NEAR: f64 = 1e-4;
 
 /// Largest relative error of a decimal number that went through a 32-bit float, as in the tools that write these files.
@@ -127,7 +127,7 @@ pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError>
     })
 }
 
-/// A dozen keys need no more: neither aliases nor depth.
+/// Limits for the YAML parser: a dozen keys need neither aliases nor depth.
 fn limits() -> serde_saphyr::Options {
     serde_saphyr::options! {
         budget: serde_saphyr::budget! { max_events: 4096, max_aliases: 64, max_anchors: 64, max_depth: 16, max_documents: 1 },
@@ -155,7 +155,7 @@ fn within(
     if limits.contains(&value) { Ok(value) } else { Err(fault.at(file, line)) }
 }
 
-/// East and north of the origin; its third number must not turn the image.
+/// The first two numbers of the origin, in metres to the east and to the north; the third must not turn the image.
 fn corner(origin: &[f64]) -> Result<[f64; 2], HallFault> {
     let [x, y, yaw] = origin else { return Err(HallFault::OriginLength(origin.len())) };
     for value in [x, y] {
@@ -202,7 +202,7 @@ impl Description {
         let of_image = |fault: HallFault| fault.of(image_file);
         let mut image = Image::open(image).map_err(of_image)?;
         let (columns, rows) = image.size();
-        // Pixels per cell: 0.5 m over 0.05 m is 10, even if a 32-bit float made 0.0500000007 m of it.
+        // Pixels per cell: 0.5 m over 0.05 m is 10, even if the file has 0.0500000007 m because of a 32-bit float.
         let exact = cell_m / self.resolution;
         let ratio = if is_same(exact, exact.round()) { exact.round() } else { exact };
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
@@ -284,7 +284,7 @@ impl Description {
     }
 
     fn is_free(&self, pixel: Pixel) -> bool {
-        // Trinary treats how opaque a pixel is as one more colour.
+        // The trinary mode averages the opacity of a pixel with its three colours.
         let shade = match (self.mode, pixel.alpha) {
             (Mode::Trinary, Some(alpha)) => (3.0 * pixel.shade + alpha) / 4.0,
             _ => pixel.shade,
@@ -302,7 +302,7 @@ impl Description {
     }
 }
 
-/// The pixels of a cell, of which the greatest value wins.
+/// Kinds of pixels, in rising order: the greatest value among its pixels decides about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum PixelGround {
     Free,

@@ -10,7 +10,7 @@ pub(super) struct Pgm<'a> {
     pub(super) height: u32,
     /// The lightest grey, which is white.
     most: u16,
-    /// In digits rather than in bytes.
+    /// Whether the pixels are in digits (P2) rather than in bytes (P5).
     is_plain: bool,
     rest: &'a [u8],
     rows_read: usize,
@@ -60,7 +60,7 @@ impl<'a> Pgm<'a> {
         Ok(())
     }
 
-    /// A pixel in one byte, or in two with the greater first when the lightest grey does not fit into a byte.
+    /// Reads a pixel of one byte, or of two bytes (big-endian) if the lightest grey does not fit into one.
     fn next_sample(&mut self) -> Option<u64> {
         let (sample, rest) = self.rest.split_at_checked(if self.most < 256 { 1 } else { 2 })?;
         self.rest = rest;

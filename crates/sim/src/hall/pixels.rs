@@ -11,12 +11,12 @@ use super::pixel::{Pixel, sides};
 
 pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
 
-/// Most memory of a PNG besides its file, in bytes: a few rows of the widest, with room.
+/// Maximum memory for reading a PNG, in bytes, besides the file itself: some rows of the widest image.
 const PNG_BYTES: usize = 16 << 20;
 
 const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// `map_server` reads these; here they are refused by name.
+/// Beginning of BMP images: `map_server` reads them, but here they are refused by name.
 const BMP_BEGIN: &[u8] = b"BM";
 
 pub(super) enum Image<'a> {
@@ -41,7 +41,7 @@ impl<'a> Image<'a> {
         let broken = |error: png::DecodingError| HallFault::Png(error.to_string());
         let header = decoder.read_header_info().map_err(broken)?;
         sides(header.width.into(), header.height.into())?;
-        // Its rows would come in seven passes.
+        // The rows of an interlaced image come in seven passes.
         if header.interlaced {
             return Err(HallFault::Png("it is interlaced".to_owned()));
         }

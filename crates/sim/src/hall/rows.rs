@@ -92,8 +92,8 @@ impl DrawingRows {
         Ok(())
     }
 
-    /// The robot's start when the file does not say it: in the largest connected part of the floor, the cell nearest to
-    /// the north-west corner (columns plus rows), and of equals the northernmost.
+    /// The robot's start when the file does not set it: in the largest connected part of the floor, the cell nearest to
+    /// the north-west corner (columns plus rows). Of equally near cells the northernmost one is taken.
     pub(super) fn start_in_largest_part(&self, columns: usize) -> Option<Cell> {
         let from_corner = |place: usize| (place % columns + place / columns, place);
         let mut seen = vec![false; self.squares.len()];
@@ -154,7 +154,7 @@ impl DrawingRows {
     }
 }
 
-/// The free squares connected with this one over their sides, itself included; they are marked as seen.
+/// The free squares connected with this one over their sides, including itself. Marks them as seen.
 pub(super) fn part(squares: &[Truth], columns: usize, from: usize, seen: &mut [bool]) -> Vec<usize> {
     seen[from] = true;
     let (mut part, mut looked_at) = (vec![from], 0);

@@ -37,7 +37,7 @@ pub const PLAYER: f64 = 4.0;
 /// Moves of the player per second, each by its speed, on a page that is not slow.
 const FRAMES: f64 = 60.0;
 
-/// Shortest and longest time for a cell that any page has.
+/// Shortest and longest time per cell on any page.
 const STEPS: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(5)];
 
 /// A scene file, in units of the page's world.
@@ -63,11 +63,11 @@ pub struct Floor {
 pub struct Player {
     pub x: f64,
     pub z: f64,
-    /// In the page's own unit.
+    /// Speed, in the page's own unit.
     pub speed: f64,
 }
 
-/// A fixed box on the floor; the player's middle stays half of its side away from it.
+/// A fixed box on the floor; the player's middle stays at least half the player's side away from the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticObstacle {
     pub name: String,
@@ -78,7 +78,7 @@ pub struct StaticObstacle {
 }
 
 impl StaticObstacle {
-    /// Otherwise it is luggage.
+    /// Whether the obstacle is a wall; otherwise it is luggage.
     #[must_use]
     pub fn is_wall(&self) -> bool {
         self.name.starts_with("wall")
@@ -93,7 +93,7 @@ pub struct MovingObstacle {
     pub z: f64,
     pub along_x: bool,
     pub along_z: bool,
-    /// In the page's own unit.
+    /// Speed, in the page's own unit.
     pub speed: f64,
     pub range: f64,
 }
@@ -109,7 +109,7 @@ pub struct SceneSonar {
 
 impl Scene {
     /// # Errors
-    /// The file cannot be read, or what is wrong in it.
+    /// When the file cannot be read or has a fault.
     pub fn open(path: &str) -> Result<Scene, HallError> {
         let mut bytes = Vec::new();
         let limit = MAX_SCENE_BYTES as u64 + 1;
@@ -126,7 +126,7 @@ impl Scene {
     /// `file` is named in errors.
     ///
     /// # Errors
-    /// What is wrong, and in which line.
+    /// The fault and its line.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Scene, HallError> {
         if bytes.len() > MAX_SCENE_BYTES {
             return Err(HallFault::SceneTooLarge(MAX_SCENE_BYTES).at(file, 1));
@@ -140,7 +140,7 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
-            // The reader expects a comment behind the `/` of a division.
+            // After the `/` of a division the parser expects a comment, and its message says only that.
             let reason =
                 if reason == "expected comment" { "what stands here is not reckoned out, as .5 is for 1/2" } else { reason };
             HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
@@ -151,7 +151,7 @@ impl Scene {
     /// Time for one cell on a page that makes `FRAMES` moves per second.
     ///
     /// # Errors
-    /// The player's speed is too low or too high for any page.
+    /// When the player's speed is too low or too high for any page.
     pub fn step(&self) -> Result<Duration, HallFault> {
         let (speed, [least, most]) = (self.player.speed, STEPS);
         let step = Duration::try_from_secs_f64(PLAYER / (speed * FRAMES)).ok();
@@ -328,7 +328,7 @@ impl Floor {
         ((position.x.0 - 0.5) * self.x, (position.y.0 - 0.5) * self.z)
     }
 
-    /// Only for these does the page count `y` from the south.
+    /// Static obstacles are the only things for which the page counts `y` from the south.
     fn obstacle(self, WrittenStatic { name, center_position, size }: WrittenStatic) -> StaticObstacle {
         let (x, from_south) = self.place(&center_position);
         let z = -from_south;

@@ -9,7 +9,7 @@ use hallsweep_core::world::hall_map::Mark;
 /// What may stand between two cells.
 const BETWEEN: [char; 5] = ['|', ',', ' ', '\t', '\r'];
 
-/// Whether a text contains such a map and nothing else.
+/// Whether a text is a map of old clients and nothing else.
 pub(super) fn is_one(text: &str) -> bool {
     let is_mark = |letter: char| "r10X".contains(letter);
     text.contains(is_mark)

@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
     source.check_length(content.name.as_ref(), 1..=64, HallFault::NameLength)?;
-    // Only who reads the file sees a description: it may be longer than a name, or empty.
+    // Only readers of the file see a description, so it may be longer than a name, or empty.
     source.check_length(content.description.as_ref(), 0..=1000, HallFault::DescriptionLength)?;
     let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
     let plan = match &content.drawing {
@@ -161,7 +161,7 @@ impl Source<'_> {
         self.furnish(read, &drawing.span(), luggage)
     }
 
-    /// The line of a drawing's first row: the one after the opening quotes, when these are three and end their line.
+    /// The line of a drawing's first row: the line after the opening quotes, if these are three and end their line.
     fn first_row_line(&self, span: &Range<usize>) -> usize {
         let value = self.text.get(span.clone()).unwrap_or_default();
         let opened = value.strip_prefix("\"\"\"").or_else(|| value.strip_prefix("'''"));
@@ -230,7 +230,7 @@ impl Source<'_> {
     }
 }
 
-/// The hall as a file. Pieces that need a description have a letter as far as there are letters; the rest is drawn as
+/// The hall as a file. Pieces that need a description get letters while any are left. The other pieces are drawn as
 /// `T`, and the file says so.
 pub(super) fn write(hall: &Hall) -> String {
     let letters = letters(hall.pieces());
@@ -288,13 +288,13 @@ fn describe(text: &mut String, mark: char, bag: &Bag) {
     }
 }
 
-/// Whether `T` would not stand for the same piece.
+/// Whether a piece needs a description, because `T` would be read as a different piece.
 fn needs_words(bag: &Bag) -> bool {
     bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
 }
 
-/// A letter for every piece that needs a description, or for the 26 that would lose most: the dangerous ones, then
-/// those of several cells.
+/// A letter for every piece that needs a description, or for the 26 that would lose most: the dangerous pieces first,
+/// then pieces of several cells.
 fn letters(bags: &[Bag]) -> BTreeMap<Piece, char> {
     let mut wanted: Vec<&Bag> = bags.iter().filter(|bag| needs_words(bag)).collect();
     wanted.sort_by_key(|bag| (!bag.dangerous, bag.cells.len() == 1, bag.piece));

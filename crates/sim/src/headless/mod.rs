@@ -37,7 +37,7 @@ pub struct Run {
     pub moves: Moves,
     /// The hall before anything was lifted.
     hall: Arc<Hall>,
-    /// What was lifted since, and where it lies.
+    /// Every lifted piece, and the cell where it lies now; `None` if it lies in none.
     moved: BTreeMap<Piece, Option<Cell>>,
     began_ms: i64,
     now: Now,
@@ -121,7 +121,7 @@ impl Run {
         self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
     }
 
-    /// Passes an event to the core that the simulator does not cause by itself.
+    /// Passes the core an event that the simulator does not cause by itself.
     pub fn happen(&mut self, event: Event) {
         self.engine.handle_event(event, self.now);
         self.settle();
@@ -143,7 +143,7 @@ impl Run {
         self.wait_until(end);
     }
 
-    /// Advances until `reached`; false when `limit` events have happened before.
+    /// Advances until `reached` holds; false when `limit` events happen before that.
     pub fn run_until(&mut self, limit: usize, mut reached: impl FnMut(&Snapshot) -> bool) -> bool {
         for _ in 0..limit {
             if reached(&self.state()) {
@@ -205,7 +205,7 @@ impl Run {
         }
     }
 
-    /// The other robot no longer meets what the pair has lifted.
+    /// Removes the pieces that the pair has lifted from the searching robot's hall.
     fn follow_pair(&mut self) {
         let moved = self.pair.as_ref().map(Pair::moved).unwrap_or_default();
         if moved != self.moved {

@@ -1,6 +1,6 @@
-//! A parcel between two grippers: the gripping force, the angle of the paddles and the distance of the bases, under
-//! disturbances and with a controller each, in fixed steps. Who starts the controllers, and where the parcel is, is not
-//! decided here.
+//! A parcel between two grippers: the gripping force, the angle of the paddles and the distance of the bases, computed
+//! in fixed steps. Each is disturbed, and each has a controller. Other files decide when the controllers start and
+//! where the parcel is.
 //!
 //! ```text
 //!            force ─►▐▓▓▓▓▓▓▌◄─ force      the load makes the force creep away and the paddles tilt;
@@ -30,7 +30,7 @@ pub const ANGLE_LIMIT: f64 = 0.2;
 /// Greatest error of the distance of the bases, in metres: the reach of the wrists.
 pub const GAP_LIMIT_M: f64 = 0.08;
 
-/// Steps, a third of a second, for which a quantity may be beyond its limit before the parcel is lost.
+/// Number of steps (a third of a second) for which a quantity may be beyond its limit before the parcel is lost.
 const PATIENCE: u32 = 33;
 
 /// One quantity that is held: its drift under load, its noise, and its controller.
@@ -105,7 +105,7 @@ impl Grip {
         Grip { parcel, height: 0.0, steps: 0, force, angle, gap: Held::default(), faster, tilts, beyond: 0 }
     }
 
-    /// Whether the grippers bear the parcel, and not the floor.
+    /// Whether the grippers, and not the floor, bear the parcel.
     pub(super) fn is_loaded(&self) -> bool {
         self.height > 0.0
     }

@@ -9,14 +9,15 @@ use hallsweep_core::arm::Parcel;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Piece};
 
-/// How far from the place at which it looks the camera recognises a parcel, in steps: a pallet and the floor round it.
+/// Distance within which the camera recognises a parcel, in steps from the place at which it looks: enough for a
+/// pallet and the floor round it.
 const SIGHT: u32 = 12;
 
 #[derive(Clone, Debug)]
 pub(super) struct PairGround {
     hall: Arc<Hall>,
-    /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the
-    /// container.
+    /// The place of each piece that was ever lifted, one place however large the piece is; `None` while it is in the
+    /// grippers or in the container.
     moved: BTreeMap<Piece, Option<Place>>,
     taken_in: Vec<Piece>,
     /// Cells that were closed since the hall was opened.
@@ -86,8 +87,8 @@ impl PairGround {
         }
     }
 
-    /// The piece in sight that is nearest to a place, and of its cells the nearest one; among equals, the piece with
-    /// the least number.
+    /// The piece in sight that is nearest to a place, at its nearest cell; of equally near pieces the one with the
+    /// lowest number.
     pub(super) fn nearest(&self, place: Place) -> Option<Parcel> {
         if let Some(piece) = self.piece_at(place) {
             return Some(Parcel { piece, place });
@@ -109,7 +110,7 @@ impl PairGround {
         self.moved.insert(parcel.piece, Some(parcel.place));
     }
 
-    /// The piece lies nowhere on the floor afterwards.
+    /// Removes a piece from the floor, into the container.
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);

@@ -21,7 +21,7 @@ use hallsweep_core::units::{Cell, Now, Piece};
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
 
-/// A quarter turn in microradians, and what rounding may add.
+/// A quarter turn in microradians, plus the largest rounding error.
 const QUARTER_URAD: u64 = 1_570_797;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,15 +34,15 @@ pub struct PairMemory {
     pub closed: Vec<Cell>,
     /// Slips still to come; `None` in a hall that was just opened.
     pub slips: Option<Vec<Slip>>,
-    /// Parcels that are still not to be recognised; `None` in a hall that was just opened.
+    /// Parcels that the first look will not recognise; `None` in a hall that was just opened.
     pub unrecognised: Option<Vec<u32>>,
-    /// How often the pair went on after the end of a program; its noise begins anew each time.
+    /// Number of times that the pair continued after the end of a program; each time its noise begins anew.
     pub restarts: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobotMemory {
-    /// Where the last completed order left it.
+    /// The pose in which the last completed order left the robot.
     pub stands: BasePose,
     pub astray: AstrayMemory,
     pub motion: Option<(AstrayMemory, Duration)>,
@@ -107,9 +107,9 @@ impl PairMemory {
         }
     }
 
-    /// The state once the program that drove the pair has died and the bases have come to rest, at most `WATCHDOG`
-    /// later; the seed draws when. Both roll the same share of the time, because a parcel between them is coupled to
-    /// both.
+    /// The state once the program that drove the pair has died and the bases have come to rest, after a random time of
+    /// at most `WATCHDOG` that is drawn from the seed. Both bases roll for the same share of that time, because a
+    /// parcel may couple them.
     #[must_use]
     pub fn at_rest(mut self, seed: u64) -> PairMemory {
         self.restarts = self.restarts.wrapping_add(1);

@@ -70,7 +70,7 @@ impl Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
     }
 
-    /// What each can do, in simulated time. The stated time of a step is that with a load.
+    /// What each robot can do, with times in simulated time. The time of a step is that of a step with a load.
     #[must_use]
     pub fn capabilities(&self) -> Capabilities {
         let PairSettings { step, loaded_step, turn, look, arm, .. } = self.settings;
@@ -100,8 +100,8 @@ impl Pair {
         self.pass_to(now.since_start);
     }
 
-    /// Stops wheels and arm of one robot where they are, and of the other when they carry together. Controllers that
-    /// hold the parcel go on.
+    /// Stops wheels and arm of one robot where they are; the other robot stops too if they carry a parcel together.
+    /// Controllers that hold the parcel go on.
     pub fn handle_halt(&mut self, which: Which, now: Now) {
         self.pass_to(now.since_start);
         self.halt(which);
@@ -132,8 +132,8 @@ impl Pair {
         !in_use
     }
 
-    /// Puts temporary obstacles into these cells, and removes all others. Returns whether all were put: none is put
-    /// where a robot or a parcel is.
+    /// Puts temporary obstacles into these cells, and removes all others. Returns whether all could be put: a cell with
+    /// a robot or a parcel gets none.
     pub fn handle_blocked(&mut self, cells: &BTreeSet<Cell>) -> bool {
         let (taken, free): (BTreeSet<Cell>, BTreeSet<Cell>) = cells.iter().partition(|cell| self.is_in_use(**cell));
         self.ground.block(free);
@@ -152,7 +152,7 @@ impl Pair {
         self.events.extend(Which::ALL.map(|which| (which, RobotEvent::LinkUp(can))));
     }
 
-    /// Whether one of them waits for the other's part of an order that only both can carry out.
+    /// Whether one robot waits for the other's part of an order that only both can carry out.
     #[must_use]
     pub fn awaits_the_other(&self) -> bool {
         self.robots.iter().any(|robot| robot.task.as_ref().is_some_and(|task| task.run.is_none()))
@@ -192,7 +192,7 @@ impl Pair {
         }
     }
 
-    /// The parcel in the grippers, with the place over which, or on which, it is.
+    /// The parcel in the grippers, with the place on which it stands or over which it is held.
     #[must_use]
     pub fn load(&self) -> Option<Parcel> {
         self.grip.as_ref().map(|grip| grip.parcel)
@@ -228,7 +228,7 @@ impl Pair {
         self.ground.lying().collect()
     }
 
-    /// Every piece that was ever lifted, and the cell in which it lies now; `None` where it lies in none.
+    /// Every piece that was ever lifted, and the cell in which it lies now; `None` if it lies in no cell.
     #[must_use]
     pub fn moved(&self) -> BTreeMap<Piece, Option<Cell>> {
         self.ground.moved().map(|(piece, place)| (piece, place.and_then(Place::cell))).collect()
@@ -279,7 +279,7 @@ impl Pair {
         }
     }
 
-    /// Parcels that lie where they fell, or were released: if the program was killed just then, nobody knows of them.
+    /// Parcels that lie where they fell or were released. A program that was killed just then has no record of them.
     fn lost(&self) -> impl Iterator<Item = Parcel> {
         let held = self.load().map(|parcel| parcel.piece);
         self.ground.lying().filter(move |(piece, _)| held != Some(*piece)).map(|(piece, place)| Parcel { piece, place })

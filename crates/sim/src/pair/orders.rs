@@ -1,5 +1,5 @@
-//! How the pair accepts an order: whether it is possible at all, alone or only by both, and how long it takes. Its
-//! outcome stands in `passing`.
+//! How the pair accepts an order: whether it is possible, whether one robot or only both can carry it out, and how long
+//! it takes. `passing` has the outcome of orders.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
@@ -106,8 +106,8 @@ impl Pair {
         }
     }
 
-    /// A parcel couples the two: neither drives or lifts without the other. Each turns by itself, because the arm turns
-    /// on it.
+    /// A parcel couples the two: neither drives or lifts without the other. A robot can turn by itself, because its arm
+    /// turns on its base.
     fn needs_both(&self, which: Which, work: Work) -> bool {
         let is_along = matches!(self.robots[which.index()].astray, Astray::Along(..));
         match work {

@@ -19,7 +19,7 @@ const MAGIC: &str = "hallsweep simulated pair, version ";
 
 const VERSION: &str = "1";
 
-/// Largest file, in bytes: more than a hall of the most pieces needs when the container has taken them all in.
+/// Largest file, in bytes: more than is needed when all pieces of the fullest hall are in the container.
 pub const MOST: usize = 8 << 20;
 
 #[derive(Serialize, Deserialize)]
@@ -85,7 +85,7 @@ pub fn written(whose: &Whose, memory: &PairMemory) -> Vec<u8> {
 }
 
 /// # Errors
-/// Why its bytes are no memory of a pair.
+/// When the bytes are no memory of a pair, with the reason.
 pub fn read(bytes: &[u8]) -> Result<(Whose, PairMemory), Unread> {
     let damaged = |words: &str| Unread::Damaged(words.to_owned());
     let text = std::str::from_utf8(bytes).map_err(|_| damaged("it is not text"))?;

@@ -1,5 +1,5 @@
-//! How time passes for the pair: what ends, is late or slips away, each at its own moment, so that the result does not
-//! depend on how often time advances. How work begins stands in `orders`.
+//! How time passes for the pair. The end of an order, a missed deadline and a slip are each handled at their own
+//! moment, so that the result does not depend on how often time advances. How work begins stands in `orders`.
 
 use std::time::Duration;
 
@@ -222,7 +222,7 @@ impl Pair {
         let pace = self.ground.hall().cell_m() / self.settings.loaded_step.as_secs_f64();
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
-        // Steps already made when a slip is due; a slip that is asked for later comes with the last step.
+        // Numbers of steps for which a slip is due now. In the last step these include all larger numbers.
         let (mut speed, mut slipping) = (0.0, None);
         let stood = !grip.is_loaded();
         match running {
@@ -249,7 +249,7 @@ impl Pair {
         let leaves_floor = stood && grip.is_loaded();
         self.holding.add(grip);
         if leaves_floor {
-            // A halt in the next moment, or a restart after a kill, must know that it no longer stands there.
+            // A halt in the next moment, or a restart after a kill, must know that the parcel no longer stands there.
             self.unkept = true;
             self.tell_arms();
         }
@@ -263,8 +263,8 @@ impl Pair {
         }
     }
 
-    /// The parcel falls to where it was when the step began, since the bases' own reckoning belongs to that place. Both
-    /// stop.
+    /// The parcel falls to where it was when the step began, since both bases still count as standing where they began
+    /// it. Both robots stop.
     fn lose(&mut self) {
         let Some(Grip { parcel, .. }) = self.grip.take() else { return };
         self.unkept = true;
@@ -277,8 +277,8 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.halt(which));
     }
 
-    /// Stops what a robot does, and what the other does with it; both report it. A look or a controller is no motion
-    /// and goes on.
+    /// Stops the work of a robot, and the other robot's part in it; both report that. A look or a controller is no
+    /// motion and goes on.
     pub(super) fn halt(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };
         if !task.work.is_motion() {

@@ -13,7 +13,7 @@ use hallsweep_core::units::{Cell, OrderId, Pose};
 
 #[derive(Clone, Debug)]
 pub(super) struct Robot {
-    /// Where the last completed order left it.
+    /// The pose in which the last completed order left the robot.
     pub(super) stands: BasePose,
     /// How far from there it really is while nothing moves it.
     pub(super) astray: Astray,
@@ -52,13 +52,13 @@ pub(super) struct WorkTime {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Work {
-    /// To a neighbouring place, or to this share of the way where something stands in it.
+    /// A step to a neighbouring place, or over a share of the way if something stands in it.
     Step {
         to: Place,
         until: f64,
         against: Option<Obstacle>,
     },
-    /// Back to `Robot::stands`.
+    /// The way back to `Robot::stands`.
     Back,
     Turn {
         clockwise: bool,
@@ -67,7 +67,7 @@ pub(super) enum Work {
 }
 
 impl WorkTime {
-    /// The share of it that is done at `now`, 0–1.
+    /// Share of the work that is done at `now`, 0–1.
     pub(super) fn done(self, now: Duration) -> f64 {
         let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));
         if passed >= whole { 1.0 } else { passed.as_secs_f64() / whole.as_secs_f64() }
@@ -106,7 +106,7 @@ impl Robot {
         }
     }
 
-    /// Whether it stands in a place, or will when its step ends.
+    /// Whether the robot stands in a place, or will stand there when its step ends.
     pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
         let enters = matches!(&self.task, Some(PairTask { work: Work::Step { to, .. }, .. }) if *to == place);
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
@@ -142,7 +142,7 @@ impl Astray {
         }
     }
 
-    /// `Not` where nothing is left of the way.
+    /// Replaces a way or an angle of zero by `Not`.
     pub(super) fn settled(self) -> Astray {
         match self {
             Astray::Along(_, 0.0) | Astray::Turned(0.0) | Astray::Not => Astray::Not,

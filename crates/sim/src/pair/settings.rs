@@ -39,8 +39,8 @@ pub struct Mishaps {
 pub struct Slip {
     /// The parcel, counted from 1.
     pub parcel: u32,
-    /// In the middle of the step after this many, or of the last step where the way is shorter; 0 is while it is
-    /// lifted.
+    /// Number of steps after which the parcel slips: in the middle of the next step, or of the last step if the way is
+    /// shorter. With 0 it slips while it is lifted.
     pub after_steps: u32,
 }
 

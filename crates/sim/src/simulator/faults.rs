@@ -1,5 +1,5 @@
-//! Faults of the simulated robot that somebody switches on and off. A blocked way is no fault of the robot: its hall
-//! changes then.
+//! Faults of the simulated robot that somebody switches on and off. A blocked way is no fault of the robot but a change
+//! of its hall.
 
 use super::{End, Sim, SimTask, Work};
 use hallsweep_core::units::{Cell, Now};
@@ -23,7 +23,7 @@ impl Sim {
         }
     }
 
-    /// Its link is lost: it halts by itself, and what was under way will not be answered.
+    /// The link is lost: the robot halts by itself, and never answers the order under way.
     pub fn handle_link_lost(&mut self, now: Now) {
         self.handle_timeout(now);
         if self.task.is_some() {
@@ -32,7 +32,7 @@ impl Sim {
         self.events.clear();
     }
 
-    /// Its link is back: it reports where it is.
+    /// The link is back: the robot reports where it is.
     pub fn handle_link_back(&mut self, now: Now) {
         self.handle_timeout(now);
         self.events.clear();

@@ -18,8 +18,8 @@ pub(super) enum Film {
 }
 
 impl Sim {
-    /// Takes the current photo for developing it elsewhere (drawing takes milliseconds). It must come back by
-    /// `handle_photo`; until then the order stays open.
+    /// Takes the current photo, to develop it elsewhere, since drawing takes milliseconds. The order stays open until
+    /// `handle_photo` brings the photo back.
     pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
         let Some(SimTask { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
         let Film::Here(exposure) = film else { return None };

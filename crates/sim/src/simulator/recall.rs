@@ -1,5 +1,5 @@
-//! How the simulated robot hands out its memory, and goes on from it in the next run of the program. Its content stands
-//! in `memory`; it is stored by `state_file`.
+//! How the simulated robot hands out its memory, and continues from it in the next run of the program. `memory` has the
+//! contents, and `state_file` stores them.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::{Hall, Sim, SimMemory, SimSettings, Work};
 impl Sim {
     /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within
     /// half a second. After a step that was cut short it stands between two cells with the pose of the last completed
-    /// order, so that recentring brings it back there. Its first reports are those of a new one.
+    /// order, so that recentring brings it back there. Its first reports are those of a new robot.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         Sim::placed(hall, settings, memory.at_rest(settings.seed))

@@ -1,11 +1,11 @@
-//! Makes a hall of a scene: cells as large as the player, counted from where it stands, as it would find them by
-//! driving from cell to cell. Columns and rows stay as the page shows them, north up.
+//! Makes a hall of a scene. Cells are as large as the player and are counted from its place; their contents are what it
+//! would find by driving from cell to cell. Columns and rows stay as the page shows them, north up.
 //!
 //! ```text
 //!   ·───►·───►│#     a cell is free where a step into it ends, else it is what stopped the first one: a wall, or a piece of luggage
 //! ```
-//! No thing is so thin that it stands between two free cells: on each side it keeps half a player away, and a cell is
-//! no larger.
+//! No thing is thin enough to stand between two free cells: it keeps the player's middle half a player away on each
+//! side, and a cell is no larger than the player.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -22,7 +22,7 @@ const BORDER: &str = "floor-border";
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallOfScene {
-    /// With the player's place as its home.
+    /// The hall; home is the player's place.
     pub hall: Hall,
     /// Parts of the scene that the hall leaves out, a few words each.
     pub lost: Vec<String>,
@@ -39,8 +39,7 @@ struct ReachedCells<'a> {
 impl Scene {
     /// The hall that the player would find, under this name.
     ///
-    /// # Errors
-    /// The player stands in something, and finds nothing.
+    /// When the player stands in an obstacle and so finds nothing.
     pub fn hall(&self, name: &str) -> Result<HallOfScene, HallFault> {
         let found = self.found()?;
         let pieces = found.pieces();
@@ -84,7 +83,7 @@ impl Scene {
         self.statics.iter().find(within).map(|thing| thing.name.as_str()).or(is_beyond.then_some(BORDER))
     }
 
-    /// The thing that the player meets first on its way from the middle of one cell to that of one beside it.
+    /// The thing that the player meets first on its way from the middle of one cell to the middle of the next.
     fn contact(&self, from: Cell, to: Cell) -> Option<&str> {
         let turned = from.x == to.x;
         let axes = |[x, z]: [(f64, f64); 2]| if turned { [z, x] } else { [x, z] };
@@ -124,7 +123,7 @@ impl<'a> ReachedCells<'a> {
         self.taken.iter().filter(move |(_, name)| !is_wall(name)).map(|(cell, name)| (*cell, *name))
     }
 
-    /// The cells of each piece: of one name, and touching.
+    /// The cells of each piece: touching cells with the same name are one piece.
     fn pieces(&self) -> Vec<Vec<Cell>> {
         let mut left: BTreeMap<Cell, &str> = self.luggage().collect();
         let mut pieces = Vec::new();

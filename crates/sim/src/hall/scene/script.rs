@@ -80,7 +80,7 @@ impl Iterator for Code<'_> {
     }
 }
 
-/// With both quotes; a string that is not closed takes everything that follows.
+/// Length of a string with both quotes; a string that is not closed takes everything that follows.
 fn string_length(rest: &[u8], quote: u8) -> usize {
     let mut place = 1;
     while let Some(byte) = rest.get(place) {
