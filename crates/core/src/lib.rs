@@ -1,9 +1,10 @@
 //! The core: what hallsweep knows and decides. Pure: no clock, no I/O, no thread, no channel; `now` is an argument.
 //!
-//! The verbs are the same at every layer: `handle_command`, `handle_event`, `handle_timeout` bring something in,
-//! `poll_effect` and `poll_timeout` take out what follows from it.
+//! The verbs are the same at every layer: `handle_command`, `handle_event` and `handle_timeout` take inputs,
+//! `poll_effect` and `poll_timeout` return what follows from them.
 
-/// Declares an enum whose variants have one fixed word each, and with `ALL` in front the list of them in their order.
+/// Declares an enum whose variants have one fixed word each. With `ALL` in front, it also declares the list of the
+/// variants in their order.
 macro_rules! named {
     (ALL by $by:ident; $(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
         named! { by $by; $(#[$meta])* $vis enum $name { $($(#[$doc])* $variant = $word,)* } }

@@ -7,7 +7,7 @@ use crate::not_fetched::Fetcher;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Above this the hall is too hot for anything to move.
+    /// Temperature above which the hall is too hot for anything to move.
     pub threshold: Celsius,
     /// A reading must fall this far below the threshold, in °C, before it counts as cool again.
     pub hysteresis: f64,
@@ -15,10 +15,10 @@ pub struct Settings {
     pub inspect_everything: bool,
     pub fetcher: Fetcher,
     pub objective: Objective,
-    /// Number of cells ahead of which the robot's sonar tells the search whether they are free; 0: it learns that by
+    /// Number of cells ahead that the robot's sonar can report as free to the search; 0: the robot finds obstacles by
     /// driving into them.
     pub sonar_cells: u8,
-    /// The costs of moves in the search; `None`: the times that the robot needs for them.
+    /// The costs of moves in the search. If `None`, the times that the robot needs for the moves are their costs.
     pub costs: Option<Costs>,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
     pub wall_lines: bool,

@@ -31,7 +31,7 @@ const AHEAD: usize = 64;
 /// After a loss nothing is shown before the whole state is on record anew.
 const NEVER: Seq = Seq(u64::MAX);
 
-/// The results of commands and finds, as they were after one input.
+/// The results of commands, and the pieces found, as they were after one input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StateView {
     pub(super) mission: MissionId,

@@ -27,7 +27,7 @@ pub struct Past {
     pub trail: Vec<Cell>,
     /// Recent entries with temperatures, oldest first.
     pub temperatures: Vec<Entry>,
-    /// The latest actions of people and finds, oldest first.
+    /// The latest actions of people and the latest pieces found, oldest first.
     pub latest: Vec<RememberedLine>,
 }
 

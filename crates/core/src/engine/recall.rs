@@ -28,7 +28,7 @@ pub struct Recalled {
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
-    /// The latest actions of people and finds, oldest first.
+    /// The latest actions of people and the latest pieces found, oldest first.
     pub latest: Vec<RememberedLine>,
 }
 

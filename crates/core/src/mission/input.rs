@@ -61,7 +61,7 @@ impl Input {
     /// In the order of mission §4.
     pub(crate) const COMMANDS: [Input; 16] = *Input::ALL.first_chunk().expect("they are listed first");
 
-    /// In the order of a mission's life.
+    /// In the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
 }
 
@@ -69,9 +69,9 @@ impl Input {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputContext {
     pub(crate) issuer: Option<Issuer>,
-    /// The epoch that a stop has raised; of another command, the one in which it was sent.
+    /// The epoch that a stop has raised; for any other command, the epoch in which it was sent.
     pub(crate) epoch: Option<Epoch>,
-    /// The piece that is named, or meant by a bare word.
+    /// The piece that the command names, or that a verdict without a number means.
     pub(crate) luggage: Option<LuggageId>,
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
@@ -83,14 +83,14 @@ pub(crate) struct InputContext {
     pub(crate) strategy: Option<Strategy>,
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
-    /// The reason of a hold that it raises, if there is more to say.
+    /// The reason of the hold that the input raises, if there is more to say.
     pub(crate) why: Option<HoldReason>,
     /// Why there is no photo, in words.
     pub(crate) words: Option<String>,
 }
 
 impl InputContext {
-    /// The input that a command is, with its details. `pending` is the piece that a bare word would mean.
+    /// The input for a command, with its details. `pending` is the piece that a verdict without a number would mean.
     pub(crate) fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
         let context = InputContext { issuer: Some(issuer.clone()), ..InputContext::default() };
         match command {

@@ -1,5 +1,5 @@
-//! The time that a cell has taken in a search so far, by the robot's moves: the basis of a forecast. It is counted anew
-//! in each run of the program.
+//! The mean time per cell in the search so far, measured by the robot's moves: the basis of a forecast. It is measured
+//! anew in each run of the program.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ impl Pace {
         self.driven = self.driven.saturating_add(took);
     }
 
-    /// The mean time per cell; `None` while there are too few cells for one.
+    /// The mean time per cell; `None` while there are too few cells for a mean.
     pub(crate) fn a_cell(&self, looked_at: u32) -> Option<Duration> {
         let cells = looked_at.checked_sub(self.before?).filter(|cells| *cells >= FEW)?;
         Some(self.driven / cells).filter(|time| !time.is_zero())

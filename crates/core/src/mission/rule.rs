@@ -4,18 +4,18 @@
 use crate::hold::Hold;
 use crate::phase::PhaseName;
 
-/// One line of a cell of the table; the first that applies decides.
+/// One line of a cell of the table; the first line that applies decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rule {
     RefuseIf(Guard),
-    /// Refused if this guard forbids it, but these acts are carried out all the same.
+    /// Refused if this guard forbids the input, but these acts are carried out all the same.
     RefuseIfThen(Guard, &'static [Act]),
     When(Case, To, &'static [Act]),
     /// Always the last line of its cell.
     Go(To, &'static [Act]),
     /// Always the last line of its cell.
     Never(Guard),
-    /// The rule of the phase that was interrupted, which stays interrupted. Always the only line of its cell.
+    /// The rule of the interrupted phase, which stays interrupted. Always the only line of its cell.
     AsInterrupted,
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct Mission {
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) seq: Seq,
-    /// When it was found, or photographed again.
+    /// When the piece was found, or photographed again.
     pub(crate) wall: WallTime,
     pub(crate) fact: Fact,
 }

@@ -26,7 +26,7 @@ impl Team {
     /// Resumes a state, as if there had been no restart.
     ///
     /// # Errors
-    /// If it is the state of other trees; then this team has still to begin.
+    /// If it is the state of other trees. A team that begins anew must be used then.
     pub fn resume(state: TeamState) -> Result<Team, StateError> {
         Team::new().resumed(state)
     }

@@ -9,14 +9,14 @@ use crate::units::{Cell, Heading};
 /// Whether a base may back into the next cell. A robot sees what it meets only when it drives forwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gear {
-    /// It turns until it faces the way it goes.
+    /// The base turns until it faces the direction in which it drives.
     Forwards,
     /// Backwards is allowed too, into a cell that is known to be free.
     Either,
 }
 
-/// The next action of a base on its way to a neighbouring place; `None` when it is there, or the place is not beside
-/// it.
+/// The next action of a base on its way to a neighbouring place; `None` when the base is there, or the place is not
+/// beside it.
 #[must_use]
 pub fn steer(stands: BasePose, to: Place, gear: Gear) -> Option<Action> {
     if !stands.place.is_beside(to) {

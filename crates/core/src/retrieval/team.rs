@@ -8,7 +8,7 @@
 //!   SUCCESS of the Supervisor: again, while there is anything to be fetched (phase 8), else Done
 //!   FAILURE: the parcel is lost: a call, and once it is acknowledged the Supervisor anew, where the parcel lies; or a named fault
 //! ```
-//! Nobody ticks it while anything holds the robots: then its time stands still.
+//! Nobody ticks the team while anything holds the robots, so its time stands still.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ use behaviour_trees::{Blackboard, Status, Tree, TreeError, xml};
 
 pub const TICK: Duration = Duration::from_millis(100);
 
-/// Losses of one parcel after which something is wrong with the grippers, or with the parcel.
+/// Number of losses of one parcel after which the grippers or the parcel count as faulty.
 pub const MOST_LOSSES: u32 = 10;
 
 pub const FILES: [(&str, &str); 3] = [
@@ -61,7 +61,7 @@ pub struct Team {
     /// Number of runs of the Supervisor that have begun.
     pub(super) runs: u32,
     words: Option<String>,
-    /// How long the two have disagreed whether they hold something.
+    /// How long the two robots have disagreed whether they hold something.
     waited: Duration,
 }
 
@@ -71,7 +71,7 @@ impl Team {
         Team::of(FILES.map(|(_, file)| file)).expect("a test builds the trees of the shipped files")
     }
 
-    /// The trees of SRM1, SRM2 and the Supervisor in these files.
+    /// Reads the trees of SRM1, SRM2 and the Supervisor from these files.
     ///
     /// # Errors
     /// The fault of the first file that is no tree of these leaves.
@@ -102,8 +102,8 @@ impl Team {
         let _ = self.blackboard.set(entry, value);
     }
 
-    /// Ticks the three trees once, `since_last` after the last time. Nothing happens when the work is done, or cannot
-    /// go on.
+    /// Ticks the three trees once, `since_last` after the last time. Does nothing once the work is done, or cannot go
+    /// on.
     pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> TickOutcome {
         let mut outcome = TickOutcome::default();
         match self.stage {
@@ -159,8 +159,8 @@ impl Team {
             }
         };
         if performer.output.fault.is_some() && said == Status::Running {
-            // Leaves that run beside the failed one would only delay the end, and its reason would be forgotten by
-            // then.
+            // Leaves that run beside the failed leaf would only delay the end, and the reason of the failure would be
+            // forgotten by then.
             self.trees[index].halt(&mut self.blackboard, &mut performer);
             performer.output.sayings.clear();
             said = Status::Failure;
@@ -185,7 +185,7 @@ impl Team {
         }
     }
 
-    /// The Supervisor failed without a named fault: the parcel is not in the grippers, where it should be.
+    /// The Supervisor failed without a named fault: the parcel is not in the grippers, although it should be there.
     fn lose(&mut self, outcome: &mut TickOutcome) {
         self.routes.forget();
         self.dropped = None;

@@ -1,6 +1,6 @@
 //! What the leaves of the trees read, and what they return: proposals to the two robots, and calls to the operator. A
-//! proposal moves nothing: whoever ticks the trees passes it through a gate, or not, and it is repeated at each tick
-//! for as long as it is wanted.
+//! proposal moves nothing: the engine passes it through the gate, or not. It is repeated at each tick while it is
+//! wanted.
 
 use std::collections::BTreeSet;
 
@@ -16,9 +16,9 @@ named! {
     /// One of the two robots, by the names of the seed.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Which {
-        /// The one that leads the way.
+        /// The robot that leads the way.
         Srm1 = "SRM1",
-        /// The one that comes when it is told where to.
+        /// The robot that comes when it is told where to go.
         Srm2 = "SRM2",
     }
 }
@@ -58,14 +58,14 @@ pub struct BasePose {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseView {
-    /// Where its last completed order left it.
+    /// Where the last completed order left the robot.
     pub stands: BasePose,
-    /// Whether it stands away from there, and has to be recentred first.
+    /// Whether the robot stands away from there, and has to be recentred first.
     pub off_centre: bool,
-    /// The order that it has not answered.
+    /// The order that the robot has not answered.
     pub open: Option<Action>,
-    /// Consecutive orders, of whatever kind, that it answered by `Failed` or not at all; any other answer resets the
-    /// count.
+    /// Number of consecutive orders, of any kind, that the robot answered by `Failed` or not at all. Any other answer
+    /// resets the count.
     pub failures: u32,
     pub arm: ArmState,
 }
@@ -75,13 +75,13 @@ pub struct View<'a> {
     pub map: &'a HallMap,
     /// Whether home leads on to the places outside.
     pub way_out: bool,
-    /// Places of robots beside the pair, which both avoid.
+    /// Places of robots outside the pair, which both avoid.
     pub others: &'a [Place],
     /// The known cells of the piece that is to be fetched next; none when nothing is left to fetch. While the piece is
-    /// held, the cells that it has left free.
+    /// held, these are the cells that it has left free.
     pub piece: &'a BTreeSet<Cell>,
-    /// The piece that is to be fetched, where no other counts: anything recognised or held as another is treated as not
-    /// recognised and not held.
+    /// The only piece that may be fetched, if there is just one: another piece counts neither as recognised nor as
+    /// held.
     pub wanted: Option<Piece>,
     /// Where the parcel is to be put: the target area, or the container.
     pub target: Place,

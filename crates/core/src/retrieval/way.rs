@@ -8,9 +8,9 @@
 //!   . 1 P 2 .   ─ 1 leads north ►  . P 2 . .
 //! ```
 //!
-//! All searches begin where the way ends, so that one answers for every start. Unknown cells are taken to be free, as
-//! discovery does, but a way through known cells is preferred to one that is a little shorter; a robot that meets an
-//! obstacle asks again.
+//! Searches begin where the way ends, so that one search answers for every start. Unknown cells are taken to be free,
+//! as in the search of the hall, but a way through known cells is preferred to a way that is a little shorter. A robot
+//! that meets an obstacle asks again.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -19,11 +19,11 @@ use crate::place::Place;
 use crate::units::Cell;
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
-/// The cost of a step into a cell in which no robot has been, in steps into others: a parcel that may explode is
-/// carried round such cells, unless that is a long way.
+/// The cost of a step into a cell in which no robot has been, as a multiple of other steps: a parcel that may explode
+/// is carried round such cells, unless the detour is long.
 const UNKNOWN: u32 = 5;
 
-/// How far beyond the known cells ways may lead: round any corner of the known area there is room for a train to turn.
+/// Number of cells that ways may lead beyond the known area, so that a train has room to turn at any corner of it.
 const MARGIN: i32 = 4;
 
 #[derive(Clone, Copy, Debug)]
@@ -31,21 +31,21 @@ pub struct Floor<'a> {
     pub map: &'a HallMap,
     /// Whether home leads on to the places outside.
     pub way_out: bool,
-    /// Cells that are free once the piece is lifted: its own.
+    /// The cells of the piece, which are free once it is lifted.
     pub freed: &'a BTreeSet<Cell>,
-    /// Places that nobody may enter, because others stand there.
+    /// Places that nobody may enter, because robots stand there.
     pub taken: &'a [Place],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Train {
-    /// Of SRM1 and of SRM2: each beside the parcel, and not in the same place.
+    /// The places of SRM1 and of SRM2, each beside the parcel, and not the same.
     pub bases: [Place; 2],
     pub parcel: Place,
 }
 
 impl Train {
-    /// The train after a step of one base into a place, with the others following.
+    /// The train after one base has led one step into a place, and the others have followed.
     fn step(self, leader: usize, to: Place) -> Train {
         let mut bases = [self.parcel; 2];
         bases[leader] = to;
@@ -64,7 +64,7 @@ impl Train {
 pub struct Stands {
     /// The cell of the piece that both stand beside, and over which it is carried.
     pub grip: Cell,
-    /// The cells of SRM1, which goes there first, and of SRM2.
+    /// The cells of the two bases, in the order in which the bases were given.
     pub bases: [Cell; 2],
 }
 
@@ -84,9 +84,9 @@ impl Floor<'_> {
         self.costs_of_a_base(area, to, |place| place == from).way(area, from, |place| place == to, next)
     }
 
-    /// From where to lift a piece of these cells, so that SRM1 and then SRM2 can get there from their places, and both
-    /// can carry it to `drop`, with the shortest way in all. `None` when the piece cannot be fetched, as far as is
-    /// known.
+    /// The places from which to lift a piece that covers these cells. The first base and then the second can get there
+    /// from `bases`, both can carry the piece to `drop`, and the way in all is shortest. `None` if the known map has no
+    /// such places.
     #[must_use]
     pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
         let area = self.area(bases.into_iter().chain([drop]).chain(piece.iter().copied().map(Place::Cell)));
@@ -131,7 +131,7 @@ impl Floor<'_> {
         self.taken.iter().copied().chain(in_hall).collect()
     }
 
-    /// Everything known and all places of the question, with a margin.
+    /// All known cells and the cells among these places, with a margin.
     fn area(&self, places: impl IntoIterator<Item = Place>) -> Bounds {
         let cells = places.into_iter().filter_map(Place::cell);
         cells.fold(self.map.known_bounds().including(Cell::HOME), Bounds::including).grown(MARGIN)
@@ -156,8 +156,8 @@ impl Floor<'_> {
         place.neighbours(self.way_out).filter(inside).filter(|next| self.cost(*next).is_some())
     }
 
-    /// The trains one step on, whichever base leads. No train enters a place of its own, not even the one that its last
-    /// base is just leaving.
+    /// The trains one step on, whichever base leads. No base enters a place of its own train, not even the place that
+    /// the last base is just leaving.
     fn next_trains(&self, area: Bounds, train: Train) -> impl Iterator<Item = Train> {
         let clear = move |to: &Place| *to != train.parcel && !train.bases.contains(to);
         [0, 1].into_iter().flat_map(move |leader| {
@@ -172,7 +172,7 @@ impl Floor<'_> {
         })
     }
 
-    /// A train can take back every step, so what leads away from `drop` leads there.
+    /// Searches from `drop`. A train can take back every step, so a way that leads away from `drop` also leads to it.
     fn costs_of_a_train(&self, area: Bounds, drop: Place, is_enough: impl Fn(Train) -> bool) -> Costs {
         let free = |place: &Place| self.cost(*place).is_some();
         let beside: Vec<Place> = drop.neighbours(self.way_out).filter(free).collect();
@@ -272,8 +272,8 @@ struct Costs(Vec<u32>);
 impl Costs {
     const NONE: u32 = u32::MAX;
 
-    /// Stops at the first node that is enough: the costs from there back to the begin are known by then. `next` adds
-    /// the steps from a node.
+    /// Stops at the first node for which `is_enough` holds: the costs from there back to `begin` are known by then.
+    /// `next` adds the steps from a node.
     fn search<N: Node>(
         area: Bounds,
         begin: impl IntoIterator<Item = N>,
@@ -312,7 +312,8 @@ impl Costs {
         self.0.get(node.number(area)).copied().filter(|cost| *cost != Costs::NONE)
     }
 
-    /// From `from` to an end of the search, always to the node with the least cost including the step there.
+    /// The way from `from` to a beginning of the search, always by the node with the least cost, the step to it
+    /// included.
     fn way<N: Node>(
         &self,
         area: Bounds,

@@ -1,14 +1,14 @@
-//! The default strategy: it uses whichever strategy does best in a hall like this one, as far as the hall is known. To
-//! find luggage soon it begins along the walls, and continues there if that is where luggage stands; otherwise the
-//! tuned score does best, whose weights follow the hall too.
+//! The default strategy: it uses the strategy that does best in a hall like this one, as far as the hall is known. To
+//! find luggage soon, the search begins along the walls, and continues there if luggage stands there. Otherwise the
+//! tuned score does best, with weights for this kind of hall.
 
 use super::entries::Visit;
 use super::view::{Objective, View};
 use super::ways::Ways;
 use super::{scored, spiral};
 
-/// Number of cells along walls that are looked at before it is decided where luggage stands. A larger number would find
-/// luggage sooner in halls that are lined with it, and later in all others.
+/// Number of cells along walls that are looked at before the strategy decides where luggage stands. A larger number
+/// would find luggage sooner in halls that are lined with it, and later in all other halls.
 const LOOKED_AT: u32 = 50;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

@@ -1,5 +1,5 @@
-//! Counts where luggage stands, as far as it is known: along walls, or inside the hall. The expectations of a search
-//! about the rest of the hall follow from it.
+//! Counts where luggage stands, as far as it is known: along walls, or inside the hall. From these counts a search
+//! draws its expectations about the rest of the hall.
 
 /// Counts of visited cells and of cells with luggage. A cell is along a wall when one of the eight cells round it is
 /// known to be wall; all others are inside.
@@ -28,10 +28,10 @@ const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 const OPEN: u64 = 7;
 const DENSE: u64 = 15;
 
-/// Fewer pieces along the walls than this say nothing.
+/// Least number of pieces along the walls that says anything.
 const FEW: u32 = 4;
 
-/// `cells` includes those with luggage.
+/// `cells` includes the cells with luggage.
 #[derive(Clone, Copy)]
 struct Share {
     luggage: u32,

@@ -11,24 +11,24 @@ pub struct Costs {
     pub bump: u32,
 }
 
-/// The cost of one cell forward, in the same unit. The score uses the cost of a way as it is, so in another unit it
-/// would be another score.
+/// The cost of one step forward, in the same unit. The score adds the cost of a way, converted to thousandths of a
+/// step.
 pub const STEP: u32 = 4;
 
 /// Greatest cost of a turn: it bounds the memory of a search.
 const MOST: u32 = 100;
 
 impl Costs {
-    /// The costs for a robot with these times for a step and a quarter turn, to a quarter of a step. A bump takes about
-    /// a step.
+    /// The costs for a robot with these times for a step and a quarter turn, rounded to quarters of a step. A bump
+    /// takes about a step.
     #[must_use]
     pub fn of(step: Duration, turn: Duration) -> Costs {
         let steps = turn.as_secs_f64() / step.as_secs_f64().max(1e-3);
         Costs { turn: units(steps), bump: STEP }
     }
 
-    /// The costs with these weights, to a quarter of a step; `None` where a step weighs nothing, or anything more than
-    /// 25 steps.
+    /// The costs with these weights, rounded to quarters of a step. `None` if a step weighs nothing, or if a turn or a
+    /// bump weighs more than 25 steps.
     #[must_use]
     pub fn weighed(step: f64, turn: f64, bump: f64) -> Option<Costs> {
         let in_steps = [turn / step, bump / step];
@@ -53,7 +53,7 @@ pub(crate) fn in_thousandths(cost: u32) -> i32 {
     i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
 }
 
-/// The greatest cost of a way that this many thousandths of a step pay for.
+/// The greatest cost of a way within this many thousandths of a step.
 pub(crate) fn affordable(thousandths: i32) -> u32 {
     let thousandths = u64::try_from(thousandths).unwrap_or(0);
     u32::try_from(thousandths * u64::from(STEP) / 1000).unwrap_or(u32::MAX)

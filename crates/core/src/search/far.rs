@@ -1,5 +1,5 @@
-//! Ways that lead far: counted in steps alone, cell by cell, without the cost of turns. In a hall of a million cells
-//! one is found in a few milliseconds; of ways with equally many steps, one that goes straight on is chosen.
+//! Ways that lead far, counted in steps alone, cell by cell, without the cost of turns. In a hall of a million cells
+//! such a way is found in a few milliseconds. Of ways with equally many steps, one that goes straight on is chosen.
 
 use super::grid::{Grid, Spot, onward};
 use crate::command::Move;
@@ -75,7 +75,7 @@ impl Steps {
         None
     }
 
-    /// Back from the end, straight on where that is as short.
+    /// Traces the way back from its end, straight on where that is as short.
     fn trace(&self, grid: &Grid, start: Pose, end: Spot) -> (Pose, Vec<Move>) {
         let (from, mut spot) = (grid.spot(start.cell), end);
         let mut headings: Vec<Heading> = Vec::new();

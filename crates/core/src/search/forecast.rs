@@ -15,7 +15,7 @@ pub struct Forecast {
     pub most: Option<f64>,
 }
 
-/// Fewer cells than this give no pace.
+/// Least number of cells that gives a pace.
 pub const FEW: u32 = 8;
 
 /// A side of the hall is known to end where at least this share of it is known to be wall.
@@ -24,7 +24,8 @@ const ENDS: f64 = 0.25;
 /// Least remaining effort while the hall may go on, as a factor on the unknown cells at the pace so far.
 const OPEN: f64 = 0.65;
 
-/// Factors for a hall whose ends are known: the known share up to which they hold, the least, the greatest.
+/// Factors for a hall whose ends are known. Each row has the known share up to which it holds, the least factor and the
+/// greatest.
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
@@ -35,8 +36,8 @@ struct Extent {
     is_closed: bool,
 }
 
-/// The remaining effort of a robot at `from`, at `a_cell` per cell; `None` when nothing that can be reached is open,
-/// and the robot goes home.
+/// The remaining effort of a robot at `from`, at `a_cell` per cell; `None` when nothing that can be reached is open, so
+/// that the robot goes home.
 #[must_use]
 pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
     if !grid.has_open() {

@@ -1,5 +1,5 @@
-//! The nearest unknown cell, with the pocket rule: a cell whose unvisited neighbours would be left over waits for them,
-//! so that few lone cells are left behind to come back for.
+//! The nearest unknown cell, with the pocket rule: a cell with more unvisited neighbours comes later, so that few lone
+//! cells are left behind to come back for.
 
 use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;

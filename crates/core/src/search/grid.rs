@@ -71,7 +71,7 @@ impl Grid {
             steps: [-width, 1, width, -1],
         };
         if !is_in_reach(room.least) || !is_in_reach(room.most) {
-            // Nothing is stored beyond the reach, so a search would never be done with it.
+            // Cells beyond the reach are never stored, so a search that counted them as unknown would never end.
             for spot in 0..size {
                 if !is_in_reach(grid.cell(spot)) {
                     grid.squares[spot] = Square::Obstacle;
@@ -180,7 +180,7 @@ impl Grid {
         if self.has_room_for(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
     }
 
-    /// Doubles the memory on every side that is too near.
+    /// Doubles the memory on every side that is too near to the cell.
     fn make_room(&mut self, cell: Cell) {
         let (room, more) = (self.room, self.room.width().max(self.room.height()));
         let mut wider = room.grown(-RIM - 1).including(cell);

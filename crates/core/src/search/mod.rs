@@ -46,8 +46,8 @@ impl Strategy {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
     }
 
-    /// Whether it has to be asked as soon as anything new is seen, and not only when its goal is reached or proves
-    /// blocked. The others go on to their chosen goal.
+    /// Whether the strategy has to be asked as soon as anything new is seen. Other strategies go on to their chosen
+    /// goal, and are asked only when it is reached or proves blocked.
     #[must_use]
     pub const fn heeds_news(self) -> bool {
         matches!(self, Strategy::Auto | Strategy::Scored)
@@ -76,7 +76,7 @@ impl Search {
         }
     }
 
-    /// Its progress, as plain numbers for the record.
+    /// The strategy's progress, as plain numbers for the record.
     #[must_use]
     pub fn notes(&self) -> Vec<i64> {
         match self {
@@ -99,7 +99,7 @@ impl Search {
     }
 }
 
-/// Ensures completeness: a strategy that proposes nothing more has not searched the whole hall by that alone.
+/// Ensures completeness: a strategy may propose nothing more although the hall is not searched completely.
 fn guarded(proposed: Option<Visit>, view: &View<'_>, ways: &mut Ways) -> NextGoal {
     match proposed.or_else(|| nearest(view, ways, |_| true)) {
         Some(Visit { cell, route }) => NextGoal::Visit(cell, route),

@@ -6,8 +6,8 @@
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
 //!      aside  −2, −1 left of that line, 0 on it, 1, 2 right
 //! ```
-//! A cell counts as unknown (0), as visited (1) or as blocked (2). One that was only seen counts as unknown where the
-//! hall is to be covered, and as visited where luggage is to be found.
+//! A cell counts as unknown (0), as visited (1) or as blocked (2). A cell that was only seen counts as unknown where
+//! the hall is to be covered, and as visited where luggage is to be found.
 
 use super::entries::CellEntry;
 use super::grid::{Grid, Spot, Square, onward};
@@ -22,7 +22,7 @@ const BLOCKED: u8 = 2;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Outlook {
-    /// For the linear part, in the order of `LINEAR_NAMES`, in thousandths.
+    /// The values of the linear part, in the order of `LINEAR_NAMES`, in thousandths.
     pub linear: [i16; LINEAR],
     /// The row in each table, counted from the first row of all.
     pub rows: [u32; TABLES.len()],
@@ -212,7 +212,7 @@ impl<'a> Sight<'a> {
         ]
     }
 
-    /// How much further from home the target lies than the robot, in tens of cells.
+    /// How much further from home the target lies than the robot does, in tens of cells.
     fn gain(&self, distance: fn(i32, i32) -> i32) -> i16 {
         let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
         let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
@@ -274,8 +274,8 @@ impl<'a> Sight<'a> {
         places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
     }
 
-    /// The turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. On a way it is the last turn,
-    /// if the way ends with it.
+    /// The turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. If the entry is elsewhere,
+    /// the last move of the way there counts, if it is a turn.
     fn entering(&self) -> usize {
         let side = |is_right: bool| usize::from(is_right == self.is_mirrored) + 1;
         match (self.turn, self.entry.at.by) {

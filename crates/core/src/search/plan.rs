@@ -82,8 +82,8 @@ impl Planner {
 }
 
 impl Ways {
-    /// The cheapest way to a cell, with unknown cells taken to be free; towards it, when it lies beyond the known
-    /// cells.
+    /// The cheapest way to a cell, with unknown cells taken to be free. If the cell lies beyond the known cells, the
+    /// way leads towards it.
     #[must_use]
     pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
         way(grid, self, costs, start, goal, Through::Unknown)
@@ -128,7 +128,7 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
     if all {
         return None;
     }
-    // It lies too far away for a search over cell × heading.
+    // The goal lies too far away for a search over cell × heading.
     let passable = |spot: Spot| may_enter(grid, area, spot, Through::Unknown);
     ways.steps.way(grid, start, passable, |spot| !inner.contains(grid.cell(spot))).map(|(_, way)| way)
 }

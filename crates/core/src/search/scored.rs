@@ -1,5 +1,5 @@
 //! The tuned score: chooses the unknown cell with the least sum of the way there and the worth of its surroundings. The
-//! weights come from `hallsweep tune`.
+//! weights come from `hallsweep-evaluation tune`.
 
 use super::costs::in_thousandths;
 use super::entries::{CellEntry, Visit, best_entry};

@@ -1,10 +1,10 @@
-//! The seeds' *chiocciola*: towards (1,1), (2,2), … with everything unknown in the square [0..k]×[0..k] visited and a
-//! return home after each, then whatever is left, nearest first (mission §5).
+//! The seeds' *chiocciola* (snail): it goes towards (1,1), (2,2), …, each time visits everything unknown in the square
+//! [0..k]×[0..k], and returns home. Then it visits whatever is left, nearest first (mission §5).
 //!
-//! Taken literally, "no plan to (k,k) means that the walls are found" leaves halls incomplete. Here a ring ends the
-//! growing only when nothing unknown lies next to a visited cell south-east of home; and a ring beyond a far wall aims
-//! at the last column or row in front of it, as the seeds clamp their goals. The search is over when nothing unknown
-//! can be reached anywhere.
+//! The seeds say "no plan to (k,k) means that the walls are found"; taken literally, this leaves halls incomplete. Here
+//! the square stops growing only when nothing unknown outside it can be reached south-east of home. A ring beyond a far
+//! wall aims at the last column or row in front of the wall, as the seeds clamp their goals. The search is over when
+//! nothing unknown can be reached anywhere.
 
 use super::entries::{Visit, nearest};
 use super::grid::{Square, onward};
@@ -41,7 +41,7 @@ impl Default for Snail {
 }
 
 impl Snail {
-    /// Its progress, as plain numbers for the record.
+    /// The snail's progress, as plain numbers for the record.
     pub(super) fn notes(&self) -> Vec<i64> {
         vec![i64::from(self.ring), STAGES.iter().position(|stage| *stage == self.stage).unwrap_or(0) as i64]
     }

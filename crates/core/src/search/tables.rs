@@ -54,7 +54,7 @@ pub const TABLES: [(&str, usize); 14] = [
     ("far", power(3, 8)),
 ];
 
-/// The first row of each table among the rows of all.
+/// The number of the first row of each table, when the rows of all tables are counted together.
 pub const STARTS: [usize; TABLES.len() + 1] = {
     let mut starts = [0; TABLES.len() + 1];
     let mut n = 0;

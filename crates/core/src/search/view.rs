@@ -1,4 +1,4 @@
-//! What a strategy reads, and what it may want. It sees the grid alone, and never the map that the doors show.
+//! What a strategy reads, and what it may want. A strategy sees the grid alone, and never the map that the doors show.
 
 use super::costs::Costs;
 use super::grid::Grid;
@@ -11,7 +11,7 @@ named! {
     pub enum Objective {
         #[default]
         Find = "find",
-        /// The whole hall with few moves.
+        /// Cover the whole hall with few moves.
         Cover = "cover",
     }
 }
@@ -22,7 +22,7 @@ named! {
     pub enum Sensing {
         #[default]
         Bump = "bump",
-        /// By its front sonar, before it drives.
+        /// The robot sees obstacles by its front sonar, before it drives.
         Sonar = "sonar",
     }
 }
@@ -30,7 +30,7 @@ named! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
     pub objective: Objective,
-    /// Reach of its sonar, in cells; 0 where it finds obstacles by driving into them.
+    /// Reach of the robot's sonar, in cells; 0 for a robot that finds obstacles by driving into them.
     pub sonar_cells: u8,
     pub costs: Costs,
 }
@@ -40,7 +40,7 @@ pub struct Terms {
 pub struct Gait {
     /// The last turn: −1 to the left, 1 to the right, 0 none yet.
     pub turn: i8,
-    /// Cells driven straight on since.
+    /// Number of cells driven straight on since the last turn.
     pub run: u8,
 }
 
@@ -83,8 +83,8 @@ impl Goal {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NextGoal {
-    /// Go to this cell, or find out what stands there, by these moves. Without moves: by the cheapest way there is,
-    /// with unknown cells taken to be free.
+    /// Go to this cell, or find out what stands there, by these moves. Without moves, take the cheapest way, with
+    /// unknown cells taken to be free.
     Visit(Cell, Vec<Move>),
     /// Go home, and ask again there.
     GoHome,

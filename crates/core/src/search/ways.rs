@@ -1,10 +1,10 @@
 //! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. The
 //! strategy decides where to go, and the mission whether the robot may move.
 //!
-//! States wait by their cost in a ring of buckets as long as the most expensive move: as costs are whole numbers, adding
-//! and taking a state need constant time. With an estimate of the remaining cost the same loop is A*. A state is settled
-//! when it is taken out for the first time. Goals beyond `MOST` states are searched for by steps alone, which is not exact
-//! and several times faster (`far`).
+//! States wait by their cost in a ring of buckets as long as the most expensive move: as costs are whole numbers,
+//! adding and taking a state need constant time. With an estimate of the remaining cost the same loop is A*. A state is
+//! settled when it is taken out for the first time. When a search has settled more than `MOST` states, the goal is
+//! searched for by steps alone (`far`), which is several times faster, but not exact.
 
 use super::costs::{Costs, STEP};
 use super::far::Steps;
@@ -96,7 +96,7 @@ impl Ways {
         let price = [STEP, costs.turn, costs.turn];
         let length = self.ring.len();
         let from = grid.spot(start.cell);
-        // Whole costs: the cost so far plus the lower bound of the rest.
+        // Total costs: the cost so far plus the lower bound of the rest.
         let (mut whole, mut worth) = (left(from), u32::MAX);
         self.ring[whole as usize % length].push(pack(from, start.heading, NONE));
         let (mut waiting, mut settled) = (1usize, 0);
@@ -135,7 +135,7 @@ impl Ways {
             (self.settled, self.came_by, self.search) = (vec![0; states], vec![0; states], 0);
         }
         self.search += 1;
-        // A step away from the goal costs itself and the way back.
+        // A step away from the goal costs the step and the way back.
         self.ring.resize_with((2 * STEP).max(costs.turn) as usize + 1, Vec::new);
     }
 

@@ -64,8 +64,8 @@ static SETS: [Set; 10] = [
 ];
 
 impl Set {
-    /// How far this is from the task, with the most important difference first. Whether turns cost anything matters
-    /// more than the terrain, and that more than how much they cost.
+    /// How far these weights are from the task, with the most important difference first. Whether turns cost anything
+    /// matters more than the terrain, the terrain matters more than how much they cost.
     fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, u8, bool, bool, u32) {
         let turn = terms.costs.turn;
         (
@@ -94,7 +94,7 @@ impl Weights {
         Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
     }
 
-    /// The weights that were tuned for this, or else for the most similar task.
+    /// The weights that were tuned for this task, or else for the most similar task.
     #[must_use]
     pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
         let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));
@@ -130,7 +130,7 @@ impl Weights {
                 weights.linear[number.ok_or_else(|| wrong(name, "the name of a weight"))?] = value;
             }
         }
-        // Every file of weights has it: one without is cut off, or something else.
+        // Every file of weights has a line `least`: a file without it is cut off, or something else.
         if has_least {
             Ok(weights)
         } else {

@@ -1,4 +1,4 @@
-//! The table's cells once danger was given, and in fault. The search itself stands in `search`.
+//! The table's cells after a verdict of danger, and in fault. The search itself stands in `search`.
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{

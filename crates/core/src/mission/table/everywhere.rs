@@ -81,14 +81,14 @@ const RESET: &[Rule] = &[
     When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release, EmptyMap]),
     Go(Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release]),
 ];
-/// An input that makes the hall safer takes effect although it cannot be put on record; its sender is told that it is
-/// not.
+/// TOO HIGH and readings make the hall safer, so they take effect although they cannot be put on record. The sender is
+/// told that they are not on record.
 const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
-/// The cells of an input that raises a hold. One that ends a drive during a mission leaves it stopped by the operator
-/// as well.
+/// The cells of an input that raises a hold. If the input ends a drive by hand during a mission, it raises the hold of
+/// the operator as well.
 macro_rules! raised {
     ($hold:expr) => {
         raised!($hold, &[Go(Stay, &[Raise($hold)])])

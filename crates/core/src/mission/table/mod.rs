@@ -1,7 +1,7 @@
-//! The transition table: for every phase and every input the rules that decide, read from the top; the first that
-//! applies wins (mission §4). Total and without a wildcard: a new input does not compile until it stands in
-//! `everywhere`, or in each of the phases; nor a new phase until it defines each input that does not stand there.
-//! `docs/mission-table.md` prints it, and a test compares the two.
+//! The transition table: the rules for every input in every phase, read from the top; the first rule that applies
+//! decides (mission §4). The table is total and has no wildcard. A new input compiles only once it stands in
+//! `everywhere` or in each phase; a new phase compiles only once it defines each input that does not stand in
+//! `everywhere`. `docs/mission-table.md` prints the table, and a test compares the two.
 
 mod alarm;
 mod everywhere;

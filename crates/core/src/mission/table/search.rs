@@ -79,7 +79,7 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
     }
 }
 
-/// Driven by hand: whatever holds the robot also ends the drive.
+/// Driven by hand: every hold also ends the drive.
 pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto => &[Never(Guard::Driving)],

@@ -1,5 +1,5 @@
-//! Cells that several phases share, by name. Which phase has which stands in `search` and `alarm`; cells that all
-//! phases share stand in `everywhere`.
+//! Cells that several phases share, by name. `search` and `alarm` assign them to phases; cells that all phases share
+//! stand in `everywhere`.
 
 use super::everywhere::PhaseEvent;
 use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
@@ -10,7 +10,7 @@ use crate::phase::PhaseName;
 
 pub(super) const NOTHING: &[Rule] = &[Go(Stay, &[])];
 pub(super) const NOT_HERE: &[Rule] = &[Never(Guard::NotInPhase)];
-/// A piece that does not exist is unknown everywhere.
+/// A piece that does not exist is refused as unknown in every phase.
 pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Guard::UnknownLuggage), Never(Guard::NotInPhase)];
 pub(super) const RESUME: &[Rule] = &[RefuseIf(Guard::Held), Go(Stay, &[Release])];
 pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Stay, &[Release])];

@@ -9,8 +9,8 @@ use crate::place::Place;
 use crate::retrieval::view::Which;
 use behaviour_trees::{Leaf, Status, Value};
 
-/// Greatest error of the bases' distance when a parcel is put down, in micrometres: a box on a shelf has about as much
-/// room.
+/// Greatest error of the bases' distance when a parcel is put down, in micrometres: about the room that a box has on a
+/// shelf.
 const DROP_GAP_UM: i32 = 2500;
 
 /// The camera's answer when it has recognised nothing.
@@ -22,7 +22,7 @@ pub(in crate::retrieval) fn seen(found: Option<Parcel>) -> (&'static str, Value)
 }
 
 impl Performer<'_> {
-    /// The pallet is where it is known to be; a parcel is searched for with the camera of SRM1.
+    /// Finds the pallet at its known place, and a parcel with the camera of SRM1.
     pub(super) fn find(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let (seen, found) = (1, 2);
         let is_pallet = leaf.text(0) == Some("pallet");
@@ -53,7 +53,7 @@ impl Performer<'_> {
     }
 
     /// The known place of the piece. A piece without a known cell lies between the two robots: it fell on the way out,
-    /// or its fall was not heard because the program was killed.
+    /// or it fell while the program was not running.
     fn parcel_known(&self) -> Option<Place> {
         let [one, two] = self.places();
         let between = |place: &Place| one != two && place.is_beside(one) && place.is_beside(two);
@@ -63,7 +63,7 @@ impl Performer<'_> {
     }
 
     /// The parcel's place, if both robots can reach it and carry the parcel off. A parcel that was not recognised is
-    /// where it is known to be, since the operator has looked.
+    /// taken to be at its known place, because the operator has looked.
     pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let Some(place) = place_in(leaf, 1).or_else(|| self.parcel_known()) else {
             return self.fails(RetrievalFault::NothingToFetch);
@@ -93,7 +93,7 @@ impl Performer<'_> {
         beside && !base.off_centre && base.open.is_none()
     }
 
-    /// Done at once when said to the other robot; when said to the operator, done once it is acknowledged.
+    /// A message to the other robot is done at once; a message to the operator is done once it is acknowledged.
     pub(super) fn say(&mut self, leaf: &mut Leaf<'_>) -> Status {
         if leaf.text(0) == Some(Which::Srm2.name()) {
             let Some(message) = leaf.read(1).cloned() else { return self.fails(RetrievalFault::Tree) };

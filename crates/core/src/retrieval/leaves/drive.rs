@@ -28,7 +28,7 @@ enum Going {
 }
 
 impl Performer<'_> {
-    /// One base to a free place beside the pallet.
+    /// Drives one base to a free place beside the pallet.
     pub(super) fn approach(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let (Some(which), Some(place)) = (robot_in(leaf, 0), place_in(leaf, 1)) else {
             return self.fails(RetrievalFault::Tree);
@@ -63,8 +63,8 @@ impl Performer<'_> {
         }
     }
 
-    /// From where the piece at this place is lifted, as last planned, or planned anew: SRM1 goes there first, or SRM2
-    /// where SRM1 would be in its way.
+    /// The places from which the piece is lifted, as last planned, or planned anew. SRM1 goes there first, or SRM2 if
+    /// SRM1 would be in its way.
     pub(super) fn stands(&mut self, place: Place) -> Option<Plan> {
         let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
         let usable = |(at, plan): &(Place, Plan)| *at == place && !plan.stands.bases.iter().any(is_closed);
@@ -95,8 +95,8 @@ impl Performer<'_> {
         self.view.way_out && self.plan(place, [Place::ENTRANCE; 2]).is_some()
     }
 
-    /// Both to where they can grip. Where they are in each other's way for good, they go outside first and come in in
-    /// another order.
+    /// Drives both bases to where they can grip. If the two block each other for good, they go outside first and come
+    /// in again in another order.
     fn correct_bases(&mut self, place: Place) -> Status {
         if self.is_anybody_busy() {
             return Status::Running;
@@ -135,8 +135,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Back to the pallet for the next parcel. With nothing left to fetch, a pair that has a way out has no reason to
-    /// go back in.
+    /// Drives back to the pallet for the next parcel. If nothing is left to fetch, a pair that has a way out stays
+    /// where it is.
     fn return_to(&mut self, pallet: Place) -> Status {
         if self.view.piece.is_empty() && self.view.way_out {
             return Status::Success;
@@ -150,8 +150,8 @@ impl Performer<'_> {
         }
     }
 
-    /// One after the other, so that neither blocks the other's route unseen; where the first finds no way, the second
-    /// tries.
+    /// Drives one base after the other, so that neither blocks the other's route unseen. If the first finds no way, the
+    /// second tries.
     fn one_after_the_other(&mut self, order: [Which; 2], mut go: impl FnMut(&mut Self, Which) -> Going) -> Going {
         let mut all = Going::There;
         for which in order {
@@ -164,7 +164,7 @@ impl Performer<'_> {
         all
     }
 
-    /// Beside the piece at this place: where it is lifted from, or where there is room beside it.
+    /// Drives beside the piece at this place: to where the piece is lifted from, or to a free place beside it.
     fn go_near(&mut self, which: Which, place: Place) -> Going {
         if self.base(which).open.is_some() {
             return Going::OnTheWay;
@@ -217,13 +217,13 @@ impl Performer<'_> {
         Going::OnTheWay
     }
 
-    /// Backwards only into cells that are known to be free: the camera looks ahead.
+    /// Allows driving backwards only into cells that are known to be free, because the camera looks ahead.
     fn gear(&self, next: Place) -> Gear {
         let is_known = next.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);
         if is_known { Gear::Either } else { Gear::Forwards }
     }
 
-    /// Both back to the centres of their places; `None` when they are there.
+    /// Moves both bases back to the centres of their places; `None` when they are there.
     fn recentre_both(&mut self) -> Option<Status> {
         let mut all_centred = true;
         for which in Which::ALL {
@@ -241,7 +241,7 @@ impl Performer<'_> {
         (!all_centred).then_some(Status::Running)
     }
 
-    /// The parcel to its destination; fails when the parcel is no longer in both grippers.
+    /// Carries the parcel to its destination; fails when the parcel is no longer in both grippers.
     fn carry(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
         if let Some(status) = self.recentre_both() {
@@ -263,7 +263,7 @@ impl Performer<'_> {
         self.step(train, next)
     }
 
-    /// Each base towards its next place: turns first, each by itself, then the step, which both begin together.
+    /// Moves each base towards its next place. First each base turns by itself; then both begin the step together.
     fn step(&mut self, train: Train, next: Train) -> Status {
         let wanted = Which::ALL.map(|which| {
             let to = next.bases[which.index()];
@@ -281,8 +281,8 @@ impl Performer<'_> {
         Status::Running
     }
 
-    /// The wheels' controllers correct the gap only while they drive: off the place and onto it again, until the gap is
-    /// right.
+    /// Drives off the place and onto it again until the gap is right, because the wheels' controllers correct the gap
+    /// only while they drive.
     fn adjust(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
         // While one of the two has not reported the end of the step, their places form no train.
@@ -305,7 +305,7 @@ impl Performer<'_> {
         }
     }
 
-    /// One step away from the train's place, over ground on which it has been.
+    /// One step away from the train's place, over visited cells.
     fn step_aside(&self, train: Train) -> Option<Train> {
         let is_free = |place: &Place| {
             let known = place.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);

@@ -1,5 +1,5 @@
-//! Leaves of the arms: to the parcel, close, start the controllers, up, down, open. Each is done when both arms report
-//! it, so that it makes no difference whether the program ended in between.
+//! Leaves of the arms: align with the parcel, close, start the controllers, lift, lower, open. Each leaf is done when
+//! both arms report it, so a restart in between makes no difference.
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
@@ -38,8 +38,8 @@ impl Performer<'_> {
         self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
     }
 
-    /// Grippers that have closed without a common parcel are a case for a person, once both robots have had time to
-    /// report what they hold.
+    /// Closes the grippers. If they have closed without a common parcel, a person must help, once both robots have had
+    /// time to report what they hold.
     pub(super) fn close_grippers(&mut self, leaf: &Leaf<'_>) -> Status {
         let held = self.arms().iter().all(|arm| arm.holds.is_some());
         if held {
@@ -74,7 +74,7 @@ impl Performer<'_> {
         if self.load().is_none() { Status::Failure } else { self.both(action, is_at_work) }
     }
 
-    /// Fails when the parcel is not in both grippers, or no longer.
+    /// Fails if the parcel is not, or no longer, in both grippers.
     pub(super) fn lift(&mut self) -> Status {
         if self.load().is_none() {
             return Status::Failure;

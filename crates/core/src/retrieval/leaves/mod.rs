@@ -1,8 +1,7 @@
 //! The leaves of the three trees, as pure functions: they read a view, return statuses, proposals and sayings, and move
 //! nothing. This file has their names and ports, and the dispatch; what they do stands in `ask`, `drive` and `handle`.
 //!
-//! State that must outlive the program is on the blackboard. Routes are not: they are found again by looking at the
-//! map.
+//! State that must outlive the program is on the blackboard. Routes are not on it: they are planned anew from the map.
 
 mod ask;
 mod drive;
@@ -27,8 +26,8 @@ use routes::Routes;
 /// Consecutive failed orders of a robot before the leaf gives up: one may be chance, three are not.
 pub(crate) const MOST_FAILURES: u32 = 3;
 
-/// Time within which the two must agree whether both hold something, since they report one after the other. The first
-/// gripper that closes reports what it holds when the second is closed, too.
+/// Time within which the reports of the two must agree whether both hold something. They report one after the other:
+/// the gripper that closes first reports what it holds only when the second is closed, too.
 pub(super) const REPORTING: Duration = Duration::from_secs(30);
 
 /// Longest run of a leaf: a train needs about an hour for the way through the largest hall.
@@ -102,10 +101,10 @@ pub fn catalogue() -> Catalogue {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Output {
-    /// The action of each robot; the first leaf in a tick that wants something of it decides.
+    /// The action of each robot. If several leaves of a tick want something of a robot, the first decides.
     pub(super) proposals: [Option<Action>; 2],
     pub(super) sayings: Vec<Saying>,
-    /// Why the last leaf failed for a reason that only a person can mend.
+    /// The fault for which the last leaf failed, if only a person can mend it.
     pub(super) fault: Option<RetrievalFault>,
     /// A parcel that stands at its destination, still in the grippers.
     pub(super) dropped: Option<Parcel>,
@@ -175,14 +174,14 @@ impl<'a> Performer<'a> {
         Which::ALL.map(|which| self.base(which).stands.place)
     }
 
-    /// The parcel that both arms hold. They report its place one after the other, before they report the end of a step:
-    /// while one of them is busy, SRM1's report counts.
+    /// The parcel that both arms hold. They report its place one after the other, before they report the end of a step.
+    /// While one of them is busy, SRM1's report counts.
     fn load(&self) -> Option<Parcel> {
         let [one, two] = self.arms().map(|arm| arm.holds);
         one.filter(|one| two.is_some_and(|two| one.piece == two.piece))
     }
 
-    /// The known cells of the piece at this place, or this one if none are known.
+    /// The known cells of the piece at this place, or this cell alone if none is known.
     fn piece(&self, at: Place) -> BTreeSet<Cell> {
         match at {
             Place::Cell(cell) if self.view.piece.contains(&cell) => self.view.piece.clone(),
@@ -198,7 +197,7 @@ impl<'a> Performer<'a> {
         Floor { map: self.view.map, way_out: self.view.way_out, freed, taken }
     }
 
-    /// What the two would carry if they gripped from where they stand.
+    /// The train that the two would form if they gripped from where they stand.
     fn train(&self, parcel: Place) -> Train {
         Train { bases: self.places(), parcel }
     }

@@ -1,6 +1,5 @@
-//! Routes that are being followed, so that a way is not searched for at every step: those of each base alone, of the
-//! train, and the places from which a piece is lifted. A route that no longer fits is dropped; none outlives the
-//! program.
+//! Remembered routes, so that a way is not searched for at every step: the routes of each base and of the train, and
+//! the places from which a piece is lifted. A route that no longer fits is dropped; no route outlives the program.
 
 use std::collections::VecDeque;
 
@@ -17,7 +16,7 @@ pub(super) struct Plan {
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::retrieval) struct Routes {
-    /// With the place of the piece for which it was made.
+    /// The plan, with the place of the piece for which it was made.
     pub(super) stands: Option<(Place, Plan)>,
     alone: [VecDeque<Place>; 2],
     train: VecDeque<Train>,
@@ -28,7 +27,8 @@ impl Routes {
         *self = Routes::default();
     }
 
-    /// Keeps to the present way while it still leads from here to there and nothing blocks it.
+    /// The next place on the way. The present way is kept while it still leads from `from` to `to` and nothing blocks
+    /// it.
     pub(super) fn next_place(&mut self, index: usize, floor: &Floor<'_>, from: Place, to: Place) -> Option<Place> {
         let way = &mut self.alone[index];
         if way.front() == Some(&from) {
@@ -41,7 +41,8 @@ impl Routes {
         way.front().copied()
     }
 
-    /// Keeps to the present way while it still leads to a train whose parcel is at `drop`, and nothing blocks it.
+    /// The next train on the way. The present way is kept while nothing blocks it and it still leads to a train whose
+    /// parcel is at `drop`.
     pub(super) fn next_train(&mut self, floor: &Floor<'_>, from: Train, drop: Place) -> Option<Train> {
         let way = &mut self.train;
         if way.front() == Some(&from) {
