@@ -56,7 +56,7 @@ use ports::Ports;
 pub use ports::{BoundPort, Doors};
 use threads::Threads;
 
-/// Time after which work that is still busy at the end (drawing a photo) is abandoned.
+/// Time after which work that is unfinished at the end of the program (drawing a photo) is abandoned.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
 
 /// Maximum wait for the robot before requests are answered.
@@ -68,8 +68,8 @@ pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &FirstAccess)) ->
     serve_with(settings, None, announce)
 }
 
-/// Like `serve`, with another searching robot than that of the settings: measurements at a robot's port then include the real
-/// doors.
+/// Like `serve`, but `robot` replaces the searching robot of the settings, so that measurements at a robot's port include the
+/// real doors.
 pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
@@ -100,7 +100,7 @@ async fn serve_hall(
     let secret = access::chance()?;
 
     let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
-    // Only now, when nothing else can refuse the start, because a key that is created is also shown.
+    // Keys come last, when nothing else can prevent the start, because a key that is created is also shown to the user.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
@@ -128,7 +128,7 @@ async fn serve_hall(
         tokio::select! {
             signal = signalled => {
                 tracing::info!(signal, "ending");
-                // The core first, so that it gives no order after the halt.
+                // The core is told first, so that it gives no order after the halt.
                 course.send_modify(|course| course.ended_by = Some(signal));
             }
             end = &mut task => ended = Some(end),
@@ -138,7 +138,7 @@ async fn serve_hall(
     };
     http::serve(http, door, front, shutdown).await;
     for coap in coap {
-        // Its end takes bounded time, and its outcome is in the log.
+        // The door ends within bounded time, and logs its outcome.
         let _ = coap.await;
     }
     if let Some(mqtt) = mqtt {
@@ -216,7 +216,8 @@ async fn start(
 
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
-    // Tells this run's revisions from those of any other: the start time, and random bytes, as the clock may be set back.
+    // Distinguishes the revisions of this run from those of other runs: the start time, and random bytes because the clock may
+    // be set back.
     let [a, b, c, d, ..] = access::chance().unwrap_or_default();
     let run = format!("{:x}{:08x}", now.wall.unix_ms, u32::from_be_bytes([a, b, c, d])).into();
     let mut engine = match recalled {

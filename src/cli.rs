@@ -258,7 +258,7 @@ pub fn end(ended: Result<(), Failure>) -> ExitCode {
     code
 }
 
-/// Prints the addresses of a program that goes on running. On a thread of its own, because standard output may be a full pipe
+/// Prints the addresses of a program that goes on running. Uses a thread of its own, because standard output may be a full pipe
 /// that nobody reads.
 fn announce(text: String) {
     let printing = std::thread::Builder::new().name("announcement".to_owned()).spawn(move || {

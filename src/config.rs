@@ -83,7 +83,7 @@ pub struct OldClients {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TlsFiles {
-    /// In PEM: the certificate, and those that lead to a known one.
+    /// PEM file with the certificate, and the certificates that lead to a known one.
     pub certificate: PathBuf,
     pub key: PathBuf,
 }
@@ -106,7 +106,7 @@ pub struct RobotSettings {
     pub photo_failure_rate: f64,
     /// Standard deviation of the front sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// Number of cells ahead that its sonar tells to be free or not; 0 when the search does not use it.
+    /// Number of cells ahead that the sonar reports as free or not; 0 when the search does not use the sonar.
     pub sonar_cells: u8,
 }
 

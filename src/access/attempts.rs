@@ -1,5 +1,5 @@
-//! Delays the refusal of wrong keys, the longer the more wrong keys came from a network. Right keys are not delayed, so nobody
-//! can slow down somebody else who has one.
+//! Delays the refusal of wrong keys: the more wrong keys came from a network, the longer. Right keys are not delayed, so nobody
+//! can slow down somebody who has a right key.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::network::Network;
 
-/// Delay of the first refusal; each further one is delayed twice as long.
+/// Delay of the first refusal; it doubles with each further refusal.
 const FIRST: Duration = Duration::from_millis(250);
 
 /// Maximum delay: the client's connection stays open meanwhile.

@@ -14,7 +14,7 @@ use super::token::Token;
 use crate::storage::names;
 use crate::storage::private_file::{PrivateFile, Readers};
 
-/// Maximum size in bytes: ten times the size of all keys that there may be.
+/// Maximum size in bytes: ten times the size of the most keys that may exist.
 const LARGEST: u64 = 128 * 1024;
 
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
@@ -55,7 +55,7 @@ impl KeyFile {
         self.0.path()
     }
 
-    /// The keys in it; `None` when there is no such file yet.
+    /// The keys in the file; `None` when there is no file yet.
     pub fn read(&self) -> Result<Option<Keys>, AccessError> {
         Ok(self.read_with_readers()?.map(|(keys, _)| keys))
     }

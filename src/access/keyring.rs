@@ -37,7 +37,7 @@ impl Keyring {
     /// now on.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
-        // Taken before the file is read: any change in between is read again.
+        // The stamp is taken before the file is read, so that a change in between is noticed and read.
         let seen = file.stamp().ok();
         let kept = file.read_with_readers();
         let is_new = matches!(kept, Ok(None));
@@ -129,8 +129,8 @@ struct Followed {
 }
 
 impl Followed {
-    /// Applies a change of the file. An unreadable file changes nothing: it admits nobody new, and takes STOP from nobody who had
-    /// it.
+    /// Applies a change of the file. An unreadable file changes nothing: nobody new is admitted, and everybody who could press
+    /// STOP still can.
     fn look(&mut self, current: &Mutex<Arc<Keys>>) {
         let stamp = self.file.stamp().ok();
         if stamp == self.seen {

@@ -87,8 +87,8 @@ impl Keys {
         self.place(name).map(|place| &self.0[place])
     }
 
-    /// The owner of a token. Takes the same time whatever the text is: it is compared with all keys, each as a whole by its
-    /// SHA-256.
+    /// The owner of a token. Takes the same time whatever the text is: its SHA-256 is compared as a whole with that of every
+    /// key.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         let given = print(token);
         let hits = self.0.iter().map(|key| bool::from(key.print.ct_eq(&given)));
@@ -141,7 +141,7 @@ impl Keys {
     }
 }
 
-/// Compared in place of the token: always of the same length, and not reversible.
+/// Digest that is compared in place of the token: always of the same length, and not reversible.
 fn print(token: &str) -> [u8; 32] {
     Sha256::digest(token.as_bytes()).into()
 }

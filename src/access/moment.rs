@@ -28,7 +28,7 @@ impl End {
     pub(super) fn is_ahead(self, now: Moment) -> bool {
         match self {
             End::Elapsed(end) => now.elapsed < end,
-            // A clock that was wrong, then or now, does not make a session last for ever.
+            // A wall clock that was or is wrong does not make a session last for ever.
             End::Unix(end_s) => end_s > now.unix_s && end_s <= now.unix_s.saturating_add(SESSION_S + SLACK_S),
         }
     }

@@ -11,13 +11,14 @@ pub enum Role {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
-    /// Nothing: anybody who reaches the door.
+    /// No right at all: anybody who reaches the door has access.
     Nothing,
-    /// To look: anyone signed in.
+    /// The right to look: anyone signed in has it.
     See,
-    /// To halt the robot: anyone signed in. Separate from `See`, because it must never become harder than looking.
+    /// The right to halt the robot: anyone signed in has it. Separate from `See`, because halting must never become harder than
+    /// looking.
     Stop,
-    /// To do anything else: an operator.
+    /// The right to do anything else: only an operator has it.
     Act,
 }
 

@@ -1,5 +1,6 @@
-//! Sessions without a table: the cookie names the user, the beginning and the end, and a MAC made with the key's own token proves
-//! it. So a restart signs nobody out, and a rotated key ends its sessions. The door decides how a cookie is transported.
+//! Sessions without a table: the cookie names the user, the beginning and the end, and a MAC made with the key's own token
+//! proves that they are genuine. So a restart signs nobody out, and a rotated key ends its sessions. The door decides how a
+//! cookie is transported.
 //!
 //! ```text
 //!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in
@@ -37,8 +38,8 @@ impl Person {
     /// Maximum length in characters.
     pub const MOST: usize = 32;
 
-    /// `None` for a name that is too long or has other characters than names have: a bracket would be confused with those that
-    /// records put around a name.
+    /// `None` for a name that is too long or has characters that no name has: brackets, for example, would be confused with the
+    /// brackets that records put around a name.
     pub fn new(typed: &str) -> Option<Person> {
         let name = typed.split_whitespace().collect::<Vec<_>>().join(" ");
         // Hangul fillers count as letters, but are invisible.

@@ -28,7 +28,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a body; the decoder stays at what follows it.
+/// Reads the fields of a body; the decoder stops behind the body.
 pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     let kind = decoder.datatype().map_err(no_cbor)?;
     if !matches!(kind, Type::Map | Type::MapIndef) {

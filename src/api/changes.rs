@@ -56,7 +56,8 @@ impl ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
         let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
-        // A hold of a robot may hold the mission too, and the mission changes more often than the robots do.
+        // The list of robots counts as changed with every change of the mission, because holds appear in both; most of these
+        // changes leave the list as it was.
         let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
         let robots = changes.robots.filter(|_| !is_same);
         if snapshot.revision_of(Resource::Luggage) <= older.revision {
@@ -92,8 +93,8 @@ impl ChangesJson {
     }
 }
 
-/// All of the luggage, or only the changed pieces. Changed pieces do not show which ones are gone, so the luggage of
-/// another mission, or with fewer pieces than before, is sent whole.
+/// All of the luggage, or only the changed pieces. Changed pieces do not tell which pieces are gone. So the luggage of another
+/// mission, or with fewer pieces than before, is sent whole.
 fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
     if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
     {

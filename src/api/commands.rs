@@ -62,8 +62,8 @@ pub struct CommandRow {
     pub name: &'static str,
     pub title: &'static str,
     pub kind: CommandKind,
-    /// The least right that its sender needs. For `move` it is the right to STOP, as the move may be one; other moves
-    /// need more.
+    /// The least right that a sender needs. For `move` it is the right to STOP, since a move may be a STOP; other moves need
+    /// more rights.
     pub need: Need,
     /// Path under `/api/v1` and at the CoAP door; `{id}` stands for the number of the subject.
     pub path: &'static str,
@@ -120,7 +120,7 @@ pub trait Payload {
     fn optional<T: Body + Default>(&self) -> Result<T, Self::Problem>;
 }
 
-/// The command and the epoch that its sender saw; `number` is that of its subject.
+/// The command and the epoch that its sender saw; `number` is the number of the command's subject.
 pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<(Command, Option<Epoch>), P::Problem> {
     let with_epoch = |command| Ok((command, payload.optional::<EpochBody>()?.epoch()));
     let bare = |command| payload.optional::<EpochBody>().map(|_| (command, None));
@@ -142,7 +142,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
 }
 
 impl CommandRow {
-    /// Whether the payload may be missing where there are no paths, so that MQTT accepts the bare name.
+    /// Whether the payload may be missing at doors without paths: MQTT then accepts the bare name.
     pub fn is_word(&self) -> bool {
         self.subject == Subject::None && !self.needs_body()
     }

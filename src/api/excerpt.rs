@@ -1,5 +1,6 @@
-//! Excerpts of resources that are too large to publish whole: of the luggage what still matters and the newest pieces, of the map
-//! its size. Both say how much there is and where all of it can be read, so that nobody takes a part for the whole.
+//! Excerpts of resources that are too large to publish whole: the pieces of luggage that still matter and the newest ones; the
+//! size of the map. Each excerpt says how much there is and where all of it can be read, so that nobody mistakes a part for the
+//! whole.
 
 use std::collections::BTreeMap;
 

@@ -11,7 +11,7 @@ use serde_json::Value;
 /// Number of characters of a client's input repeated in an error: enough to recognise it.
 const ECHO: usize = 40;
 
-/// A well-formed request for something that does not exist; the sentence says what does.
+/// A well-formed request for something that does not exist; the sentence says what exists.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(pub(super) String);
@@ -73,7 +73,8 @@ impl BodyFields {
         self.field(name, "a number, as 21.5,", Value::as_f64)
     }
 
-    /// Removes a field that does not belong to the command, and reads it with `read`; the body is read from the others.
+    /// Removes a field that does not belong to the command, and reads it with `read`; the command is read from the other
+    /// fields.
     pub fn aside<T>(
         &mut self,
         name: &'static str,

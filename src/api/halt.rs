@@ -1,13 +1,13 @@
-//! Which words mean STOP, at every door alike, and whether the body of a move contains one, whatever else is wrong with it
-//! (safety S8). This is read before the body is judged, and more liberally than any command. The doors decide about the sender
-//! and the rest of the body.
+//! The words that mean STOP at every door, and whether the body of a move contains one of them, even in an invalid body (safety
+//! S8). This check comes before the body is validated, and is more liberal than the reading of any command. The doors decide
+//! about the sender and the rest of the body.
 
 use minicbor::Decoder;
 
 use super::{cbor, fields};
 
-/// The words for STOP wherever a move or a bare word is expected, in upper or lower case: that of old clients, and that of
-/// people.
+/// The words for STOP wherever a move or a bare word is expected, in upper or lower case: the word of old clients, and the word
+/// of people.
 const HALTS: [&str; 2] = ["h", "stop"];
 
 const MOVE: &str = "move";
@@ -30,8 +30,8 @@ pub fn is_halt_word(body: &[u8]) -> bool {
     is_halt(String::from_utf8_lossy(body).trim_matches(is_round))
 }
 
-/// Whether the body of a move means STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if
-/// the rest of the body were valid.
+/// Whether the body of a move means STOP: as the bare word, as a field in JSON, CBOR or a form, or as text that would be this
+/// field if the rest of the body were valid.
 pub fn says_halt(body: &[u8]) -> bool {
     let says_so = |fields: fields::BodyFields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
@@ -64,7 +64,7 @@ fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     behind(&letters, MOVE.as_bytes()).any(|(before, rest)| {
         let word = rest.iter().position(|letter| !is_between(letter)).map_or(&[][..], |start| &rest[start..]);
         let is_parted = word.len() < rest.len() && before.map_or(is_beginning, |before| !before.is_ascii_alphanumeric());
-        // Compares no further than a word for STOP reaches: in a long word the field may occur thousands of times.
+        // Compares no more letters than a word for STOP has: in a long body the field may occur thousands of times.
         is_parted && HALTS.iter().any(|halt| begins(word, halt) && !word.get(halt.len()).is_some_and(u8::is_ascii_alphanumeric))
     })
 }

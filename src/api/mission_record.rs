@@ -1,5 +1,5 @@
-//! Stored missions in JSON: their list, one of them with luggage and map, and its entries. The door bounds a list and says where
-//! it goes on.
+//! Stored missions in JSON: their list, one of them with luggage and map, and its entries. The door bounds the length of a
+//! list and says where the next part begins.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! The shapes of resources, commands and refusals on the wire, shared by the doors: serde is used here and nowhere further in.
-//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. So are shapes that
-//! one door alone uses (the simulator, the record, excerpts, results): all shapes that users see are in one room, and the doors
-//! may not use the simulator's crate, which `api` may.
+//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. Shapes that only one
+//! door uses (the simulator, the record, excerpts, results) are here for two reasons: all shapes that users see are in one
+//! place, and `api` may use the simulator's crate, but doors may not.
 
 pub mod alarm;
 pub mod answer;

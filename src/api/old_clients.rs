@@ -1,5 +1,5 @@
-//! THE TABLE of words of the original system's clients (mission §8), from which HTTP derives the routes of the old console, CoAP
-//! the words of `/resourcemodel`, and MQTT the messages it knows. Also what such clients may not do, at any door.
+//! THE TABLE of words of the original system's clients (mission §8), from which HTTP derives the routes of the old console,
+//! CoAP the words of `/resourcemodel`, and MQTT the messages it knows. Also says what old clients may not do at any door.
 
 use super::command::move_word;
 use super::fields::Unusable;

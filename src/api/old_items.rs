@@ -20,7 +20,8 @@ pub fn room_map(snapshot: &Snapshot) -> String {
     format!("roomMap( '{}' )", map_text::one_line(snapshot))
 }
 
-/// Example: `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any.
+/// Example: `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any
+/// luggage.
 pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     let shown = snapshot.pending().or(snapshot.luggage.last())?;
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))

@@ -1,6 +1,6 @@
 //! THE TABLE of resources, from which every door derives its own: HTTP its routes, CoAP its paths and discovery, MQTT its state
-//! topics, and their pages. What a new resource needs beside its row is in `docs/architecture.md`, *How to add*. What one door
-//! alone has (the past, the list of links, the items of old clients) is in that door.
+//! topics, and their pages. What a new resource needs beside its row is in `docs/architecture.md`, *How to add*. Resources that
+//! only one door has (the past, the list of links, the items of old clients) are in that door.
 
 use serde::Serialize;
 
@@ -99,7 +99,7 @@ impl ResourceKind {
     }
 
     /// The resource in this form. `number` selects one of several; `located` adapts the photo's address to the door. Empty when
-    /// there is nothing to show, or not in this form.
+    /// there is nothing to show, or nothing in this form.
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
         match form {
             Form::Json | Form::Cbor => self.shaped(number, form, snapshot, located),

@@ -1,4 +1,4 @@
-//! Robots in JSON, and the cell where each stands. While its link is down, a robot is shown as it last said it was.
+//! Robots in JSON, and the cell where each stands. While its link is down, a robot is shown with its last reports.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -120,7 +120,7 @@ pub struct NamedRobotJson {
 }
 
 impl NamedRobotJson {
-    /// This robot at `revision`, which is that of all robots together.
+    /// This robot at `revision`, the common revision of all robots.
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
         let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led, unreached_since } =
             RobotJson::new(&shown.view, revision);

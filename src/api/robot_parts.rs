@@ -28,7 +28,7 @@ pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
     missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
 }
 
-/// Only the missing parts that something replaces, each with the words for its replacement.
+/// The missing parts that something replaces, each with the words for the replacement.
 pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
 }

@@ -1,5 +1,5 @@
-//! What earlier runs stored, and where this run stores: the journal, and what robots remember beside it. The core decides what to
-//! do with the recalled state.
+//! What earlier runs stored, and where this run stores: the journal, and beside it what robots remember. The core decides what
+//! to do with the recalled state.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -32,9 +32,9 @@ pub(super) struct DataFolder {
 
 impl DataFolder {
     /// Opens the folder of the settings, in which the robots also find where they were left. A file that cannot be read or
-    /// written is no error: the store reports it, and the robots are held (safety R5). The same holds when the keys cannot be
-    /// read, for the reason in `keys`, and when a mission is under way in another hall. Errors are a folder in use, and a folder
-    /// that this user may not enter.
+    /// written is no error: the store reports it, and the robots are held (safety R5). The robots are held likewise when the
+    /// keys cannot be read, for the reason in `keys`, or when a mission is under way in another hall. Only two things are
+    /// errors: a folder in use, and a folder that this user may not enter.
     pub(super) fn open(
         settings: &Settings,
         robots: &mut Robots,
@@ -60,7 +60,7 @@ impl DataFolder {
         if let (Some(remembered), true) = (robots.other_hall(), is_on_a_mission) {
             let words = in_another_hall(folder, remembered, &robots.hall_name());
             robots.lose(&words);
-            // Closed first, since only one store may have the folder.
+            // The first store is closed before the second one opens, since only one may have the folder.
             drop(kept);
             kept = opened(robots)?;
         }
@@ -111,8 +111,9 @@ impl DataFolder {
     }
 }
 
-/// Archives old missions if they are to stay only for a number of days: before any door is open, since nothing that a door
-/// promises may wait for it, and a bounded number at once. When that fails they stay, and the reason is returned.
+/// Archives old missions if they are to stay only for a number of days. It does so before any door is open, since no promise of
+/// a door may wait for it, and archives a bounded number at once. After a failure the missions stay, and the reason is
+/// returned.
 pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
     let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
@@ -141,7 +142,7 @@ fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     )
 }
 
-/// A pending piece whose picture is gone cannot be judged by it, so it counts as one whose photo failed (safety V2).
+/// A pending piece whose photo is gone cannot be judged by it, so the photo counts as failed (safety V2).
 fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
     let pending: Vec<Arc<Luggage>> = recalled.state.luggage.pending().filter(|luggage| luggage.has_photo()).cloned().collect();
     for luggage in pending {

@@ -1,6 +1,6 @@
-//! Moves the robot to another hall than the recorded one: the journal's page about it is stored before the robot's state file is
-//! begun anew, so that a kill in between leaves the robot and the map in the same hall. `data_folder` decides when that is
-//! needed.
+//! Moves the robot to another hall than the recorded one: the page about the move is stored in the journal before the robot's
+//! state file is begun anew, so that a kill in between leaves the robot and the map in the same hall. `data_folder` decides
+//! when that is needed.
 
 use std::time::Duration;
 
@@ -38,8 +38,8 @@ pub(super) async fn put_down(
     is_kept
 }
 
-/// Hands everything to be stored to the store; returns the last entry. No robot is linked yet and no command was sent, so that
-/// beside records there are only halts and the LED.
+/// Hands everything to be stored to the store; returns the last entry. No robot is linked yet and no command was sent, so the
+/// only effects beside records are halts and the LED.
 fn hand_over(engine: &mut Engine, store: &mut dyn Store, link: &RobotLink, halter: &Halter, losses: u64) -> Seq {
     let mut last = Seq(0);
     while let Some(effect) = engine.poll_effect() {

@@ -161,7 +161,7 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     Ok(Mqtt { session, broker: None, hall: None })
 }
 
-/// Where web clients are sent. One that finds the broker busy is closed, and may try again.
+/// Passes web clients to the broker. A client that finds the broker busy is disconnected, and may try again.
 fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
     http::Hall::new(move |connection: http::IncomingConnection| {
         let origin = Origin { from: connection.from, caller: connection.caller, access: connection.access };

@@ -13,8 +13,8 @@ use crate::doors::coap::beside;
 /// Number of file descriptors wanted: enough for every connection of every door, and for files beside them.
 const DESCRIPTORS: u64 = 4096;
 
-/// Asks the system for more file descriptors, as far as it allows; returns how many there are then. Most systems start with few
-/// and allow more on request; HTTP and MQTT together may need more than the few.
+/// Asks the system for more file descriptors, as far as it allows; returns how many there are then. Most systems start a
+/// program with few descriptors and allow more on request; HTTP and MQTT together may need more than those few.
 pub(super) fn raise_descriptors() -> u64 {
     match rlimit::increase_nofile_limit(DESCRIPTORS) {
         Ok(most) => most,
@@ -48,8 +48,8 @@ pub(super) struct Ports {
 
 type NotHad = (SocketAddr, io::Error);
 
-/// Length of the listen queue, as far as the system allows: a connection that finds it full is dropped silently and tries again
-/// after a second, which is too late for a STOP.
+/// Length of the listen queue, as far as the system allows: a connection that finds the queue full is dropped silently and
+/// tries again after a second, which is too late for a STOP.
 const WAITING: i32 = 4096;
 
 /// Number of ports tried: one that is free at one loopback address may be taken at the other.
@@ -102,7 +102,7 @@ fn at_a_free_one<P>(
     (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
-/// Binds one port at each of these addresses. A machine may lack the second one.
+/// Binds one port at each of these addresses. A machine may lack the second address.
 fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let mut bound: Vec<(P, SocketAddr)> = Vec::new();
     for mut address in at.addresses() {
@@ -122,7 +122,7 @@ fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, Socket
 
 fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
     let port = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
-    // Only where the option means what it does on Unix: a port is free as soon as its owner has ended.
+    // Only on Unix, where this option means that a port is free as soon as its owner has ended.
     #[cfg(unix)]
     port.set_reuse_address(true)?;
     port.bind(&address.into())?;
@@ -148,7 +148,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     for address in BindAddress::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
-            // Such a packet then goes to the common socket, or is lost.
+            // Packets of this machine then go to the common socket, or are lost.
             Some(Err(error)) => tracing::warn!(%address, %error, "no socket of its own for CoAP from this machine"),
             None => {}
         }

@@ -1,6 +1,7 @@
-//! What has a thread of its own (safety S7): the core's loop, the robot's link, the reading of each door, and the gate of our own
-//! MQTT broker, where one thread passes messages on sooner than several that wake each other. All other work of the doors runs on
-//! the ordinary threads, which may be busy, and which have a lower priority where there are fewer processors than work.
+//! The threads (safety S7). The core's loop, the robot's link, the reading of each door and the gate of our own MQTT broker
+//! have a thread each; in the gate one thread passes messages on sooner than several that wake each other. All other work of
+//! the doors runs on the ordinary threads. They may be busy, and have a lower priority, which counts when there are too few
+//! processors for all threads.
 
 use std::io;
 
@@ -9,7 +10,8 @@ use tokio::runtime::{Builder, Runtime};
 use super::AppError;
 use crate::runtime::threads::Thread;
 
-/// Difference in nice value between ordinary threads and the others: they get a third of the time of one of the others, as long as both have work.
+/// Difference in nice value between ordinary threads and the others: while both have work, an ordinary thread gets a third of
+/// the time of another one.
 #[cfg(target_os = "linux")]
 const NICER: i32 = 5;
 

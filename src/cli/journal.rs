@@ -110,7 +110,7 @@ impl From<Unreadable> for Failure {
     }
 }
 
-/// Writes the entries, with a line in place of each that cannot be read, and reports at the end how many these are.
+/// Writes the entries, with a line in place of each that cannot be read, and reports the number of such lines at the end.
 fn list(
     reading: &ReadOnlyJournal,
     which: Which,

@@ -1,5 +1,5 @@
-//! Writes a hall or an explored map to a file, in the format that its name tells: never over an existing file unasked, and whole
-//! or not at all. The formats are in `hallsweep_sim`.
+//! Writes a hall or an explored map to a file, in the format of the file's extension, whole or not at all. Without the user's
+//! consent no existing file is replaced. The formats are in `hallsweep_sim`.
 
 use std::fs::{self, File};
 use std::io::{self, Write};

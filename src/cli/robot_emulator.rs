@@ -67,7 +67,7 @@ struct At {
     serial: Option<String>,
 }
 
-/// Plays it until SIGINT, SIGTERM or SIGHUP.
+/// Plays the robot until SIGINT, SIGTERM or SIGHUP.
 pub fn run(flags: &RobotEmulator) -> Result<(), Failure> {
     telemetry::queue_lines();
     let settings = super::settings(&sources(None, flags.settings()))?;

@@ -293,7 +293,8 @@ fn meant(flags: &RunTree) -> Vec<Meant<'_>> {
     mocks.chain(sets.map(|(leaf, port)| Meant { flag: "--set", leaf, port: Some(port) })).collect()
 }
 
-/// Parses a value of the command line: with the type of its entry, or with the one it looks like.
+/// Parses a value of the command line: with the type of its entry on the blackboard, or else with the type that the text looks
+/// like.
 fn value(text: &str, blackboard: &Blackboard, name: &str) -> Value {
     let declared =
         blackboard.slot(name).and_then(|slot| blackboard.entry(slot)).map_or(ValueType::Any, |entry| entry.value_type());

@@ -1,5 +1,5 @@
-//! Which environment variables are settings, and how those that only look like one are treated. Their values are read in
-//! `layers`.
+//! Which environment variables are settings, and how variables that only look like settings are treated. `layers` reads the
+//! values.
 //!
 //! ```text
 //!   HALLSWEEP__ROBOT__SPEED          a setting, or refused when there is none of this name

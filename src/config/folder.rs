@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 const NAME: &str = "hallsweep";
 
-/// The usual folder according to the environment; `None` when it names no home directory.
+/// The usual folder according to the environment; `None` when the environment names no home directory.
 pub(super) fn usual(environment: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     let absolute = |name: &str| environment(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let within_home = |folder: &str| absolute("HOME").map(|home| home.join(Path::new(folder)));

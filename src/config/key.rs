@@ -18,8 +18,8 @@ pub struct Key {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingKind {
-    /// A text; its format is checked where it is read. From the environment or a flag it is taken literally; for all other types
-    /// `true` and `1` mean there what they mean in a file.
+    /// A text; its format is checked where it is read. From the environment or a flag a text is taken literally; a value of any
+    /// other type is read there as in a file.
     Text,
     YesNo,
     /// A list of texts, or a single one.
@@ -159,7 +159,8 @@ impl Key {
         Key { flag: Some(flag), ..self }
     }
 
-    /// The setting of this name. A setting of a robot with its own section, such as `robots.porter.seed`, is that of `[robot]`.
+    /// The setting of this name. For a setting of a further robot, such as `robots.porter.seed`, it is the setting of
+    /// `[robot]`: `robot.seed`.
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;

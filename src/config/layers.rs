@@ -33,7 +33,8 @@ impl Flag {
         Flag { flag, key: key.name, value }
     }
 
-    /// `--robot KIND[=ADDRESS]`, which sets both: without an address it is the usual one of the kind, whatever a file says.
+    /// The two settings of `--robot KIND[=ADDRESS]`. Without an address the usual one of the kind is used, whatever a file
+    /// says.
     pub(crate) fn robot(value: &str) -> [Flag; 2] {
         let (kind, address) = value.split_once('=').unwrap_or((value, ""));
         [("robot.kind", kind), ("robot.address", address)].map(|(key, value)| Flag {
@@ -57,7 +58,8 @@ struct Layer {
     values: Dict,
 }
 
-/// The position of a layer: two values in one place are a contradiction, one in a higher place overrules.
+/// The layers, from the lowest to the highest. Two values in one layer are a contradiction; otherwise the value of the higher
+/// layer counts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LayerSource {
     Defaults,
@@ -132,7 +134,8 @@ impl Layers {
         found.or_else(of_its_robot).unwrap_or_else(|| "an unknown place".to_owned())
     }
 
-    /// The origin of a setting: a flag or a variable names a single setting, for a file the setting is added.
+    /// The origin of a setting in words. A flag or a variable names a single setting; to a file the name of the setting is
+    /// added.
     pub(super) fn as_given(&self, key: &str) -> String {
         let origin = self.origin(key);
         if origin.starts_with("file ") { format!("{} in {origin}", self.as_written(key)) } else { origin }

@@ -1,4 +1,4 @@
-//! A phrase with its values, formatted only when it is shown. Which phrase says what the core means is in `said`.
+//! A phrase with its values, formatted only when it is shown. `said` chooses the phrases for values of the core.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};

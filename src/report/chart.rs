@@ -1,5 +1,5 @@
-//! The temperature over the mission as a picture: the highest reading of each column's time, joined by a line; the threshold
-//! across it.
+//! A picture of the temperature over the mission: a line through the highest reading of each column's time, and a line across
+//! for the threshold.
 
 use std::fmt::Write;
 

@@ -12,7 +12,7 @@ pub struct Difference {
     /// Counted from 1.
     pub byte: u64,
     pub line: u64,
-    /// The file's bytes at this place in quotes, or that it ends.
+    /// The file's bytes at this place in quotes, or words that say that the file ends.
     pub has: String,
     pub wants: String,
 }
@@ -30,7 +30,7 @@ impl<R: Read> Comparison<R> {
         Comparison { file, byte: 1, line: 1, difference: None }
     }
 
-    /// The first difference, if any; a file that goes on after the expected bytes differs too. The outer error is one of
+    /// The first difference, if any. A file that goes on after the expected bytes differs too. The outer error is an error of
     /// reading.
     pub fn finish(mut self) -> io::Result<Result<(), Difference>> {
         if self.difference.is_none() {

@@ -32,10 +32,10 @@ use crate::runtime::archive::{Archive, At, Head, PastMoment, Span, Unreadable};
 use hallsweep_core::effect::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Every later version must confirm reports that were handed over, so their contents never change: whoever changes the page, its
-/// style, or one of its phrases adds an edition, and keeps what earlier ones need. `words.txt` has their words, `pages.txt`
-/// digests of some pages, and tests compare both. Edition 2 scales the photos of a large report down, names the robots that took
-/// part and what was not searched, and draws a reading until the temperature is not known any more.
+/// Every later version must confirm reports that were handed over, so their contents never change: whoever changes the page,
+/// its style, or one of its phrases adds an edition, and keeps what earlier editions need. `words.txt` has the words of the
+/// editions, `pages.txt` digests of some pages, and tests compare both. Edition 2 scales the photos of a large report down,
+/// names the robots that took part and what was not searched, and draws a reading until the temperature is not known any more.
 pub const EDITION: u32 = 2;
 
 /// Number of entries read at once, so that a long mission is never in memory as a whole.
@@ -94,7 +94,7 @@ impl<'a> Report<'a> {
         Ok(Some(Report { archive, claim, began, head, tally, moment }))
     }
 
-    /// Sentences about unreadable parts of the record: on the timeline, and in what the hall follows from.
+    /// Sentences about unreadable parts of the record: entries of the timeline, and entries from which the hall follows.
     fn damage(&self) -> Vec<&str> {
         let (told, drawn) = (&self.tally.damage, self.moment.iter().flat_map(|moment| &moment.past.damage));
         told.iter().chain(drawn.filter(|words| !told.contains(words))).map(String::as_str).collect()

@@ -244,7 +244,7 @@ fn picture(
             }
         })),
         Err(NoTake::Spoilt(_)) => Ok(Some(Err(language.say("report-photo-spoilt").with("take", take).to_string()))),
-        // A fault that passes is no part of the record, so there is no report.
+        // A fault that may pass is no part of the record, so no report is made.
         Err(NoTake::Unreadable(unreadable)) => Err(unreadable),
     }
 }

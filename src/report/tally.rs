@@ -31,8 +31,9 @@ pub(super) struct Tally {
     measured_ms: i64,
     /// The latest clock time in this run, by the present setting of the clock.
     clock_ms: Option<i64>,
-    /// How often the clock was set, or the machine slept, and by how much in all.
+    /// How often the clock was set or the machine slept.
     pub(super) clock_sets: u64,
+    /// Sum of the changes of the clock, in milliseconds.
     clock_set_ms: i64,
     pub(super) readings: u64,
     pub(super) coldest: Option<(Celsius, WallTime)>,
@@ -65,12 +66,14 @@ impl Tally {
         self.seen
     }
 
-    /// The last entry before the mission was put away, or `until`: its final or present state stood after that entry.
+    /// The last entry before the mission was put away, or `until`: the mission's final or present state is the state after that
+    /// entry.
     pub(super) fn stood_last(&self, until: Seq) -> Seq {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }
 
-    /// Duration of the mission in milliseconds: by what each run measured if the clock was set, otherwise by the clock.
+    /// Duration of the mission in milliseconds: if the clock was set, the sum of what each run measured, otherwise by the
+    /// clock.
     pub(super) fn took_ms(&self) -> i64 {
         if self.clock_sets > 0 { self.measured_ms } else { self.span_ms() }
     }

@@ -1,5 +1,5 @@
-//! Creates all robots of the settings by their kinds: first reads what is stored about each, then makes the adapter that runs it.
-//! `app` decides who is told about them, and on which threads they run.
+//! Creates all robots of the settings by their kinds: first reads what is stored about each, then makes the adapter that runs
+//! it. `app` decides who learns of the robots, and on which threads they run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        // Another start counts as another hall of the settings, which then overrides a chosen one.
+        // With another start the settings count as naming another hall, and then override a chosen hall.
         let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
         let instead = format!("{}{start}", settings.hall);
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
@@ -95,7 +95,7 @@ impl Robots {
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
-    /// Of an external searching robot, its address.
+    /// Name of the searching robot's hall, or the address of an external robot.
     pub fn hall_name(&self) -> String {
         match self.all.first() {
             Some((_, Robot::External(robot))) => robot.place(),

@@ -1,5 +1,5 @@
-//! Awaits shared by the links to robots of every kind, each safe to cancel and repeat: a report that is taken, work on another
-//! thread that is done.
+//! Waits shared by the links to robots of every kind: until a report is taken, and until work on another thread is done. Each
+//! can be cancelled and repeated safely.
 
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;

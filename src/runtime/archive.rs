@@ -33,8 +33,8 @@ impl From<NoTake> for Unreadable {
     }
 }
 
-/// The readable part of something, and a sentence about each part of the record that cannot be read: what follows from such a
-/// part is not included.
+/// The readable part of something, and a sentence about each part of the record that cannot be read. Nothing that follows from
+/// such a part is included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sound<T> {
     pub of: T,
@@ -42,7 +42,8 @@ pub struct Sound<T> {
     pub damage: Vec<String>,
 }
 
-/// Entries of the journal after one entry, up to another, read as they were known at that time, whatever came later.
+/// The entries of the journal after the entry `after`, up to `until`. They are read as they were known at `until`, whatever
+/// came later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     pub after: Seq,
@@ -72,8 +73,8 @@ pub struct MissionRecord {
     pub left: Vec<LuggageId>,
 }
 
-/// A moment of a mission: after its last entry up to this entry, or up to this time. A moment before its first entry means the
-/// one after that entry.
+/// A moment of a mission: the one after its last entry up to this entry, or up to this time. If the mission has no entry up to
+/// there, the moment after its first entry is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
     Entry(Seq),

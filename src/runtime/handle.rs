@@ -175,8 +175,8 @@ impl Handle {
         }
     }
 
-    /// Stamps a command with its epoch. A stop gets the epoch it raises; another command gets the one in which it arrived, or the
-    /// present one when its door gave none, so that a stop that overtakes it makes it outdated.
+    /// Stamps a command with its epoch. A stop gets the epoch it raises. Any other command gets the epoch in which it arrived,
+    /// or the present one if its door gave none: a stop that overtakes the command makes it outdated.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
             // A stop counts from the epoch it raises, whenever its door received it.

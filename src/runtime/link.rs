@@ -1,5 +1,5 @@
-//! The port to one robot, of which every adapter holds one end, that of the simulated robot included. How an adapter talks to its
-//! robot is not known here.
+//! The port to one robot. Each adapter holds one end of its port, and so does the adapter of a simulated robot. How an adapter
+//! talks to its robot is not known here.
 //!
 //! ```text
 //!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)

@@ -1,5 +1,6 @@
-//! What found the queue of commands full, counted by sender: STOPs, and refusals that nobody waits for. Each is recorded however
-//! many there are (safety A5, A6), and each STOP is answered. A STOP has halted the robot before it gets here.
+//! STOPs, and refusals that nobody waits for, that found the queue of commands full. They are counted by sender; all are
+//! recorded, however many there are (safety A5, A6), and each STOP is answered. A STOP has halted the robot before it gets
+//! here.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -15,8 +16,8 @@ pub(super) type Decision = Result<Accepted, Refused>;
 /// Number of senders counted separately: more than there are keys, at each door. Further senders share one count for each door.
 const SENDERS: usize = 512;
 
-/// Number of answers after which those that nobody waits for are dropped. The connections of the doors bound the number of those
-/// that somebody waits for.
+/// Number of answers at which the abandoned ones, which nobody waits for, are dropped. The number of answers that somebody
+/// waits for is bounded by the connections of the doors.
 const ANSWERS: usize = 1024;
 
 /// The sending end. Cheap to clone.

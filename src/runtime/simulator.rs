@@ -126,8 +126,7 @@ pub trait Simulator: Send + Sync {
 
     /// The offered hall of this name, as a hall file.
     ///
-    /// # Errors
-    /// There is none, or what is wrong with it.
+    /// When there is no hall of this name, or the hall is faulty.
     fn hall(&self, name: &str) -> Result<String, NotSimulated>;
 
     /// Applies the changes that are set, and records them.

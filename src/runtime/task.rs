@@ -117,7 +117,7 @@ impl Task {
                     }
                 }
                 Ok(()) = self.word.changed() => self.hear_store(),
-                // Before commands and reports: a steady flow of them must not keep a silent sensor from being noticed.
+                // Timers come before commands and reports, so that a silent sensor is noticed even in a steady flow of both.
                 () = self.clock.reach(due) => {
                     let now = self.now();
                     self.engine.handle_timeout(now);
@@ -130,10 +130,11 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                // Last, since stops are handled before any command is taken: endless stops must not block the rest.
+                // This comes last, so that endless stops do not block the rest: stops are handled before any command is taken
+                // anyway.
                 _ = self.halts.raised() => {}
                 () = self.overflow.news() => {}
-                // Nothing happened: pages that show an age still need to know whether the clock was set.
+                // No event happened, but pages that show an age need to know whether the clock was set.
                 () = self.clock.reach(Some(self.clock.since_start() + GLANCE)) => {
                     self.now();
                 }

@@ -3,7 +3,8 @@
 
 use std::time::Duration;
 
-/// Longer than anything takes on an overloaded machine, and than any timeout of the program: tests wait for those in paused time.
+/// Time limit, longer than anything takes on an overloaded machine and than any timeout of the program. Tests of such timeouts
+/// use paused time.
 const PATIENCE: Duration = Duration::from_secs(180);
 
 /// Awaits `coming`; `what` completes the message "waited in vain for". Needs a runtime with time.

@@ -1,6 +1,6 @@
-//! The one way to read and write small files of the data folder: the STOP file, the position of the simulated robot, the mark of
-//! lost entries. Their contents and the moments of writing belong to the owners; creating and opening is in `files`, secrets are
-//! in `private_file`.
+//! The one way to read and write small files of the data folder: the STOP file, the position of the simulated robot, the mark
+//! of lost entries. The owner of a file decides its contents and when it is written. Creating and opening is in `files`,
+//! secrets are in `private_file`.
 //!
 //! ```text
 //!   make        new file, fsync, rename      all or nothing, and durable: the first write

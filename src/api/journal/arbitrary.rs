@@ -210,7 +210,7 @@ fn refused() -> impl Strategy<Value = Refused> {
     ]
 }
 
-/// Adds the store's hold when there is a reason of the store, which only occurs with it.
+/// Adds the store's hold when there is a reason of the store, which occurs only together with this hold.
 fn held(mut holds: BTreeSet<Hold>, why: Option<String>) -> Refused {
     if why.is_some() {
         holds.insert(Hold::Store);

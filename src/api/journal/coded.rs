@@ -1,5 +1,5 @@
-//! Requests, refusals and causes: in the journal a code with fields, in an exported line the present sentence. `asked`, `refused`
-//! and `causes` have the codes; `earlier` reads sentences of earlier versions.
+//! Requests, refusals and causes: codes with fields in the journal, sentences of this version in exported lines. `asked`,
+//! `refused` and `causes` have the codes; `earlier` reads sentences of earlier versions.
 
 use std::fmt::Display;
 

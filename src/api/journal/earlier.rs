@@ -1,6 +1,6 @@
-//! Reads entries of earlier versions. Up to format 4 the journal stored requests, refusals and causes as English sentences; each
-//! becomes the code with fields that is written since. The sentences here are those of these versions, whatever the program says
-//! today. A sentence that none of them wrote is left as it is.
+//! Reads entries of earlier versions. Up to format 4 the journal stored requests, refusals and causes as English sentences;
+//! each sentence becomes the code with fields that is written since then. The sentences here are those of the earlier versions,
+//! whatever the program says today. A sentence that no earlier version wrote is left as it is.
 
 use serde_json::{Map, Value, json};
 
@@ -273,13 +273,13 @@ fn held(sentence: &str) -> Option<Value> {
         rest = before;
     }
     let store_failure = rest.strip_prefix("nothing can be recorded: ").filter(|_| !holds.contains(&"store"))?;
-    // The sentence begins with the store's reason; in the list, its hold has the place that `HOLDS` gives it.
+    // The sentence begins with the store's reason; in the list, the store's hold has the place that `HOLDS` gives it.
     let behind = holds.iter().position(|hold| place(hold) > place("store")).unwrap_or(holds.len());
     holds.insert(behind, "store");
     Some(json!({ "holds": holds, "storeFailure": store_failure }))
 }
 
-/// The words before this hold if they end with it; the inner `None` when nothing stands before it.
+/// The words before this hold, if the words end with it; the inner `None` when nothing comes before the hold.
 fn before_last<'w>(words: &'w str, hold: &str) -> Option<Option<&'w str>> {
     let before = words.strip_suffix(hold)?;
     if before.is_empty() { Some(None) } else { before.strip_suffix("; ").map(Some) }

@@ -1,5 +1,5 @@
-//! Luggage records and alarms in the journal. Fields that earlier versions did not have are left out while they say
-//! nothing, so that a record is written as it was before.
+//! Luggage records and alarms in the journal. Fields that earlier versions did not have are left out while they have no value,
+//! so that such a record is written as in earlier versions.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! The shapes of the journal: every fact as JSON and back, for the table of events and for export with one object per line. In
-//! the table, requests, refusals and causes are codes with fields (`coded`), which no wording changes; exported lines have
-//! sentences instead. The store stores the lines, and for a photo they have only the digest of its file.
+//! the table, requests, refusals and causes are codes with fields (`coded`), which do not depend on wording; exported lines
+//! have sentences instead. The store stores the lines; of a photo they have only the digest of its file.
 //!
 //! ```text
 //!   {"seq":12,"at":"2026-02-03T10:05:12.000+01:00","unixMs":1770109512000,"offsetS":3600,"mission":3,
@@ -62,7 +62,7 @@ pub struct Line {
     /// `None` between two missions.
     pub mission: Option<MissionId>,
     pub entry: Entry,
-    /// Only of a luggage record.
+    /// The file of a photo; only luggage records have one.
     pub picture: Option<Picture>,
 }
 
@@ -139,8 +139,7 @@ pub fn unreadable(seq: Seq, why: &str) -> String {
 
 /// Reads an exported line. A sentence that no version up to format 4 wrote is read as `words`.
 ///
-/// # Errors
-/// What is wrong with the line; any bytes give a line or this.
+/// What is wrong with the line. Any bytes yield a line or this error.
 pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
     let LineShape { seq, unix_ms, offset_s, mission, fact, .. } = parsed(bytes)?;
     let (fact, picture) = fact.fact()?;

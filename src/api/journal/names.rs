@@ -54,7 +54,7 @@ pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     text.map(sound).transpose()
 }
 
-/// Reads a number of stops. The store counts in signed 64-bit numbers, so that a larger number cannot be counted on.
+/// Reads a number of stops. The store counts in signed 64-bit numbers, so it could not count on from a larger number.
 pub(super) fn epoch(count: u64) -> Result<Epoch, Unparsed> {
     i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} stops cannot have been")))
 }

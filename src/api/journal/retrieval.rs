@@ -75,7 +75,7 @@ impl RetrievalShape {
     }
 }
 
-/// Checks a number of steps from home: no robot stands further outside.
+/// Checks a number of steps from home, against the largest distance of a robot outside.
 pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
     (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("nobody stands {steps} steps outside")))
 }

@@ -1,6 +1,6 @@
-//! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records have, and tests
-//! compare the two. One differs: the piece of a verdict without a number stands before the note here. Words of others, as of a
-//! robot or a disk, stay as they are.
+//! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records use, and tests
+//! compare them. One phrase differs: the piece of a verdict without a number stands before the note here. Words of others, as
+//! of a robot or a disk, stay as they are.
 
 mod asked;
 mod fact;
@@ -39,7 +39,7 @@ impl Language {
         }
     }
 
-    /// Result of a mission in the midst of something: the phase in which it is, or was when it was put away.
+    /// Result of an unfinished mission: the phase in which it is, or was when it was put away.
     pub fn ended_while(self, phase: impl Display, is_put_away: bool) -> Phrase<'static> {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }

@@ -1,4 +1,4 @@
-//! Words for refusals, those of the simulator included, which the core does not tell apart.
+//! Words for refusals, including refusals of the simulator, which all look the same to the core.
 
 use crate::phrases::Language;
 use hallsweep_core::command::Refused;

@@ -14,7 +14,7 @@ use hallsweep_core::rng::RandomStream;
 /// Photos are written in pieces of this many bytes.
 const PIECE: usize = 16 << 10;
 
-/// Number of waiting pieces at which nothing more is read and nothing more is said; one photo may exceed it.
+/// Number of waiting pieces at which reading or reporting pauses; one photo may exceed it.
 const WAITING: usize = 64;
 
 pub(super) struct Connection {

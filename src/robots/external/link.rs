@@ -71,7 +71,7 @@ pub(super) async fn run(
 struct ExternalLink {
     robot: RobotId,
     driver: Box<dyn Driver>,
-    /// As last logged: the driver may report a link that is up again.
+    /// Whether the link was up when last logged: the driver may repeat the report that it is up.
     is_up: bool,
     address: Address,
     side: RobotSide,
@@ -141,15 +141,15 @@ impl ExternalLink {
                 (order, drawn) = done_for(&mut self.drawing), if free => if let Some(drawing) = drawn {
                     self.driver.handle_drawing(order, drawing, self.clock.now());
                 },
-                // Also during a write: the time at which a word arrives matters.
+                // Input is read during a write too, since the time at which it arrives matters.
                 happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
             }
         }
     }
 
-    /// Logs the link for operators without a console. The driver may report a link that is up again, when it knows the robot
-    /// better.
+    /// Logs the link for operators without a console. The driver may repeat the report that the link is up, when it knows the
+    /// robot better.
     fn log(&mut self) {
         let at = &self.address;
         match &self.report {
@@ -222,7 +222,7 @@ impl ExternalLink {
         }
     }
 
-    /// Does nothing unless the connection stands: in any other state a new one is under way already.
+    /// Does nothing without a connection: a new one is under way already then.
     fn reconnect(&mut self) {
         if matches!(self.connection, Connection::Stands(_)) {
             let call = Connection::Calling(self.address.call());

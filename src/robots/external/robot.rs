@@ -61,7 +61,7 @@ impl ExternalRobot {
         Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: ExternalMemory::Nothing }))
     }
 
-    /// Shown where a simulated robot has the name of its hall.
+    /// The address in words, shown where a simulated robot has the name of its hall.
     pub(in crate::robots) fn place(&self) -> String {
         format!("robot at {}", self.address)
     }

@@ -153,7 +153,7 @@ impl Wire {
     }
 
     /// Closes the connection, and waits until the other side has closed too, so that its last actions do not affect the next
-    /// connection. The result is whether it has.
+    /// connection. The result says whether the other side has closed.
     pub(super) fn close(self) -> Closing {
         Box::pin(async move {
             let Wire::Tcp(mut stream) = self else { return false };
@@ -193,7 +193,8 @@ async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     socket.connect(robot).await.ok()
 }
 
-/// In one write where the system accepts it, as it does for so few bytes: some robots cannot handle a message in two pieces.
+/// Sends a message in one write if the system accepts that, as it does for a few bytes: some robots cannot handle a message in
+/// two pieces.
 async fn write_whole(stream: &TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         stream.writable().await?;

@@ -1,5 +1,5 @@
 //! The hall that somebody has chosen in the simulator, stored in the data folder so that a restart continues in it: a hall file
-//! after two lines of its own. It applies as long as the settings name the same hall as at that time.
+//! after two lines of its own. It applies while the settings name the same hall as when it was chosen.
 
 use std::io;
 use std::path::{Path, PathBuf};

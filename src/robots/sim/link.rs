@@ -22,8 +22,8 @@ use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
 use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 
-/// Real time allowed for drawing a photo at any speed; the core is told so. It takes some hundredths of a second, but the machine
-/// may be busy, and a late photo counts as none.
+/// Real time allowed for drawing a photo at any speed; the core knows this time. Drawing takes some hundredths of a second, but
+/// the machine may be busy, and a late photo counts as none.
 const DEVELOPING: Duration = Duration::from_secs(3);
 
 /// Time after which a failed write of the state file is retried, when nothing new happens before.

@@ -1,5 +1,5 @@
-//! How the links of simulated robots learn of the simulator's controls: the controls are a latest state that each link applies
-//! when it gets to it; another hall is passed to each link in turn, once it is ready and the core has agreed.
+//! How the links of simulated robots learn of the simulator's controls. The controls are a latest state, which each link
+//! applies when it can. Another hall is passed to each link in turn, once the link is ready and the core has agreed.
 //!
 //! ```text
 //!   controls ── speed, pause, faults ─────────► every link      (latest state)

@@ -2,8 +2,8 @@
 //! the program comes back. The contents are in `memory`, the format in `hallsweep_sim::page`; `link` decides when to write.
 //!
 //! It simulates physics, so writing is as cheap as possible: 1 KiB in place for each order begun or ended. The bytes are in the
-//! system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose the last seconds. What
-//! must outlive that is in the journal.
+//! system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose the last seconds.
+//! Everything that must outlive a power cut is in the journal.
 
 use std::io;
 use std::path::Path;

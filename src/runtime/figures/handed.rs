@@ -1,5 +1,5 @@
-//! Pages that were handed to the store but are not stored yet: how long each takes, and which figures count once its entries are
-//! on record. Lost entries are not counted until they are recorded anew.
+//! Pages that were handed to the store but are not stored yet: how long each page takes, and which figures are counted once its
+//! entries are on record. Lost entries are not counted until they are recorded anew.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -24,8 +24,8 @@ pub struct HandedPages {
     pages: VecDeque<(Seq, Duration)>,
     counted: VecDeque<(Seq, CountedFact)>,
     phase: PhaseName,
-    /// The phase before the present one. A mission's last phase is this one when the mission is put away, because the next phase
-    /// is recorded first.
+    /// The phase before the present one. When a mission is put away this is its last phase, because the next phase is recorded
+    /// before that.
     left: PhaseName,
     pose: Pose,
     luggage: LuggageId,

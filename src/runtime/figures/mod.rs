@@ -1,6 +1,6 @@
-//! What the program counts and measures of itself since its start, for monitoring. Every number is atomic and every series exists
-//! from the start: counting never waits and never allocates, whatever arrives from outside. What is counted of the record is in
-//! `handed`; the format is that of `prometheus_client`, and a door decides who may read it.
+//! What the program counts and measures of itself since its start, for monitoring. Every number is atomic and every series
+//! exists from the start: counting never waits and never allocates, whatever arrives from outside. `handed` counts what is on
+//! record; the format is that of `prometheus_client`, and a door decides who may read it.
 
 mod handed;
 mod latency;
@@ -57,11 +57,11 @@ struct Families {
     journal_last_entry: Gauge,
     store_failing: Gauge,
     store_losses: Counter,
-    /// From handing a page to the store until the store reports it as stored.
+    /// Time from handing a page to the store until the store reports it as stored.
     records: Latency,
-    /// From when the loop takes a command until it answers.
+    /// Time from when the loop takes a command until it answers.
     answers: Latency,
-    /// From when a STOP halts the robots until the loop handles it.
+    /// Time from when a STOP halts the robots until the loop handles it.
     stopping: Latency,
     /// When the first STOP was raised that the loop has not handled, in nanoseconds since the start; 0 when there is none.
     unheard: AtomicU64,
@@ -136,7 +136,7 @@ impl Figures {
         self.0.answers.observe(after);
     }
 
-    /// `losses` is the number of losses since the last status, not of all.
+    /// `losses` is the number of losses since the last status, not the total.
     pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
         self.0.journal_last_entry.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
         self.0.store_failing.set(i64::from(word.failure.is_some()));

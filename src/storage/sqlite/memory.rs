@@ -27,10 +27,11 @@ pub(super) const PHOTOS: u64 = 256;
 /// Number of earlier photos stored for pieces that were photographed again.
 pub(super) const EARLIER: u64 = 64;
 
-/// Number of stored luggage records: more than a busy year's, at about 400 bytes each.
+/// Number of stored luggage records: more than in a busy year, at about 400 bytes each.
 const RECORDS: u64 = 16_384;
 
-/// Number of stored missions, including the present one: a year's at a quiet airport, at some 100 KB for the map of each.
+/// Number of stored missions, including the present one: as many as in a year at a quiet airport, with some 100 KB for each
+/// map.
 const MISSIONS: u64 = 256;
 
 /// Table and indices of a journal in memory alone: the state at the end of each mission, whose entries may be gone.

@@ -21,7 +21,7 @@ const POSES: usize = 192;
 
 type Stood = (Seq, Sound<PersistentState>);
 
-/// States at the given moments, in order. Two states share what is equal in them where one follows from the other.
+/// States at the given moments, in order. If one state follows from another, the two share their equal parts.
 pub(super) fn moments(
     connection: &Connection,
     mission: MissionId,
@@ -81,7 +81,8 @@ fn by_time(
     Ok(Some(found))
 }
 
-/// The state after an entry, folded from that after an earlier one if that is shorter; `None` when the needed entries are gone.
+/// The state after an entry, folded from the state after an earlier entry if that is shorter; `None` when the needed entries
+/// are gone.
 fn stood(
     connection: &Connection,
     mission: MissionId,

@@ -1,4 +1,4 @@
-//! The archives that a journal or archive has on record: those written out of it, and those it was unpacked from.
+//! The archives that a journal or archive has on record: archives written out of it, and archives from which it was unpacked.
 
 use rusqlite::Connection;
 

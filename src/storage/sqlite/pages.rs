@@ -94,7 +94,7 @@ impl Pages {
         if rows::take_back(&transaction, kept)? > 0 {
             project::rebuild(&transaction)?;
             chain::take_back(&transaction, kept)?;
-            // A page over old entries may reach beyond `kept`; the entries that stay of it need a page again.
+            // A page over old entries may reach beyond `kept`; its entries that stay need a page again.
             chain::close_page(&transaction)?;
         }
         let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";

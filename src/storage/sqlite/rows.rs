@@ -228,7 +228,8 @@ fn was_dangerous(connection: &Connection, luggage: LuggageId, after: Seq, before
     if !is_dangerous || before.is_none() {
         return Ok(is_dangerous);
     }
-    // Only the entries tell when that was. It follows within milliseconds of the verdict that it overrides.
+    // Only the entries tell when the piece was found dangerous. The entry comes within milliseconds of the verdict that it
+    // overrides.
     let which = EntryFilter { after: Some(after), before, kinds: Kinds::Verdicts, ..EntryFilter::default() };
     let looked = each(connection, which, |_, line| {
         if line.is_ok_and(|line| says_danger(&line.entry.fact, luggage)) { Err(Fault::GivenUp) } else { Ok(()) }

@@ -23,7 +23,7 @@ pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 /// Since this format all entries can be read.
 pub(super) const ENTRIES_SINCE: i64 = 2;
 
-/// Since this format there are the tables and the chain of digests that there are now.
+/// Since this format the tables and the chain of digests are as they are now.
 const TABLES_SINCE: i64 = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub(super) enum Format {
     Empty,
     /// Some tables are missing.
     Older(i64),
-    /// All tables are there, and can be held against the entries.
+    /// All tables are there, and can be compared with the entries.
     Current,
 }
 
@@ -50,7 +50,7 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
 
 /// Migrates a file in one transaction, so that a kill leaves it in its old format.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
-    // What is not ours is refused; an empty file is of format 0.
+    // A foreign file is refused; an empty file is of format 0.
     format(connection)?;
     let from: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0))?;
     if from == FORMAT {

@@ -1,6 +1,6 @@
-//! Makes a data folder from an archive, whole or not at all: it is built beside its place, or within it where a folder exists
-//! already, and then moved there, the journal last. It is a journal of its own from then on; its first own entry names the
-//! archive that all entries before came from, and where that begins.
+//! Makes a data folder from an archive, whole or not at all. The folder is built beside its destination, or inside it if the
+//! destination exists, and then moved there, the journal last. From then on it is a journal of its own. Its first own entry
+//! names the archive from which all earlier entries came, and where that archive begins.
 
 use std::fs;
 use std::io;
@@ -76,7 +76,7 @@ impl UnpackTarget {
         }
     }
 
-    /// Fails where something that no unpacking left is in the way of building.
+    /// Fails when something is in the way of building that no unpacking left there.
     fn check(&self) -> Result<(), Unreadable> {
         const LEFT: [Name; 4] = [names::JOURNAL, names::HEAD, names::LOCK, names::PHOTOS];
         let is_ours = match fs::symlink_metadata(&self.build) {

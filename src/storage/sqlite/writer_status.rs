@@ -146,7 +146,7 @@ impl WriterStatus {
         work.losing || self.word.borrow().failure.is_some()
     }
 
-    /// Stops reporting pages as stored first, so that the last stored entry stays the one written to the mark.
+    /// First stops reporting pages as stored, so that the last stored entry stays the one written to the mark.
     fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
         work.losing = true;
         drop(work);
