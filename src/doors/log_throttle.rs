@@ -1,5 +1,5 @@
-//! Events that clients can cause as often as they like: logged with their number, and not more often than anybody reads it,
-//! because nobody must be able to fill the disk. The caller decides what is logged.
+//! Events that clients can cause as often as they like. They are logged with their number at a limited rate, because nobody
+//! must be able to fill the disk. The caller decides what is logged.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -22,7 +22,7 @@ struct Count {
 }
 
 impl LogThrottle {
-    /// Counts one more event; returns the number since the last line when it is time for another.
+    /// Counts one more event. When it is time for a log line, returns the number of events since the last one.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
     }

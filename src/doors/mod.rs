@@ -1,6 +1,6 @@
-//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. Shared parts are
-//! beside them: ports, waiting connections, the reduction of bounds on systems with few descriptors, quotas of keys, write time
-//! limits, the rate of large publications, and problems.
+//! The doors: how operators and programs reach hallsweep. No door knows another door or an adapter. Shared parts are beside the
+//! doors: ports, pending connections, the scaling of limits on systems with few descriptors, quotas of keys, write time limits,
+//! the rate of large publications, and problems.
 
 pub mod coap;
 pub mod connection_limits;

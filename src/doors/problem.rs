@@ -1,4 +1,4 @@
-//! Why a door does not do what it was asked: one problem, which each door writes in its own form, with its own status or code.
+//! Why a door does not do what it was asked. Each door writes the same problem in its own form, with its own status or code.
 //! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached the core.
 //! Problems of a single door are in that door.
 
@@ -20,12 +20,12 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
-    /// The refusal of the core whose English sentence is the detail.
+    /// The refusal of the core, if its English sentence is the detail.
     refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
-    /// What was asked for, if it is known better than by method and path.
+    /// What was asked for, if more is known than method and path.
     asked: Option<Box<Asked>>,
-    /// Whether it concerns a sender's request that the core has not recorded.
+    /// Whether the problem is recorded, because the core has not recorded the request.
     is_for_record: bool,
 }
 
@@ -34,7 +34,7 @@ impl Problem {
         Problem { kind, code, detail, refused: None, luggage: None, asked: None, is_for_record: true }
     }
 
-    /// A refusal by a door in the core's words, which is not recorded yet.
+    /// The refusal of a request by a door, in the core's words. It is not recorded yet.
     pub(super) fn refused(refused: &Refused) -> Problem {
         Problem::new((refused.code(), refused.kind().into()), String::new()).with(refused.clone())
     }
@@ -51,7 +51,7 @@ impl Problem {
         Problem { detail, refused: None, ..self }
     }
 
-    /// Marks it as no fault of its sender, so that it is not recorded.
+    /// Marks the problem as no fault of the sender, so that it is not recorded.
     pub(super) fn off_record(self) -> Problem {
         Problem { is_for_record: false, ..self }
     }
@@ -130,7 +130,7 @@ impl Problem {
 }
 
 impl From<NotDone> for Problem {
-    /// The core has recorded its own refusals.
+    /// The core has recorded its own refusals already.
     fn from(not_done: NotDone) -> Problem {
         match not_done {
             NotDone::Refused(refused, luggage) => Problem { luggage, ..Problem::refused(&refused).off_record() },

@@ -1,9 +1,10 @@
-//! The least interval between two updates of a state that is always sent whole: longer, the larger it is. So the map of a large hall, or
-//! all its luggage, costs a door no more of the processor than those of a small one; what changes meanwhile is in the next.
+//! The minimum interval between two updates of a state that is always sent whole: the larger the state, the longer the
+//! interval. So the map of a large hall, or all its luggage, takes no more of the processor than that of a small hall. The next
+//! update contains all changes since the last one.
 
 use std::time::Duration;
 
-/// A megabyte a second of one state, which takes some hundredths of a processor.
+/// A megabyte a second of one state. That takes some hundredths of a processor.
 const A_BYTE: Duration = Duration::from_micros(1);
 
 pub(super) fn for_size(bytes: usize) -> Duration {

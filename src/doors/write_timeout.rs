@@ -1,5 +1,6 @@
-//! A connection whose reader may stall for a limited time: a write without progress for `STALL` ends it, so that readers that
-//! vanished do not hold their places for ever. Reading is bounded by the server's header time and by `reading`.
+//! A connection whose reader may stall for a limited time. A write without progress for `STALL` ends the connection, so that
+//! readers that have vanished do not hold their slots for ever. Reading is bounded by the server's header time and by
+//! `reading`.
 
 use std::io;
 use std::pin::Pin;
@@ -9,7 +10,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// Time after which a reader that accepts nothing counts as gone.
+/// Time after which a reader that accepts no bytes counts as gone.
 const STALL: Duration = Duration::from_secs(15);
 
 pub(super) struct WriteTimeoutStream<S> {
@@ -22,7 +23,7 @@ impl<S> WriteTimeoutStream<S> {
         WriteTimeoutStream { stream, stalled: None }
     }
 
-    /// The timer runs only while a write waits; any progress stops it.
+    /// Runs the timer only while a write waits. Any progress stops the timer.
     fn bounded<T>(&mut self, cx: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stalled = None;

@@ -1,5 +1,5 @@
-//! Client ids: of two clients with one id the later one stays, and a client that wants it is remembered under its id while it is
-//! away, for as long as it asks, and as there is room. The gate decides what is remembered.
+//! Client ids. When two clients have one id, the later one stays. A client that asks for it is remembered while it is away, for
+//! the time that it asks for, if there is room. The gate decides what is remembered.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -11,26 +11,26 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent one is forgotten: of
-/// the owner with the most, the one that connected first.
+/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent client is forgotten: the one
+/// that connected first, among those of the owner with the most.
 const REMEMBERED: usize = 128;
 
-/// Maximum wait of a newcomer for the other client of its name to leave.
+/// Maximum time that a newcomer waits for another client with its name to leave.
 const LEAVE_TIME: Duration = Duration::from_secs(2);
 
-/// Owner and id of a client: nobody replaces somebody else's client.
+/// Owner and id of a client. The owner is part of the name, so nobody replaces somebody else's client.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
     pub(super) who: Arc<str>,
-    /// The client's own id; empty if it has none.
+    /// The id that the client sent; empty if it sent none.
     pub(super) client: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Memory {
-    /// Its CONNECT does not ask for a clean start.
+    /// The CONNECT does not ask for a clean start.
     pub(super) resumes: bool,
-    /// Its CONNECT asks to be remembered after it has left: a session expiry above 0 s.
+    /// The CONNECT asks that the client is remembered after it has left: a session expiry above 0 s.
     pub(super) wants: bool,
 }
 
@@ -40,26 +40,26 @@ pub(super) struct ClientIds(Arc<Ids>);
 #[derive(Debug, Default)]
 struct Ids {
     registry: Mutex<Registry>,
-    /// Wakes `keep`: the session just remembered may expire before the others.
+    /// Wakes `keep`, because a session was remembered that may expire before the others.
     has_gone: Notify,
     clock: Clock,
 }
 
-/// The id of a connected client; free again when it is dropped.
+/// The id of a connected client. The id is free again when this value is dropped.
 #[derive(Debug)]
 pub(super) struct ClientId {
     ids: ClientIds,
     name: Name,
     moment: u64,
     leave: watch::Receiver<bool>,
-    /// Whether it asked to be remembered and found a place among `REMEMBERED`.
+    /// Whether the client asked to be remembered and got one of the `REMEMBERED` places.
     is_remembered: bool,
     _gone: watch::Sender<()>,
 }
 
 #[derive(Debug, Default)]
 struct Registry {
-    /// A counter of arrivals, which tells clients of one name apart.
+    /// A counter of arrivals, which tells clients with the same name apart.
     moments: u64,
     present: HashMap<Name, Present>,
     remembered: HashMap<Name, RememberedSession>,
@@ -80,7 +80,7 @@ struct RememberedSession {
 }
 
 impl ClientIds {
-    /// Takes the id for a client, with the remembered session; an older client with the same id is disconnected first.
+    /// Takes the id for a client, with the remembered session. An older client with the same id is disconnected first.
     pub(super) async fn take(&self, name: Name, memory: Memory) -> (ClientId, Option<Session>) {
         let came = {
             let mut registry = self.registry();
@@ -92,8 +92,8 @@ impl ClientIds {
                 Ok(taken) => return taken,
                 Err(present) => present,
             };
-            // The wait ends when the other client drops its id with its end of the channel. One that hangs is given up: it is not
-            // waited for, and keeps its resources until it leaves.
+            // The wait ends when the other client drops its id, which closes this channel. A client that hangs is given up: it
+            // is no longer waited for, and keeps its resources until it leaves.
             if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
                 let mut registry = self.registry();
                 registry.present.retain(|known, present| *known != name || present.moment != moment);
@@ -102,8 +102,8 @@ impl ClientIds {
         }
     }
 
-    /// Takes the id when no client of this name is connected; otherwise asks that client to leave, and returns its arrival number
-    /// and a channel that closes when it has left.
+    /// Takes the id if no client with this name is connected. Otherwise asks that client to leave, and returns its arrival
+    /// number and a channel that closes when it has left.
     fn enter(&self, name: &Name, memory: Memory, came: u64) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
         let mut registry = self.registry();
         let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
@@ -112,7 +112,7 @@ impl ClientIds {
             return Err((present.moment, present.gone.clone()));
         }
         let moment = came;
-        // A client that came later has the name. What this one sent before it left is still processed.
+        // A client that came later has the name. Messages that this one sent before it left are still processed.
         let is_named = !name.client.is_empty() && !is_overtaken;
         let mut had = if is_named { registry.remembered.remove(name) } else { None };
         let session = had.as_mut().filter(|_| memory.resumes).and_then(|had| had.session.take());
@@ -131,7 +131,7 @@ impl ClientIds {
         Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, is_remembered, _gone: gone }, session))
     }
 
-    /// Forgets clients whose time is over, and publishes their wills; never returns.
+    /// Forgets clients whose time is over, and publishes their wills. Never returns.
     pub(super) async fn keep(&self) {
         let clock = self.0.clock;
         loop {
@@ -154,7 +154,7 @@ impl ClientIds {
             is_over
         };
         let over: Vec<_> = self.registry().remembered.extract_if(|_, remembered| is_over(remembered)).collect();
-        // Without the registry's lock, which newcomers need.
+        // Published without holding the registry's lock, which newcomers need.
         wills.into_iter().for_each(|will| will.publish(now));
         self.end(over.into_iter().map(|(_, remembered)| remembered));
     }
@@ -170,7 +170,7 @@ impl ClientIds {
 }
 
 impl Registry {
-    /// Whether there is a place for one more client. The client that loses its place for it is put into `gives_way`.
+    /// Whether one more client can be remembered. A client that is forgotten for it is put into `gives_way`.
     fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
@@ -186,22 +186,22 @@ impl Registry {
 }
 
 impl ClientId {
-    /// Waits until another client of the same name arrives.
+    /// Waits until another client with the same name arrives.
     pub(super) async fn wanted(&mut self) {
         if self.leave.wait_for(|leave| *leave).await.is_err() {
             std::future::pending::<()>().await;
         }
     }
 
-    /// Remembers the client's session for its return; `None` when the client wants nothing remembered.
+    /// Remembers the client's session for its return; `None` if the client wants nothing remembered.
     pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
         let is_ours = |remembered: &RememberedSession| remembered.moment == self.moment;
         let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
             Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
             Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
-            // Nobody remembers this session. A later client of its name that resumes is its continuation, however late this one
-            // leaves.
+            // Nobody remembers this session. If a later client with the same name resumes, it continues this session, however
+            // late this client leaves.
             None => {
                 let later = registry.present.get(&self.name).filter(|present| present.moment > self.moment);
                 session.map(|mut session| {

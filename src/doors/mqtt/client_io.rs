@@ -1,6 +1,6 @@
-//! Moves bytes between a client and the gate, for as long as both go on. It interprets none of them: the gate decides what is
-//! passed on, and how much may wait. The client's input was searched for a STOP before it comes here, so nothing here is urgent:
-//! it works in short turns, and yields to others in between. `client_service` decides who polls it.
+//! Moves bytes between a client and the gate until either side ends. It interprets no bytes: the gate decides what is passed
+//! on, and how much may wait. The client's input was searched for a STOP before it comes here, so nothing here is urgent. It
+//! works in short turns, and yields to other clients in between. `client_service` decides who polls it.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -24,25 +24,25 @@ use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
 
-/// Time for one client's packets after which others have their turn.
+/// Maximum time for one client's packets before other clients get their turns.
 const TURN: Duration = Duration::from_millis(1);
 
-/// Maximum number of bytes at once that a thread with other duties takes from a client.
+/// Maximum number of bytes that a thread with other duties takes from a client at once.
 const LITTLE: usize = 2 * 1024;
 
-/// Interval at which a client's right is checked again: a removed key is valid no longer than this.
+/// Interval at which a client's right is checked again. A removed key stays valid no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
 /// Maximum time for the last bytes to reach a client.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Interval at which it is checked, when the program ends, whether a client has received everything.
+/// When the program ends: interval at which it is checked whether a client has received everything.
 const BREATH: Duration = Duration::from_millis(2);
 
-/// Number of bytes after which a client counts as reading.
+/// Number of bytes that a client must take to count as reading.
 const MUCH: usize = 64 * 1024;
 
-/// Changes, or is closed, when the program ends.
+/// Changes or closes when the program ends.
 pub(super) type Running = watch::Receiver<()>;
 
 pub(super) struct ClientEnds {
@@ -50,7 +50,7 @@ pub(super) struct ClientEnds {
     pub(super) ahead: Taker,
     pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
-    /// Bounds the connections that are closing.
+    /// Limits the number of closing connections.
     pub(super) leaving: PendingConnections,
     pub(super) from: IpAddr,
 }
@@ -63,14 +63,14 @@ pub(super) struct ClientIo {
     permit: Arc<SessionPermit>,
     clock: Clock,
     from_client: BytesMut,
-    /// Whether complete packets may be left from the last turn.
+    /// Whether the last turn may have left complete packets.
     is_cut: bool,
-    /// Whether there is more to do, after others had their turn.
+    /// Whether there is more to do after other clients had their turns.
     wants_turn: bool,
-    /// When the client last took `MUCH` bytes, or all that waited, and the number of bytes since then.
+    /// When the client last took `MUCH` bytes, or all bytes that waited; and the number of bytes taken since then.
     read_at: Duration,
     taken: usize,
-    /// Set while nothing is taken from the client, because subscribers lag behind what it publishes.
+    /// Set while nothing is taken from the client, because subscribers to its messages lag behind.
     waiting: Option<LagWait>,
     ended: Option<Ended>,
 }
@@ -80,7 +80,7 @@ struct LagWait {
     until: Duration,
 }
 
-/// Closes the service when nobody serves there any more, because its wakers keep it alive.
+/// Closes the service when it is no longer served: its own wakers would keep it alive.
 struct OpenService(Arc<ClientService>);
 
 impl Drop for OpenService {
@@ -97,7 +97,8 @@ pub(super) enum TurnLength {
 
 type Did = Result<bool, Ended>;
 
-/// Returns when the session is remembered and the last bytes are sent, which may take `FAREWELL`.
+/// Serves a client to its end. Returns when the session is remembered and the last bytes are sent, for which `FAREWELL` is the
+/// maximum.
 pub(super) async fn run(
     connection: ClientConnection,
     ends: ClientEnds,
@@ -122,14 +123,14 @@ pub(super) async fn run(
     connection.handle_end(ended, clock.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
-    // The next client of this name need not wait for the last bytes.
+    // The id is free now, so the next client with this name need not wait for the last bytes.
     drop(id);
     send_farewell(ended, client, to_client, ahead, leaving, from).await;
     ended
 }
 
-/// The program ends: serves until the client has received everything published for it, such as the end of the program.
-/// The caller limits the time (`embedded::LAST_WORDS`).
+/// The program ends: serves until the client has received everything published for it, such as the program's last message. The
+/// caller limits the time (`embedded::LAST_WORDS`).
 async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
@@ -160,8 +161,8 @@ async fn send_farewell(
             return leaving.linger(from, told).await;
         }
         told.await;
-        // The program's end continues when this connection is closed; bytes under way have arrived only when the other side has
-        // closed it, too.
+        // The program goes on ending when this connection is closed. The client has received the last bytes for certain only
+        // when it has closed the connection too.
         ahead.ended().await;
     };
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
@@ -186,7 +187,7 @@ impl ClientIo {
         }
     }
 
-    /// Works for one turn: one step if `Short`, up to `TURN` if `Long`. Ready with the reason at the end.
+    /// Works for one turn: one step if `Short`, up to `TURN` if `Long`. Ready with the reason when the connection ends.
     pub(super) fn poll(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
@@ -201,17 +202,17 @@ impl ClientIo {
         self.ended.map_or(Poll::Pending, Poll::Ready)
     }
 
-    /// Whether there is more to do although nothing will wake the server.
+    /// Whether there is more to do, although nothing will wake whoever serves.
     pub(super) const fn wants_turn(&self) -> bool {
         self.wants_turn
     }
 
-    /// Whether there is too much to do for a thread with other duties, or something to wait for.
+    /// Whether a task must serve: there is too much to do for a thread with other duties, or something to wait for.
     pub(super) fn wants_task(&self) -> bool {
         self.waiting.is_some() || self.ended.is_some() || self.is_cut || self.ahead.bytes() > LITTLE
     }
 
-    /// Latest time of the next poll: the client will have been silent for too long, or held up for long enough.
+    /// Latest time of the next poll: then the client has been silent for too long, or was held up for long enough.
     pub(super) fn due(&self) -> Duration {
         let silent_until = self.connection.poll_timeout();
         self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
@@ -225,7 +226,7 @@ impl ClientIo {
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
-        // Messages to others go out before they are acknowledged.
+        // Messages to other clients are passed on before they are acknowledged.
         let told = !(heard && length == TurnLength::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)
@@ -235,7 +236,7 @@ impl ClientIo {
         if self.connection.to_client().is_empty() {
             return Ok(false);
         }
-        // Outside of tokio's own budget, because the turns here have a bound of their own.
+        // Outside of tokio's own budget, because a turn here is bounded in time.
         let written = match pin!(unconstrained(self.client.write_buf(self.connection.to_client()))).poll(cx) {
             Poll::Pending => return Ok(false),
             Poll::Ready(Ok(written @ 1..)) => written,
@@ -266,7 +267,7 @@ impl ClientIo {
             }
             let connection = &mut self.connection;
             self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
-            // A client with much input lets others have their turn first.
+            // A client with much input lets other clients have their turns first.
             self.wants_turn |= self.from_client.len() - before >= READ / 2;
         }
         self.is_cut = self.connection.handle_turn(&mut self.from_client, self.clock.since_start())?;
@@ -274,7 +275,7 @@ impl ClientIo {
         Ok(true)
     }
 
-    /// Whether nothing is taken from the client, because subscribers lag behind what it publishes.
+    /// Whether nothing is taken from the client, because subscribers to its messages lag behind.
     fn is_held_up(&mut self, cx: &Context<'_>) -> bool {
         let now = self.clock.since_start();
         if let Some(LagWait { behind, until }) = &self.waiting {
@@ -293,13 +294,13 @@ impl ClientIo {
             return false;
         }
         let until = self.connection.waits_until(now);
-        // Also notices subscribers that have caught up in this moment.
+        // This also notices subscribers that have just caught up.
         let is_over = behind.iter().all(|subscriber| subscriber.poll_relieved(cx).is_ready());
         self.waiting = (!is_over).then_some(LagWait { behind, until });
         !is_over
     }
 
-    /// Reports the bytes that wait here: they reduce the room to read ahead, and a session with many of them may be
+    /// Reports the bytes that wait here. They reduce the room for reading ahead, and a session with many of them may be
     /// evicted.
     fn note_held(&mut self) {
         let here = self.connection.held() + self.from_client.len();
@@ -326,7 +327,7 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Waits until an admitted client has to go: its key is not valid any more, or its session was given to somebody else.
+/// Waits until an admitted client has to go: its key is not valid any more, or its session was evicted for another one.
 async fn shut_out(identity: &Identity, access: &Access, clock: Clock, permit: &SessionPermit) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {

@@ -1,6 +1,6 @@
-//! Serves one client: by a task of its own on the gate's thread, or, while there is little traffic, by the hearing thread in
-//! its place, because waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to
-//! `client_io`, which works the same for both.
+//! Serves one client: with a task of its own on the gate's thread, or, while there is little traffic, on the hearing thread.
+//! Waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to `client_io`,
+//! which works the same for both.
 //!
 //! ```text
 //!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► ClientIo ─► Subscriber::put wakes a reader's ─► ClientIo ─► its socket
@@ -24,28 +24,28 @@ use super::client_io::{ClientIo, TurnLength};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
-/// Share of the hearing thread's time that may go to serving (safety S7): one part in this many.
+/// Share of the hearing thread's time that may be spent on serving (safety S7): one part in this many.
 const SHARE: u32 = 8;
 
-/// Longest uninterrupted serving turn, when its time was saved up; the step under way is finished beyond it.
+/// Longest uninterrupted serving turn, if that much time was saved up. The step under way is finished even beyond it.
 const LONGEST_TURN: Duration = Duration::from_micros(500);
 
-/// Minimum saved time for a serving turn to begin.
+/// Minimum saved time for a serving turn.
 const SHORTEST_TURN: Duration = Duration::from_micros(100);
 
 thread_local! {
-    /// Woken services to be run on this thread; `None` when it is not serving.
+    /// Woken services that this thread is going to run; `None` when it is not serving.
     static QUEUE: RefCell<Option<VecDeque<Arc<ClientService>>>> = const { RefCell::new(None) };
     static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: LONGEST_TURN, at: Duration::ZERO }) };
 }
 
 pub(super) struct ClientService {
-    /// `None` when it is not served any more.
+    /// `None` when the client is not served any more.
     io: Mutex<Option<ClientIo>>,
     task: AtomicWaker,
 }
 
-/// Time that a thread with other duties may spend on serving: it grows by `SHARE` of the elapsed time, up to
+/// Time that a thread with other duties may spend on serving. It grows by one `SHARE`th of the elapsed time, up to
 /// `LONGEST_TURN`.
 #[derive(Debug)]
 struct Allowance {
@@ -53,7 +53,7 @@ struct Allowance {
     at: Duration,
 }
 
-/// Makes this thread run the services that it wakes. Dropping it wakes the tasks of those not run.
+/// Makes this thread run the services that it wakes. When this value is dropped, the tasks of the services not run are woken.
 struct ServiceQueue;
 
 impl ClientService {
@@ -72,8 +72,8 @@ impl ClientService {
                 return Poll::Ready(ended);
             }
             if io.wants_turn() {
-                // Yields to all others, including those woken by another thread: a task that only wakes itself again would block
-                // them.
+                // Yields to all other tasks, even to those woken by another thread. A task that only wakes itself again would
+                // block those.
                 let _ = pin!(yield_now()).poll(cx);
             }
             alarm.set(io.due(), clock, cx);
@@ -86,7 +86,7 @@ impl ClientService {
         self.io().take()
     }
 
-    /// Does one step of each kind, in place of the task.
+    /// Does one short turn, in place of the task.
     fn serve_here(self: Arc<ClientService>) {
         let waker = Waker::from(Arc::clone(&self));
         let (wants_task, wants_turn) = match self.io.try_lock() {
@@ -99,7 +99,7 @@ impl ClientService {
         if wants_task {
             self.task.wake();
         } else if wants_turn {
-            // After the services that this step has woken.
+            // Queued after the services that this step has woken.
             waker.wake();
         }
     }
@@ -124,8 +124,8 @@ impl Wake for ClientService {
     }
 }
 
-/// Runs `ring`, which may wake services, and runs these on this thread as long as the allowance lasts; the tasks of the others
-/// serve them.
+/// Runs `ring`, which may wake services, and runs these services on this thread until the allowance is used up. The rest are
+/// served by their tasks.
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
@@ -155,7 +155,7 @@ impl Drop for ServiceQueue {
 }
 
 impl Allowance {
-    /// Time for a serving turn now; `None` below `SHORTEST_TURN`, which would not be worth while.
+    /// Time for a serving turn now; `None` below `SHORTEST_TURN`, which is too short to be worth while.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
         self.saved = (self.saved + now.saturating_sub(self.at) / SHARE).min(LONGEST_TURN);
         self.at = now;
@@ -168,11 +168,11 @@ impl Allowance {
     }
 }
 
-/// A timer that is not reset for each message: when it rings too early, it is set again.
+/// A timer that is not reset for each message. If it fires too early, it is set again.
 struct Alarm(Option<(Duration, Pin<Box<Sleep>>)>);
 
 impl Alarm {
-    /// May wake the task too early: an earlier timer is kept.
+    /// Sets the timer. It may wake the task too early, because an earlier time is kept.
     fn set(&mut self, due: Duration, clock: Clock, cx: &mut Context<'_>) {
         if self.0.as_ref().is_none_or(|(at, _)| *at > due) {
             self.0 = Some((due, Box::pin(sleep_until(clock.instant(due)))));

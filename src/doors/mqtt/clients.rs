@@ -1,5 +1,5 @@
-//! From a new connection to a client. On the hearing thread, the client introduces itself, and its input is checked for a STOP
-//! from then on, before anything else is decided; on other threads it is admitted or told why not, and is served by `client_io`. The
+//! From a new connection to a client. On the hearing thread, the client introduces itself, and its input is searched for a STOP
+//! before anything else is decided. On other threads, the client is admitted or told why not, and is served by `client_io`. The
 //! gate decides what a client may do.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -35,10 +35,10 @@ use mqtt_gate::packet::write::{self, Connack, Welcome};
 use mqtt_gate::{Broker, ClientConnection, Ended, Listener, Terms};
 use mqtt_gate::{PacketKind, frame};
 
-/// Maximum time for a client that is refused to read the reason.
+/// Maximum time for a refused client to read the reason.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Maximum length of a client id in bytes; the standard requires 23.
+/// Maximum length of a client id in bytes. The standard requires at least 23.
 const CLIENT_ID: usize = 256;
 
 #[derive(Clone)]
@@ -85,22 +85,22 @@ impl Clients {
         }))
     }
 
-    /// Lets a connection from this address wait until it has introduced itself; another one may have to make room.
+    /// Counts a connection from this address as pending until it has introduced itself; another one may be evicted for it.
     pub(super) fn admit_pending(&self, from: IpAddr) -> PendingConnection {
         self.0.pending.admit(from, Arc::default())
     }
 
-    /// Cuts some connections of strangers, when the system has no more descriptors; returns their number.
+    /// Evicts some pending connections when the system has no more descriptors, and returns how many.
     pub(super) fn evict_some(&self) -> usize {
         self.0.pending.evict_some()
     }
 
-    /// Looks after clients that are away: how long each is remembered, and its will. Never returns.
+    /// Looks after absent clients: how long each is remembered, and its will. Never returns.
     pub(super) async fn keep(&self) {
         self.0.ids.keep().await;
     }
 
-    /// Reads from a newcomer until it ends, on the hearing thread, while it is served on `work`.
+    /// Reads from a newcomer on the hearing thread until the connection ends. On `work` it is served meanwhile.
     pub(super) async fn attend(self, incoming: IncomingConnection, waiting: PendingConnection, running: Running, work: Handle) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, running, work).await;
@@ -118,7 +118,7 @@ impl Clients {
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
-            // Received bytes are read before this connection has to make room.
+            // Received bytes are read before this connection can be evicted.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
             () = waiting.evicted() => Err(SentAway::GaveWay),
         };
@@ -140,7 +140,7 @@ impl Clients {
         hearing.begin(&heard).await;
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
-        // Other faults are checked only now, after a STOP has halted. Until that is done the connection still counts as waiting.
+        // Other faults are checked only now, after a STOP has halted. Until they are checked, the connection counts as pending.
         let (admitted, is_admitted) = oneshot::channel();
         let served = work.spawn(self.clone().serve(writer, taker, known, greeted, listener, admitted, running));
         let aborted = served.abort_handle();
@@ -157,11 +157,11 @@ impl Clients {
         sent.await
     }
 
-    /// Greets a client that is certain to be admitted, whatever is remembered about it; returns the number of bytes sent. Most
-    /// clients send nothing before the greeting, not even STOP, and on the other threads many may be ahead of this one (safety
-    /// S7).
+    /// Greets a client that will certainly be admitted, whatever is remembered about it; returns the number of bytes sent. The
+    /// greeting is sent from here, because many clients may be ahead of this one on the other threads, and most clients send
+    /// nothing before the greeting, not even STOP (safety S7).
     fn greet(&self, writer: &mut Writer, known: &IdentifiedClient) -> usize {
-        // A client of MQTT 5 that wants to be remembered must be told whether there is room.
+        // A client of MQTT 5 that wants to be remembered must be told whether there is room, so it cannot be greeted yet.
         let is_known =
             known.connect.clean_start && (known.connect.version() == Version::Three || known.connect.session_expiry_s == 0);
         if !is_known || self.refusal(known).is_some() {
@@ -170,13 +170,13 @@ impl Clients {
         let mut cx = Context::from_waker(Waker::noop());
         match Pin::new(writer).poll_write(&mut cx, &known.greeting(false, true)) {
             Poll::Ready(Ok(told)) => told,
-            // The greeting is sent later, or the client is found to be gone.
+            // The greeting is sent later, or the client turns out to be gone.
             Poll::Ready(Err(_)) | Poll::Pending => 0,
         }
     }
 
-    /// Tells a newcomer why it is refused. The input of one that may stop is read before that, and for a while after it (safety
-    /// S8).
+    /// Tells a newcomer why it is refused. If the newcomer may stop, its input is read before that, and for a while afterwards
+    /// (safety S8).
     async fn send_away(
         &self,
         incoming: IncomingConnection,
@@ -190,7 +190,7 @@ impl Clients {
         let stranger = tokio::select! {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
-            // A connection with a wrong password gives way while it waits for its answer.
+            // A connection with a wrong password may be evicted while it waits for its answer.
             () = waiting.evicted() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, version)) = stranger else {
@@ -209,7 +209,8 @@ impl Clients {
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
 
-    /// Identity and protocol version of a sender whose CONNECT cannot be accepted; `None` when it would not be admitted anyway.
+    /// Identity and protocol version of a sender whose CONNECT cannot be accepted; `None` if the sender would not be admitted
+    /// anyway.
     async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
         let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == PacketKind::Connect);
@@ -217,7 +218,7 @@ impl Clients {
         self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }
 
-    /// The identity that a newcomer claims, if it is valid. After a wrong password it waits for its answer, longer each time.
+    /// The identity that a newcomer claims, if it is valid. After a wrong password the refusal is delayed, longer each time.
     async fn introduced(
         &self,
         reader: &mut ClientReader,
@@ -256,8 +257,8 @@ impl Clients {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client until it ends, and returns the reason; `greeted` bytes of its greeting were sent already. `admitted` closes
-    /// when it has a session.
+    /// Serves a client until it ends, and returns the reason. `greeted` bytes of its greeting were sent already. `admitted`
+    /// closes when the client has a session.
     async fn serve(
         self,
         writer: Writer,
@@ -278,7 +279,7 @@ impl Clients {
         drop(admitted);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
-        // The greeting says whether its session is remembered.
+        // The greeting says whether the session will be remembered.
         let (id, session) = tokio::select! {
             biased;
             taken = self.0.ids.take(name.clone(), memory) => taken,
@@ -302,7 +303,7 @@ impl Clients {
         SentAway::Ended(client_io::run(connection, ends, running, &identity, &origin.access, self.0.clock).await)
     }
 
-    /// Tells a client why it is refused; waits for `FAREWELL` at most, because it may not read.
+    /// Tells a client why it is refused. Waits for `FAREWELL` at most, because the client may not read.
     async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
             SentAway::Refused(Version::Three, welcome) => write::connack(*welcome, false).to_vec(),
@@ -327,8 +328,8 @@ impl Clients {
 }
 
 impl IdentifiedClient {
-    /// The greeting of an admitted client; `is_remembered` says whether it will be remembered after it has left, if it wants to
-    /// be.
+    /// The greeting of an admitted client. If the client wants to be remembered after it has left, `is_remembered` says whether
+    /// it will be.
     fn greeting(&self, session_present: bool, is_remembered: bool) -> Vec<u8> {
         let Connect { client_id, reception, session_expiry_s, .. } = &self.connect;
         if self.connect.version() == Version::Three {
@@ -344,7 +345,7 @@ impl IdentifiedClient {
         connack.written(reception.largest)
     }
 
-    /// The keep alive in seconds imposed on a client of MQTT 5 that wants none, or one above `KEEP_ALIVE_S`.
+    /// The keep alive in seconds imposed on a client of MQTT 5 that asks for none, or for more than `KEEP_ALIVE_S`.
     const fn keep_alive_s(&self) -> Option<u16> {
         let keep_alive_s = self.connect.keep_alive_s;
         match self.connect.version() {

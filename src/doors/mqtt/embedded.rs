@@ -1,5 +1,5 @@
-//! Our own broker, from start to end: clients connect over TCP and WebSocket, and are passed to the gate, which decides what they
-//! may do.
+//! Our own broker, from start to end. Clients connect over TCP and WebSocket, and are passed to the gate, which decides what
+//! they may do.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -17,23 +17,24 @@ use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::clock::Clock;
 
-/// Pause after a failed accept (as with too many open files).
+/// Pause after a failed accept, as with too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Maximum time for the last messages to reach the clients when the program ends, which is to take less than two seconds.
+/// Maximum time for the last messages to reach the clients when the program ends: it must end in less than two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
 pub struct Ways {
     pub listeners: Listeners,
-    /// For clients over TCP only: a web client comes with its own.
+    /// For clients over TCP only: a web client comes with an `Access` of its own.
     pub access: Access,
     pub web_clients: mpsc::Receiver<IncomingConnection>,
-    /// The runtime that reads input, and does nothing else (safety S7); the listeners wait there, too.
+    /// The runtime that reads input (safety S7), apart from short turns of `client_service`. The listeners are polled there,
+    /// too.
     pub hearing: Handle,
 }
 
-/// Serves clients until `shutdown`; then every connection ends once everything sent before has reached its client. Everything but
-/// reading runs on the caller's runtime.
+/// Serves clients until `shutdown`. Then every connection ends when everything sent before has reached its client. Input is
+/// read on `hearing`; the rest runs on the caller's runtime, apart from short turns of `client_service`.
 pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = ()>) {
     let Ways { listeners, access, web_clients, hearing } = ways;
     let (runs, running) = watch::channel(());
@@ -55,13 +56,13 @@ struct Reception {
     clients: Clients,
     access: Access,
     running: Running,
-    /// The runtime for everything but reading input (safety S7).
+    /// The runtime for everything but input (safety S7).
     work: Handle,
 }
 
 impl Reception {
-    /// Accepts clients until the program ends, then waits for `LAST_WORDS` at most until they have left; slow ones are
-    /// cut off.
+    /// Accepts clients until the program ends, then waits until they have left, for `LAST_WORDS` at most. Slow clients are cut
+    /// off.
     async fn receive(self, mut listeners: Listeners, mut web_clients: mpsc::Receiver<IncomingConnection>) {
         let mut clients = JoinSet::new();
         let mut running = self.running.clone();
@@ -72,14 +73,15 @@ impl Reception {
                 listeners.accept().await
             };
             tokio::select! {
-                // In random order, so that neither a flood of connections nor one of web clients keeps the others out.
+                // `select` polls in random order, so that neither a flood of connections nor one of web clients keeps the
+                // others out.
                 _ = running.changed() => break,
                 Some(_) = clients.join_next() => {}
                 accepted = next_connection => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.clients.evict_some(), "an MQTT connection could not be accepted");
-                        // Meanwhile clients with an open connection are still accepted.
+                        // During the pause, clients whose connections are open already are still accepted.
                         accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
                 },

@@ -1,5 +1,5 @@
 //! Runs on the hearing thread (safety S7): reads a client's input in turns, searches it for a STOP, which halts at once, and
-//! passes it on. Everything else about a client is done on other threads.
+//! passes it on. Other threads do everything else for a client, apart from short turns of `client_service`.
 
 use std::cell::RefCell;
 use std::io;
@@ -19,17 +19,17 @@ use mqtt_gate::Listener;
 use mqtt_gate::UrgentSearch;
 use mqtt_gate::packet::Version;
 
-/// Time after which other clients get a turn.
+/// Maximum time of a turn; then other clients get theirs.
 const TURN: Duration = Duration::from_millis(2);
 
-/// Maximum number of received bytes searched of a client that is about to end: more than the system buffers for it.
+/// Maximum number of bytes searched that were received from a client that is about to end: more than the system buffers for it.
 const REST: usize = 8 * 1024 * 1024;
 
-/// Maximum time for a client to close a connection that is over.
+/// Maximum time for a client to close a connection that has ended.
 const FAREWELL: Duration = Duration::from_secs(1);
 
 thread_local! {
-    /// Shared read buffer of this thread: a silent client costs no memory for it.
+    /// Shared read buffer of this thread, so that a silent client costs no memory for reading.
     static READ_BUFFER: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
 }
 
@@ -38,13 +38,13 @@ pub(super) struct Hearing {
     listener: Arc<dyn Listener>,
     feeder: Feeder,
     clock: Clock,
-    /// The runtime where the result of a STOP is awaited.
+    /// The runtime on which the result of a STOP is awaited.
     work: Handle,
 }
 
 struct Read {
     bytes: usize,
-    /// The part not searched yet, because that took too long.
+    /// The part that was not searched yet, because the turn was over.
     rest: Vec<u8>,
 }
 
@@ -53,7 +53,7 @@ impl Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
-    /// Takes the bytes that came together with the CONNECT: a STOP may be among them.
+    /// Takes the bytes that came together with the CONNECT, because a STOP may be among them.
     pub(super) async fn begin(&mut self, first: &[u8]) {
         let rest = self.hear(first);
         self.finish(rest).await;
@@ -82,7 +82,7 @@ impl Hearing {
         }
     }
 
-    /// Reads once, and then lets others read; `None` when nobody takes the input any more.
+    /// Reads once, then lets other clients read; `None` when nobody takes the input any more.
     async fn read(&mut self, reader: &mut ClientReader, room: usize) -> Option<io::Result<Read>> {
         let Hearing { search, listener, feeder, clock, work } = self;
         let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, *clock, work, bytes);
@@ -97,7 +97,7 @@ impl Hearing {
         Some(read)
     }
 
-    /// Searches what was received already of a client that is about to end (safety S8): about `REST` bytes at most.
+    /// Searches the bytes already received from a client that is about to end (safety S8), about `REST` bytes at most.
     async fn hear_rest(&mut self, reader: &mut ClientReader) {
         let mut heard = 0;
         while heard < REST {
@@ -132,7 +132,7 @@ impl Hearing {
     }
 }
 
-/// Searches the input, and passes it on; returns the part that was not searched when the time was over.
+/// Searches the input, and passes it on; returns the part that was not searched when the turn was over.
 fn hear(
     search: &mut UrgentSearch,
     listener: &dyn Listener,
@@ -154,10 +154,10 @@ fn hear(
     rest.to_vec()
 }
 
-/// Reads at most this many bytes if any are there, and searches them at once.
+/// Reads at most this many bytes, if there are any, and searches them at once.
 ///
 /// # Errors
-/// When nothing more comes.
+/// The client sends nothing more.
 fn poll_read(
     reader: &mut ClientReader,
     room: usize,

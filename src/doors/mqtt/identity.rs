@@ -1,5 +1,5 @@
-//! The identity of a client, by its CONNECT: somebody on this machine at an open door, or the owner of a key, whose name is the
-//! user name and whose token is the password.
+//! The identity of a client, by its CONNECT: somebody on this machine if the door requires no key, or the owner of a key, with
+//! the key's name as user name and the token as password.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(super) struct Identity(pub(super) Caller);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
-    /// It sends no credentials where they are required.
+    /// The client sends no credentials, but they are required.
     Nothing,
     Wrong,
 }

@@ -1,4 +1,4 @@
-//! A client that has connected to our own broker and sent nothing yet.
+//! A client that has connected to our own broker and has sent nothing yet.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -7,10 +7,10 @@ use tokio::io::{AsyncRead, AsyncWrite};
 
 use crate::access::{Access, Caller};
 
-/// The client's input, read on the hearing thread.
+/// The client's input. It is read on the hearing thread.
 pub type ClientReader = Box<dyn AsyncRead + Send + Unpin>;
 
-/// The client's output, written on the other threads.
+/// The client's output. It is written on the other threads.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 pub struct IncomingConnection {
@@ -22,7 +22,7 @@ pub struct IncomingConnection {
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub from: IpAddr,
-    /// Set when the connection itself tells who the client is, so that its CONNECT need not.
+    /// Set if the connection itself tells who the client is. Then the CONNECT need not tell it.
     pub caller: Option<Caller>,
     pub access: Access,
 }

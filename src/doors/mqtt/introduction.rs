@@ -35,7 +35,7 @@ pub(super) enum SentAway {
 pub(super) async fn introduction(reader: &mut ClientReader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {
-        // Wrong flags are reported when all of it has come: a STOP of its sender may follow.
+        // Wrong flags are reported only when the whole packet has come, because a STOP of its sender may follow it.
         if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == PacketKind::Connect as u8 && **first & 15 != 0) {
             wrong = Some(Malformed::Kind(std::mem::replace(first, PacketKind::Connect.first_byte())));
         }

@@ -1,5 +1,5 @@
-//! The MQTT door: the old topics, the JSON topics, and our own broker behind a gate, or another one. It turns messages into
-//! commands and snapshots into messages, and decides nothing about the mission.
+//! The MQTT door: the old topics, the JSON topics, and our own broker behind a gate, or a connection to another broker. It
+//! turns messages into commands and snapshots into messages, and decides nothing about the mission.
 
 pub mod change_feed;
 mod client_ids;

@@ -6,14 +6,14 @@ use bytes::Bytes;
 
 use mqtt_gate::packet::properties::Property;
 
-/// Maximum size of a message in bytes, in either direction: a photo with some room. With rumqttc's own 10 KiB the first map would
-/// end a connection.
+/// Maximum size of a message in bytes, in either direction: a photo with some room. With rumqttc's default of 10 KiB the first
+/// map would end the connection.
 pub(super) const LARGEST: usize = 2 << 20;
 
-/// Maximum size of a publication's headers in bytes, without its topic and properties.
+/// Maximum size of a publication's headers in bytes, not counting its topic and properties.
 const HEADERS: usize = 16;
 
-/// Content type of everything that is neither a photo nor a word.
+/// Content type of every payload that is neither a photo nor a word.
 const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct Beside {
     pub correlation: Option<Bytes>,
 }
 
-/// Maximum size of a property in bytes, without its value.
+/// Maximum size of a property in bytes, not counting its value.
 const PROPERTY: usize = 16;
 
 impl Beside {
@@ -57,12 +57,12 @@ impl Beside {
 }
 
 impl Publication {
-    /// A state: retained by the broker, so that a new subscriber gets it at once.
+    /// A state. The broker retains it, so that a new subscriber gets it at once.
     pub fn kept(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: true, beside: Beside::default() }
     }
 
-    /// An event: for present subscribers only.
+    /// An event. Only the present subscribers get it.
     pub fn passing(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: false, beside: Beside::default() }
     }
@@ -71,8 +71,8 @@ impl Publication {
         Publication { beside: Beside { is_json: true, revision: Some(revision), ..Beside::default() }, ..self }
     }
 
-    /// Whether a broker with this maximum packet size in bytes accepts it; sending it to one that does not would end every new
-    /// connection.
+    /// Whether a broker that accepts packets of at most `largest` bytes accepts this one. A packet that is too large would end
+    /// every new connection.
     pub(super) fn fits(&self, largest: Option<u32>) -> bool {
         let size = self.topic.len() + self.payload.len() + HEADERS + self.beside.length();
         size <= largest.map_or(LARGEST, |largest| LARGEST.min(largest as usize))

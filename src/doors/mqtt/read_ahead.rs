@@ -1,5 +1,6 @@
-//! A client's input that waits for its turn: the hearing thread puts it here after searching it for a STOP, and the
-//! connection's own task takes it. The queue has two ends, and a bound for each connection and for all of them.
+//! A client's input that waits for its turn. The hearing thread puts it here after searching it for a STOP, and the
+//! connection's own task takes it. The queue has an end for each of them. Its size is limited for each connection, and for all
+//! connections together.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -13,13 +14,13 @@ use tokio::sync::Notify;
 use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, MESSAGES_PART, READ_AHEAD, UNREAD_PART};
 use mqtt_gate::{Epoch, Mark};
 
-/// Number of bytes read at once.
+/// Maximum number of bytes read at once.
 pub(super) const READ: usize = 64 * 1024;
 
-/// Minimum size of a new piece in bytes, so that small inputs share one while something waits.
+/// Minimum size of a new piece in bytes, so that small inputs share a piece while they wait.
 const PIECE: usize = 4 * 1024;
 
-/// Bytes that a STOP costs here, because its position is remembered.
+/// Number of bytes that a STOP costs here: its position is remembered.
 const STOP_COST: usize = size_of::<Mark>();
 
 /// Number of bytes waiting in all connections together. Cheap to clone.
@@ -32,35 +33,35 @@ impl Pool {
     }
 }
 
-/// The queue's end for the hearing thread.
+/// The end of the queue for the hearing thread.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<ReadAhead>);
 
-/// The queue's end for the connection's own task.
+/// The end of the queue for the connection's own task.
 #[derive(Debug)]
 pub(super) struct Taker(Arc<ReadAhead>);
 
 #[derive(Debug)]
 struct ReadAhead {
     state: Mutex<State>,
-    /// Signals free room, or that nobody takes anything any more.
+    /// Signals that there is room, or that nobody takes the input any more.
     room: Notify,
     pool: Pool,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// Pieces of at most `READ` bytes with little unused capacity, each of which frees its memory when it is taken.
+    /// Pieces of at most `READ` bytes with little unused capacity. Taking a piece frees its memory here.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
-    /// Positions of packets that have halted already, and of those that came in another epoch than the ones before.
+    /// Positions of packets that have halted already, and of packets that came in another epoch than the ones before them.
     marks: Vec<Mark>,
-    /// Number of bytes put in so far, and the epoch of the last of them.
+    /// Number of bytes put in so far, and the epoch of the last byte.
     total: u64,
     epoch: Option<Epoch>,
-    /// Bytes of the client that wait elsewhere, and reduce the room here.
+    /// Number of the client's bytes that wait elsewhere. They reduce the room here.
     held: usize,
-    /// Whether the feeder waits for room. It is woken only then: waking its thread for each packet would delay every message.
+    /// Whether the feeder waits for room. Only then is it woken: to wake its thread for each packet would delay every message.
     wants_room: bool,
     taker: Option<Waker>,
     has_ended: bool,
@@ -72,9 +73,9 @@ struct State {
 pub(super) enum Left {
     /// It searches the bytes received already, and ends.
     HearsRest,
-    /// It reads on until the client closes the connection, for `hearing::FAREWELL` at most.
+    /// It reads until the client closes the connection, for `hearing::FAREWELL` at most.
     HearsOn,
-    /// It stops reading: the client's key is not valid any more, so that not even its STOP counts.
+    /// It stops reading: the client's key is not valid any more, so even its STOP does not count.
     Deaf,
 }
 
@@ -85,10 +86,10 @@ pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
 }
 
 impl Feeder {
-    /// Waits until there is room; returns how much, at most `READ`.
+    /// Waits until there is room; returns how much, at most `READ` bytes.
     ///
     /// # Errors
-    /// When nobody takes anything any more.
+    /// Nobody takes the input any more.
     pub(super) async fn room(&self) -> Result<usize, Left> {
         loop {
             {
@@ -106,7 +107,7 @@ impl Feeder {
         }
     }
 
-    /// Waits until nobody takes anything any more.
+    /// Waits until nobody takes the input any more.
     pub(super) async fn left(&self) -> Left {
         loop {
             if let Some(left) = self.0.state().left {
@@ -116,8 +117,8 @@ impl Feeder {
         }
     }
 
-    /// Puts in bytes that came in the epoch `came`. The packets at the positions in `halted` have halted, and each has raised the
-    /// epoch to the given one.
+    /// Puts in bytes that came in the epoch `came`. The packets at the positions in `halted` have halted the robot; each has
+    /// raised the epoch to the one beside its position.
     pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
         let mut state = self.0.state();
         if state.left.is_some() {
@@ -134,7 +135,7 @@ impl Feeder {
         }
         state.bytes += bytes.len();
         let begins = state.total;
-        // The beginning of this STOP came earlier; what follows it belongs to the epoch that it has raised.
+        // If the beginning of this STOP came earlier, the bytes after it belong to the epoch that the STOP has raised.
         let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
         if state.epoch != Some(came) && !is_cut {
             state.marks.push(Mark { begins, epoch: came, heard_ahead: false });
@@ -142,7 +143,7 @@ impl Feeder {
         state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, heard_ahead: true }));
         state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
         state.total += bytes.len() as u64;
-        // Before anybody can take them, so that the sum never becomes negative.
+        // Added before anybody can take the bytes, so that the sum never becomes negative.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
         wake(state);
     }
@@ -156,7 +157,7 @@ impl Drop for Feeder {
     }
 }
 
-/// Wakes the waiting task after the lock is released, so that it can read the state at once.
+/// Wakes the waiting task after the lock is released, so that the task need not wait for the lock.
 fn wake(mut state: MutexGuard<'_, State>) {
     let taker = state.taker.take();
     drop(state);
@@ -166,7 +167,7 @@ fn wake(mut state: MutexGuard<'_, State>) {
 }
 
 impl Taker {
-    /// Appends the next piece to `into`, and passes its marks to `marked`; false when nothing is there.
+    /// Appends the next piece to `into`, and passes all marks to `marked`; false when there is no piece.
     pub(super) fn take(&self, into: &mut BytesMut, marked: impl FnMut(Mark)) -> bool {
         let mut state = self.0.state();
         state.marks.drain(..).for_each(marked);
@@ -178,7 +179,7 @@ impl Taker {
             *into = piece;
         } else {
             if into.len() < READ {
-                // The rest from before is short, but its buffer may be large.
+                // The bytes left from before are few, but their buffer may be large.
                 let mut rest = BytesMut::with_capacity(into.len() + piece.len());
                 rest.extend_from_slice(into);
                 *into = rest;
@@ -188,7 +189,7 @@ impl Taker {
         true
     }
 
-    /// Ready with false when there are bytes, and with true at the end.
+    /// Ready with false when there are bytes, with true at the end of the input.
     pub(super) fn poll_come(&self, cx: &Context<'_>) -> Poll<bool> {
         self.poll(cx, |state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true)))
     }
@@ -201,8 +202,8 @@ impl Taker {
         self.0.state().bytes
     }
 
-    /// Reports the bytes of this client that wait elsewhere, and whether it reads; the room here shrinks by what waits or may
-    /// wait there.
+    /// Reports the bytes of this client that wait elsewhere, and whether the client reads. The room here shrinks by the bytes
+    /// that wait, or may have to wait, elsewhere.
     pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
         state.held = if reads { held } else { held + UNREAD_PART };

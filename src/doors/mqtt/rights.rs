@@ -1,4 +1,4 @@
-//! Which clients may publish and leave a will on which topics. Commands in the messages are judged by their listener.
+//! Which clients may publish on which topics, and leave a will there. Commands in the messages are judged by their listener.
 
 use super::topics::{TopicKind, Topics};
 use crate::access::Role;
@@ -24,13 +24,13 @@ impl Rights for Topics {
         may_publish(who, self.kind_of(topic))
     }
 
-    /// A will is no command, because nobody is there when it is published.
+    /// A will on a command topic is refused, because nobody is there when it is published.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         self.kind_of(topic) == TopicKind::Elsewhere && who == Tier::Full
     }
 
-    /// Subscriptions to the program's own topics may not be shared, since each reader must get all its messages. And viewers may
-    /// not take a part of what others publish.
+    /// Subscriptions to the program's own topics may not be shared, because each reader must get all messages. And viewers may
+    /// not take messages of others away from other readers.
     fn may_share(&self, who: Tier, filter: &str) -> bool {
         who == Tier::Full && !self.ours().iter().any(|ours| overlap(filter, ours))
     }

@@ -1,7 +1,7 @@
-//! rumqttd as the router of our own broker, if it is chosen: used through its links in this process, without a port. It is fast
-//! but trusts everybody, so that it sees nothing of a client: only topics and filters with a prefix of ours, and the numbers of
-//! messages, which stay here. Its thread may panic or hang; then another one replaces it, and every message under way is
-//! delivered directly.
+//! rumqttd as the router of our own broker, if the settings choose it. It is used through its links in this process, without a
+//! port. It is fast, but trusts everybody, so it learns nothing about a client: it sees only topics and filters with a prefix
+//! of ours, and the numbers of messages. The messages themselves stay here. If its thread panics or hangs, another rumqttd
+//! replaces it, and every message under way is delivered directly.
 //!
 //! ```text
 //!   carry ─► transit: number, RoutedDelivery         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
@@ -24,29 +24,30 @@ use crate::doors::connection_limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
 use mqtt_gate::{RoutedDelivery, Router, Subscriber};
 
-/// Maximum number of clients with a link to rumqttd: connected, remembered, and leaving ones.
+/// Maximum number of clients with a link to rumqttd: connected, remembered and leaving ones.
 const LINKS: usize = 2 * CONNECTIONS;
 
-/// Maximum number of topics and filters passed to one rumqttd, which forgets none: beyond it another one replaces it.
+/// Maximum number of topics and filters passed to one rumqttd, which forgets none of them. Beyond it another rumqttd replaces
+/// it.
 const SHOWN: usize = 16 * 1024;
 
-/// Maximum number of messages on their way through rumqttd. Beyond it the oldest are delivered directly.
+/// Maximum number of messages under way through rumqttd. Beyond it the oldest message is delivered directly.
 const TRANSIT: usize = 4096;
 
-/// Interval at which late messages are looked for.
+/// Interval at which the program looks for late messages.
 const GLANCE: Duration = Duration::from_millis(25);
 
-/// Age at which a message is late: rumqttd takes less than a millisecond on a machine that is not busy, and a pause of 200 ms may
-/// be noticed.
+/// Age at which a message is late. On a machine that is not busy rumqttd takes less than a millisecond, and people may notice a
+/// pause of 200 ms.
 const LATE: Duration = Duration::from_millis(150);
 
 /// Number of segments in which rumqttd stores messages for each filter.
 const SEGMENTS: usize = 3;
 
-/// Size of a segment in bytes: more than is under way to a subscriber that is waited for.
+/// Size of a segment in bytes: more than is under way to a subscriber that the publisher waits for.
 const SEGMENT_BYTES: usize = 256 * 1024;
 
-/// Number of messages that rumqttd passes to one link before the others.
+/// Number of messages that rumqttd passes to one link before it serves the others.
 const BATCH: u64 = 200;
 
 /// Prefix of every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
@@ -58,9 +59,9 @@ pub struct RumqttdRouter(Arc<Mutex<State>>);
 #[derive(Debug)]
 struct State {
     engine: Engine,
-    /// All subscriptions, for the next engine.
+    /// All subscriptions, which the next engine needs.
     subscribers: HashMap<usize, RouterReader>,
-    /// Messages on their way, oldest first, beginning with the number `first`.
+    /// Messages under way, oldest first. The first one has the number `first`.
     transit: VecDeque<(RoutedDelivery, Duration)>,
     first: u64,
     /// Hashes of the topics and filters passed to the engine, which never forgets them.
@@ -76,7 +77,7 @@ struct RouterReader {
     filters: BTreeSet<String>,
 }
 
-/// One rumqttd, and the queue of its orders. Dropping it ends its tasks, and its threads when they notice.
+/// One rumqttd, and the queue of its orders. Dropping it ends its tasks at once, and its threads when they notice.
 #[derive(Debug)]
 struct Engine {
     orders: mpsc::SyncSender<Order>,
@@ -130,7 +131,7 @@ impl Router for RumqttdRouter {
 
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
         let mut state = self.state();
-        // Messages on their way may not reach this subscriber any more, so they are delivered now.
+        // Messages under way may not reach this subscriber any more, so it gets them now.
         state.transit.iter_mut().for_each(|(delivery, _)| delivery.arrive(subscriber));
         let key = Arc::as_ptr(subscriber).addr();
         if let Some(reading) = state.subscribers.get_mut(&key) {
@@ -148,8 +149,8 @@ impl Router for RumqttdRouter {
         let topic = delivery.topic().to_owned();
         state.transit.push_back((delivery, now));
         state.order(Order::Publish(topic, number), &self.0);
-        // Subscribers that do not read are not waited for, and rumqttd may lag behind: beyond the maximum the oldest message is
-        // delivered directly.
+        // The publisher does not wait for subscribers that do not read, and rumqttd may lag behind. Beyond the maximum the
+        // oldest message is therefore delivered directly.
         if state.transit.len() > TRANSIT {
             state.pass_first();
         }
@@ -167,13 +168,13 @@ impl State {
         let is_worn_out = self.shown.len() > SHOWN;
         match self.engine.orders.try_send(order) {
             Ok(()) if !is_worn_out => {}
-            // It has too much to do: this message, and all before it, are delivered directly.
+            // rumqttd has too much to do: this message, and all before it, are delivered directly.
             Err(mpsc::TrySendError::Full(Order::Publish(..))) => self.pass_all(),
             Ok(()) | Err(_) => self.renew(itself),
         }
     }
 
-    /// Delivers everything under way directly, because the engine given up may never do so, and replaces it.
+    /// Replaces the engine, and delivers everything under way directly, because the old engine may never do so.
     fn renew(&mut self, itself: &Arc<Mutex<State>>) {
         self.pass_all();
         self.shown.clear();
@@ -193,7 +194,7 @@ impl State {
         }
     }
 
-    /// Drops the oldest delivery, which thereby goes to every subscriber that has not got it.
+    /// Drops the oldest delivery. Dropping it delivers it to every subscriber that has not got it.
     fn pass_first(&mut self) {
         if self.transit.pop_front().is_some() {
             self.first += 1;
@@ -229,7 +230,7 @@ impl Engine {
         let (orders, ordered) = mpsc::sync_channel(TRANSIT + 2 * SHOWN);
         let carrier = Carrier { state: Weak::clone(state), work: work.clone(), ordered };
         let thread = std::thread::Builder::new().name("mqtt-rumqttd".to_owned());
-        // Without the thread no order is carried out, which is noticed as a late message.
+        // If there is no thread, no order is carried out. A late message then shows that.
         if let Err(error) = thread.spawn(move || carrier.run(number)) {
             tracing::error!(%error, "rumqttd cannot be started");
         }
@@ -237,7 +238,7 @@ impl Engine {
     }
 }
 
-/// Passes orders to one rumqttd, on a thread of its own because some of them wait for its answer.
+/// Passes orders to one rumqttd, on a thread of its own, because some orders wait for rumqttd's answer.
 struct Carrier {
     state: Weak<Mutex<State>>,
     work: Handle,
@@ -253,8 +254,8 @@ struct RouterLink {
 impl Carrier {
     fn run(self, number: u64) {
         let requests = rumqttd::Router::new(usize::try_from(number).unwrap_or(0), config()).spawn();
-        // rumqttd has no way to end its router's thread, which would keep all its memory; but a request for an unknown
-        // connection makes the thread panic.
+        // rumqttd offers no way to end its router's thread, which would keep all its memory. But a request for an unknown
+        // connection makes that thread panic.
         let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
         let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
         let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };

@@ -1,4 +1,4 @@
-//! The names of all topics, and who may use each. Their contents are in the files of each.
+//! The names of all topics, and who may use each. The messages on each topic are written elsewhere.
 
 use crate::api::resources::ResourceKind;
 use hallsweep_core::world::resource::Resource;
@@ -84,12 +84,12 @@ impl Topics {
         format!("{}/{EVENTS}", self.old)
     }
 
-    /// Filters that match all commands, for another broker. They match no answers.
+    /// Filters that match all commands, for the subscription at another broker. They match no answers.
     pub fn commands(&self) -> [String; 3] {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
-    /// Filters that match everything that only the program itself publishes, and commands.
+    /// Filters that match all topics on which only the program itself publishes, and those of commands.
     pub fn ours(&self) -> [String; 3] {
         [format!("{}/#", self.base), format!("{}/+", self.old), self.discovery()]
     }

@@ -1,5 +1,5 @@
-//! Publishes each line of the log once, in order. The snapshot has only the latest lines; when more were written while nothing
-//! could be published, the line numbers show the gap.
+//! Publishes each line of the log once, in order. The snapshot has only the latest lines. If lines were dropped from it before
+//! they could be published, the line numbers show the gap.
 
 use std::time::Duration;
 

@@ -1,5 +1,5 @@
-//! The messages for Home Assistant beside the public topics: the description of the robot, its state in Home Assistant's terms,
-//! and the last photo. Their contents are in `home_assistant`.
+//! The messages for Home Assistant in addition to the public topics: the description of the robot, its state in Home
+//! Assistant's terms, and the last photo. The contents of these messages are in `home_assistant`.
 
 use std::time::Duration;
 
@@ -40,7 +40,7 @@ impl HomeAssistantFeed {
         self.photos.handle_state(older, newer);
     }
 
-    /// Home Assistant has started, and gets the description again.
+    /// Home Assistant has started, so the description is published again.
     pub(super) const fn handle_birth(&mut self) {
         self.is_introduced = false;
     }

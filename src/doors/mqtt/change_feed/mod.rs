@@ -1,6 +1,6 @@
-//! Decides what is published, and when: from the newest state to the messages with its changes. The holder of the connection
-//! polls it only when a message can be sent, so that a returned message counts as sent. Sockets, clocks and acknowledgements are
-//! not here, nor is the last will `offline`, which a broker publishes when we cannot.
+//! Decides what is published, and when: it compares the newest state with what was published. Whoever holds the connection
+//! polls it only when a message can be sent, so that a returned message counts as sent. Sockets, clocks and acknowledgements
+//! are not here. The last will `offline`, which a broker publishes when the connection is lost, is not here either.
 
 mod events;
 mod home_assistant_feed;
@@ -31,10 +31,10 @@ use hallsweep_core::world::resource::Resource;
 /// Payload on the availability topic while the program runs.
 pub const ONLINE: &str = "online";
 
-/// Payload there when it does not run: the session's last will, and its last message.
+/// Payload on that topic when the program does not run: the session's last will, and its last message.
 pub const OFFLINE: &str = "offline";
 
-/// All times that it takes and returns are since the door was made.
+/// All times passed in and returned are since the door was made.
 pub struct ChangeFeed {
     topics: Topics,
     snapshot: Option<Arc<Snapshot>>,
@@ -68,7 +68,7 @@ impl ChangeFeed {
         }
     }
 
-    /// There is a newer state. It replaces unpublished ones, except for luggage, of which every piece is published.
+    /// Takes a newer state. It replaces an unpublished one, except for luggage: every changed piece is published.
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
         self.old.handle_state(older, &snapshot);
@@ -78,8 +78,8 @@ impl ChangeFeed {
         self.snapshot = Some(snapshot);
     }
 
-    /// The next message to send, among several the one that waited longest; `None` when none is due before `poll_timeout`. A
-    /// returned message counts as sent: poll only when it can be sent.
+    /// The next message to send, or `None` when none is due before `poll_timeout`. Among several due messages it is the one
+    /// that waited longest. A returned message counts as sent, so poll only when it can be sent.
     pub fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let snapshot = Arc::clone(self.snapshot.as_ref()?);
         let (due, source) = self.soonest(&snapshot)?;
@@ -106,15 +106,15 @@ impl ChangeFeed {
         }
     }
 
-    /// When the next message is due, which may be in the past; `None` when everything is published.
+    /// When the next message is due; the time may be in the past. `None` when everything is published.
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.soonest(self.snapshot.as_ref()?).map(|(due, _)| due)
     }
 
-    /// A new connection begins: everything that a broker retains is published again, and the newest of each old item. Of the old
-    /// messages (those that `is_numbered`) the last `unacknowledged` were not acknowledged on the previous connection and count
-    /// as never sent: their numbers are used again, so that subscribers see no gap, and their luggage is published again. Event
-    /// lines are not repeated.
+    /// A new connection begins. Everything that a broker retains is published again, and the newest version of each old item.
+    /// Of the old messages with a counted number (`is_numbered`), the last `unacknowledged` were not acknowledged on the
+    /// previous connection. They count as never sent: their numbers are used again, so that subscribers see no gap, and their
+    /// luggage is published again. Event lines are not repeated.
     pub fn renew(&mut self, unacknowledged: u64) {
         self.is_announced = false;
         self.states.renew();
@@ -124,12 +124,12 @@ impl ChangeFeed {
         }
     }
 
-    /// Whether this is an old message with our SEQNUM: `renew` needs the number of those that were not acknowledged.
+    /// Whether this is an old message with our SEQNUM. Of these messages `renew` needs the number of unacknowledged ones.
     pub fn is_numbered(&self, publication: &Publication) -> bool {
         publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }
 
-    /// Home Assistant has started, and gets the description again.
+    /// Home Assistant has started, so the description is published again.
     pub fn handle_birth(&mut self) {
         if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
             home_assistant_feed.handle_birth();
@@ -137,19 +137,19 @@ impl ChangeFeed {
     }
 
     /// A photo that should be published and was not requested before. The caller reads it from the archive where blocking is
-    /// allowed, one at a time, and passes it to `handle_photo`; an unreadable photo is not passed. It is requested once, and
-    /// again after `renew` if it was never passed.
+    /// allowed, one at a time, and passes it to `handle_photo`; a photo that cannot be read is not passed. A photo is requested
+    /// once. If it was never passed, it is requested again after `renew`.
     pub fn poll_photo(&mut self) -> Option<Picture> {
         self.home_assistant_feed.as_mut()?.photos.poll()
     }
 
-    /// Takes the requested photo. It is published unless there is a newer one by now, or it is larger than `PHOTO_MOST`; false
-    /// when it is not.
+    /// Takes the requested photo; returns whether it will be published. It will not if there is a newer one by now, or if it is
+    /// larger than `PHOTO_MOST`.
     pub fn handle_photo(&mut self, picture: Picture, photo: Photo) -> bool {
         self.home_assistant_feed.as_mut().is_some_and(|home_assistant_feed| home_assistant_feed.photos.handle(picture, photo))
     }
 
-    /// The source that is due first, and when; among equal times the first in this order.
+    /// The source that is due first, and when. Among equal times, the first in the order here.
     fn soonest(&self, snapshot: &Snapshot) -> Option<(Duration, Source)> {
         let availability = (!self.is_announced).then_some((Duration::ZERO, Source::Availability));
         let old = self.old.due(snapshot).map(|due| (due, Source::Old));

@@ -1,5 +1,5 @@
-//! Messages for the original system: the newest of robot and map, and every piece of luggage, in this order, each with the next
-//! number. Messages are written in `qak::outgoing`.
+//! Messages for the original system: the newest state of robot and map, and every piece of luggage, in this order. Each message
+//! has the next number. `qak::outgoing` writes the messages.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,27 +15,27 @@ use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Minimum time between two rounds, and so between two messages about the robot: as over HTTP and CoAP.
+/// Minimum time between two rounds, and therefore between two messages about the robot: the same as over HTTP and CoAP.
 const PACE: Duration = Duration::from_millis(20);
 
-/// Maximum number of pieces waiting to be published, and of those remembered until they are acknowledged: more than are found
-/// while a broker is away for a moment. During a longer absence the oldest are dropped; the state topic has those that still
-/// matter.
+/// Maximum number of pieces waiting to be published, and of published ones remembered until they are acknowledged: more than
+/// are found during a short absence of the broker. During a longer absence the oldest are dropped; those that still matter are
+/// on the state topic.
 const PIECES: usize = 4_096;
 
 #[derive(Default)]
 pub(super) struct Old {
     number: u64,
-    /// Contents of the last message about the robot; equal ones are not published again.
+    /// Contents of the last message about the robot. A message with equal contents is not published again.
     robot: Option<(RobotState, Pose)>,
-    /// Contents of the last message about the map; equal ones are not published again.
+    /// Contents of the last message about the map. A message with equal contents is not published again.
     map: Option<(Revision, Cell)>,
     /// The pieces still to be published, oldest change first.
     luggage: VecDeque<Arc<Luggage>>,
     round: VecDeque<Item>,
     /// Earliest time of the next round, by `PACE`.
     next: Duration,
-    /// Earliest time of the next map, which is published as a whole.
+    /// Earliest time of the next map: the map is published as a whole, and therefore less often.
     next_map: Duration,
     /// The published pieces, each with the number of its message: `renew` queues the unacknowledged ones again.
     said: VecDeque<(u64, Arc<Luggage>)>,
@@ -48,7 +48,7 @@ enum Item {
 }
 
 impl Old {
-    /// Notes the changes of the luggage. Of the first state only the piece shown to old clients counts as a change.
+    /// Notes the changes of the luggage. In the first state, only the piece shown to old clients counts as changed.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         let Some(older) = older else {
             self.luggage.extend(shown(newer).cloned());
@@ -60,7 +60,7 @@ impl Old {
         }
     }
 
-    /// When the next message is due: immediately within a round, otherwise at the earliest time of a new one.
+    /// When the next message is due: at once during a round, otherwise at the earliest time of the next round.
     pub(super) fn due(&self, snapshot: &Snapshot) -> Option<Duration> {
         if !self.round.is_empty() {
             return Some(Duration::ZERO);
@@ -98,7 +98,7 @@ impl Old {
         Some(outgoing::message(content, self.number))
     }
 
-    /// The last `unacknowledged` messages count as never sent, and the newest of each item is published again.
+    /// The last `unacknowledged` messages count as never sent, and the newest version of each item is published again.
     pub(super) fn renew(&mut self, unacknowledged: u64, snapshot: Option<&Snapshot>) {
         self.number = self.number.saturating_sub(unacknowledged);
         (self.robot, self.map) = (None, None);
@@ -125,7 +125,7 @@ impl Old {
         self.round.extend(self.luggage.drain(..).map(Item::Luggage));
     }
 
-    /// Queues a piece, in place of an earlier record of it.
+    /// Queues a piece. An earlier version of it is removed from the queue.
     fn wait(&mut self, piece: Arc<Luggage>) {
         self.luggage.retain(|other| other.id != piece.id);
         self.luggage.push_back(piece);

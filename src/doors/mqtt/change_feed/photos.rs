@@ -1,5 +1,5 @@
-//! Which photo is the last one, and whether it is still to be published. The caller reads it from the archive, because that may
-//! touch a disk.
+//! Which photo is the last one, and whether it still has to be published. The caller reads it from the archive, because reading
+//! may need the disk.
 
 use bytes::Bytes;
 
@@ -9,14 +9,15 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum size of a published photo in bytes: with its topic it must fit into a packet of 1 MiB, the largest a careful broker
+/// Maximum size of a published photo in bytes. With its topic it must fit into a packet of 1 MiB, the largest that a careful
+/// broker accepts.
 /// accepts.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
     pub luggage: LuggageId,
-    /// 1 for its first photo, more after a retake.
+    /// 1 for the first photo of a piece, and one more after each retake.
     pub take: u32,
 }
 
@@ -29,7 +30,7 @@ pub(super) struct Photos {
 }
 
 impl Photos {
-    /// Notes which photo is the last: the one of the latest change, and at first that of the last piece.
+    /// Notes which photo is the last: that of the latest change. In the first state it is that of the last piece with a photo.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         let Some(older) = older else {
             self.newest = newer.luggage.iter().rev().find_map(|piece| picture(piece));
@@ -61,7 +62,7 @@ impl Photos {
         self.shown.as_ref().map(|(_, bytes)| bytes.clone())
     }
 
-    /// Publishes the photo again; one that was never read is requested again.
+    /// Publishes the photo again. A photo that was never read is requested again.
     pub(super) fn renew(&mut self) {
         self.is_due = self.shown.is_some();
         self.asked = self.shown.as_ref().map(|(picture, _)| *picture);

@@ -6,8 +6,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// The pieces of `newer`, by number, that are missing in `older` or for which `differs` (the earlier record, the later one) is
-/// true.
+/// The pieces of `newer`, by number, that `older` does not have or for which `differs` is true. `differs` gets the earlier
+/// version, then the later one.
 pub(super) fn changed<'a>(
     older: &'a Snapshot,
     newer: &'a Snapshot,

@@ -1,5 +1,5 @@
-//! The state topics: each resource in the JSON of the HTTP door, or an excerpt of one that is too large, after each change and at
-//! a limited rate. Only the newest state is published.
+//! The state topics: each resource in the JSON of the HTTP door, or an excerpt if that is too large. It is published after each
+//! change, at a limited rate. Only the newest state is published.
 
 use std::convert::identity;
 use std::time::Duration;
@@ -11,8 +11,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Minimum time between two states of one resource, longer for a large one: ten a second are enough to watch, and do not fill a
-/// slow line.
+/// Minimum time between two states of one resource; a large one waits longer. Ten a second are enough to watch, and do not fill
+/// a slow line.
 const PACE: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -26,7 +26,7 @@ struct Said {
 }
 
 impl States {
-    /// When the state of a resource is due; `None` when its present state was published.
+    /// When the state of a resource is due; `None` if its present state is published.
     pub(super) fn due(&self, resource: Resource, snapshot: &Snapshot) -> Option<Duration> {
         let said = self.0[resource as usize];
         (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)

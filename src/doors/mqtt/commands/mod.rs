@@ -1,5 +1,5 @@
-//! Messages with commands: from topic and payload to a command, and from its result to the published answer. There are no sockets
-//! here; retained messages and repeated packets were sorted out before.
+//! Messages with commands: from topic and payload to a command, and from its result to the published answer. There are no
+//! sockets here. Retained messages and repeated packets do not reach this code.
 
 mod nobody;
 mod parser;
@@ -37,9 +37,9 @@ pub struct IncomingMessage<'a> {
     pub topic: &'a str,
     pub payload: &'a [u8],
     pub arrived: Option<Epoch>,
-    /// The DUP flag (MQTT 5, section 3.3.1.1): its sender may have sent it before.
+    /// The DUP flag (MQTT 5, section 3.3.1.1): the sender may have sent the message before.
     pub is_again: bool,
-    /// Where its sender wants the answer: Response Topic and Correlation Data of MQTT 5.
+    /// Where the sender wants the answer: Response Topic and Correlation Data of MQTT 5.
     pub answer_to: Option<AnswerTo<'a>>,
 }
 
@@ -48,12 +48,12 @@ const CORRELATION: usize = 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// It asks for nothing: its topic or its words are for something else.
+    /// The message asks for nothing: its topic or its words are for something else.
     NotACommand,
-    /// It asks for something; the result is published and recorded.
+    /// The message asks for something. The result is published and recorded.
     Taken,
-    /// Its sender may not publish this here; if it asks for something, the refusal is published and recorded as well. Or the
-    /// sender publishes too much at once, and the message is dropped.
+    /// The sender may not publish this message here; if the message asks for something, the refusal is published and recorded.
+    /// Or the sender publishes too much at once, and the message is dropped.
     Forbidden,
 }
 
@@ -68,15 +68,15 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// Old clients may drive the robot only with `manual_driving`.
+    /// With `manual_driving` old clients may drive the robot.
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());
         Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }
     }
 
-    /// The topic requested for an answer, if its sender may publish there and it is none of the program's own topics: otherwise
-    /// the program would publish on the sender's behalf what the sender may not.
+    /// The topic requested for an answer, if the sender may publish there and it is not one of the program's own topics.
+    /// Otherwise the program would publish on the sender's behalf what the sender may not publish.
     pub fn answer_to<'a>(&self, wanted: Option<AnswerTo<'a>>, publisher: &Publisher) -> Option<AnswerTo<'a>> {
         let is_short = |wanted: &AnswerTo<'_>| wanted.correlation.is_none_or(|data| data.len() <= CORRELATION);
         let is_topic = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
@@ -90,8 +90,8 @@ impl Commands {
         self.handle.figures()
     }
 
-    /// Takes a message. Its command is sent immediately, so that commands keep their order, and a STOP has halted the robot when
-    /// this returns; its result is published later. Must be called inside a runtime.
+    /// Takes a message. Its command is sent immediately, so that commands keep their order. A STOP has halted the robot when
+    /// this returns. The result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.halts(heard.topic.as_bytes(), heard.payload, heard.answer_to, publisher) {
             return Taken::Taken;
@@ -99,7 +99,7 @@ impl Commands {
         if self.parser.is_of_others(heard) {
             return self.ignore(heard, publisher);
         }
-        // Before parsing: a sender with too many messages must not cost the time to parse them.
+        // Checked before parsing: a sender with too many messages must not cost the time to parse them.
         if !self.rate.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
             return Taken::Forbidden;
         }
@@ -112,7 +112,7 @@ impl Commands {
             return Taken::Forbidden;
         }
         if parsed.goes_on {
-            // When the robot stands before a piece whose photo has failed, going on means taking it again.
+            // When the robot stands before a piece whose photo has failed, going on means retaking the photo.
             let snapshot = self.handle.snapshot();
             let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending());
             let failed = piece.filter(|piece| matches!(piece.photo, PhotoState::Failed(_)));
@@ -127,8 +127,8 @@ impl Commands {
         Taken::Taken
     }
 
-    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); returns whether it does. The message
-    /// need not be complete beyond the part that names STOP. Must be called inside a runtime.
+    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); returns whether it names STOP.
+    /// Beyond the part that names STOP, the message need not be complete. Must be called inside a runtime.
     pub fn halts(&self, topic: &[u8], payload: &[u8], answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
         if publisher.may(Need::Stop).is_err() {
             return false;
@@ -145,7 +145,8 @@ impl Commands {
         self.handle.epoch()
     }
 
-    /// A message that asks for nothing. Old clients believe everything on the old topics, so not everybody may publish there.
+    /// Handles a message that asks for nothing. Old clients believe everything on the old topics, so only operators may publish
+    /// such a message there.
     fn ignore(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.parser.is_old(heard.topic) && publisher.may(Need::Act).is_err() {
             return Taken::Forbidden;
@@ -161,7 +162,7 @@ impl Commands {
         self.nobody.count()
     }
 
-    /// Sends a command if there is room for one more; a STOP always.
+    /// Sends a command if there is room for one more. A STOP is always sent.
     fn give(
         &self,
         parsed: &ParsedCommand,
@@ -185,7 +186,7 @@ impl Commands {
         }
     }
 
-    /// Records a refusal (safety A6), and answers with it.
+    /// Records a refusal (safety A6), and publishes it as the answer.
     fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
         self.handle.note_refused_at_once(publisher.issuer(), parsed.for_record(), problem.for_record());
         self.results.refused(&parsed.reply, publisher, problem);

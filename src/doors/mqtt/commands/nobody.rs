@@ -1,5 +1,6 @@
-//! Unknown messages of the original system: each is counted, the first of a kind is logged with its text, and later from time to
-//! time their number, because other actors may send the same ten times a second. Known ones are in `qak`.
+//! Unknown messages of the original system. All are counted. The first of each kind is logged with its text; after that one
+//! message a minute at most is logged, with the count, because other actors may send the same message ten times a second. Known
+//! messages are in `qak`.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -7,13 +8,13 @@ use std::time::Duration;
 
 use hallsweep_core::units::Now;
 
-/// Maximum number of kinds logged separately; further ones share a line.
+/// Maximum number of kinds whose first message is logged at once.
 const KINDS: usize = 64;
 
-/// Maximum length of a kind in bytes: no MSGID is nearly as long.
+/// Maximum length of a kind in bytes: no known MSGID is nearly as long.
 const LONGEST: usize = 64;
 
-/// Minimum time between two lines about known kinds.
+/// Minimum time between a logged message and the next one of a known kind.
 const SILENCE: Duration = Duration::from_secs(60);
 
 /// Maximum number of characters logged of a text.
@@ -45,7 +46,7 @@ impl Nobody {
 }
 
 impl Counted {
-    /// The number including this one, when it is to be logged.
+    /// The number of unknown messages, if this one is to be logged.
     fn one_more(&mut self, id: &str, now: Duration) -> Option<u64> {
         self.count = self.count.saturating_add(1);
         let is_new = self.kinds.len() < KINDS && id.len() <= LONGEST && self.kinds.insert(id.to_owned());

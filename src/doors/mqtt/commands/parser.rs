@@ -1,5 +1,5 @@
-//! The meaning of a message, by topic and payload: a command in JSON, a command's bare name, or a message of the original system.
-//! Rights and results are decided elsewhere.
+//! The meaning of a message, by topic and payload: a command in JSON, a command's bare name, or a message of the original
+//! system. Rights and results are handled elsewhere.
 
 use super::super::qak::incoming;
 use super::super::topics::{TopicKind, Topics};
@@ -29,11 +29,11 @@ pub(super) struct CommandParser {
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
     pub(super) asked: AskedCommand,
-    /// The right that its sender needs, when no command can be made of it.
+    /// The right that the sender needs if no command can be made of the message.
     pub(super) need: Need,
-    /// For the record, when no command can be made of it.
+    /// What is recorded if no command can be made of the message.
     pub(super) unread: recorded::Asked,
-    /// It means going on: taking a failed photo again, and otherwise START.
+    /// Whether the message means going on: retaking a failed photo, otherwise START.
     pub(super) goes_on: bool,
     pub(super) reply: Reply,
 }
@@ -47,8 +47,8 @@ impl CommandParser {
         self.topics.kind_of(topic) == TopicKind::Elsewhere
     }
 
-    /// The STOP that topic and payload name, whatever other faults they have (safety S8): invalid text, wildcards,
-    /// additional levels or characters.
+    /// The STOP that topic and payload name, whatever other faults they have: invalid text, wildcards, additional levels or
+    /// characters (safety S8).
     pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
         let topic = String::from_utf8_lossy(topic);
         self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
@@ -58,7 +58,7 @@ impl CommandParser {
         let reply = match self.topics.kind_of(topic) {
             TopicKind::Command(name) if is_halt(name) => self.reply(STOP),
             TopicKind::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
-            // With anything but letters and digits round it.
+            // Any characters except letters and digits may surround the word.
             TopicKind::Word
                 if is_halt(String::from_utf8_lossy(payload).trim_matches(|letter: char| !letter.is_alphanumeric())) =>
             {
@@ -72,7 +72,8 @@ impl CommandParser {
         Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: unread(STOP), goes_on: false, reply })
     }
 
-    /// Whether a message is certainly not for us, seen without parsing it: a message between other actors on the old topics.
+    /// Whether a message is certainly not for this program, as seen without parsing it: it is on another topic, or a message
+    /// between other actors on the old topics.
     pub(super) fn is_of_others(&self, heard: &IncomingMessage<'_>) -> bool {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(_) | TopicKind::Word => false,
@@ -95,7 +96,7 @@ impl CommandParser {
         self.topics.kind_of(topic) == TopicKind::Old
     }
 
-    /// The MSGID of a message on the old topics that the program does not know.
+    /// The MSGID of a message on the old topics, if the program does not know it.
     pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
         match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
             Ok(incoming::QakRequest::Unknown(id)) => Some(id),
@@ -125,8 +126,8 @@ impl CommandParser {
         }
     }
 
-    /// Refusals of understood messages are explained where an old console shows its piece; the original system has no other words
-    /// for an answer.
+    /// If a message was understood and is refused, the reason is shown where an old console shows its piece: the original
+    /// system has no other message for an answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let read = |command: Command| (Ok((command.clone(), None)), recorded::Asked::Command(command));
         let ((asked, unread), goes_on) = match incoming::asked(payload, self.manual_driving) {
@@ -150,7 +151,7 @@ impl CommandParser {
 }
 
 impl ParsedCommand {
-    /// The right that its sender needs: to stop for a STOP in any form, and to act for every other command.
+    /// The right that the sender needs: to stop for a STOP in any form, to act for every other command.
     pub(super) fn need(&self) -> Need {
         match &self.asked {
             Ok((Command::Stop, _)) => Need::Stop,
@@ -159,7 +160,7 @@ impl ParsedCommand {
         }
     }
 
-    /// A sender who may not give the command gets no explanation on the old topics.
+    /// Removes the explanation on the old topics, which a sender who may not give the command does not get.
     pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
@@ -169,7 +170,7 @@ impl ParsedCommand {
     }
 }
 
-/// A topic as its sender must have meant it: without wildcards, empty levels, and invisible characters. `None` when it needs no
+/// A topic as its sender must have meant it: without wildcards, empty levels and invisible characters. `None` if it needs no
 /// correction.
 fn tidied(topic: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';

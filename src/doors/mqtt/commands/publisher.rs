@@ -1,4 +1,4 @@
-//! The sender of a message, as far as it is known, and its rights. The gate checks the credentials of clients of our own broker.
+//! The sender of a message, as far as it is known, and its rights. The gate checks the credentials of our own broker's clients.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::access::{Caller, Need};
 use crate::api::door;
 use hallsweep_core::command::{Issuer, Refused};
 
-/// Name in records of a sender at another broker.
+/// Name of a sender at another broker, as recorded.
 const NOBODY_KNOWN: &str = "mqtt";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,7 +16,8 @@ pub enum Publisher {
         /// The address, such as `192.0.2.7`.
         from: Arc<str>,
     },
-    /// A client of another broker, which alone knows who it is, and decides by its own rights who may publish commands.
+    /// A client of another broker. Only that broker knows who the client is, and decides by its own rights who may publish
+    /// commands.
     Unknown { broker: Arc<str> },
 }
 
@@ -32,7 +33,7 @@ impl Publisher {
         self.may(Need::Act).is_err()
     }
 
-    /// The name of the sender's key; `None` where keys do not tell senders apart.
+    /// The name of the sender's key; `None` if keys do not tell senders apart.
     pub(super) fn key(&self) -> Option<Arc<str>> {
         match self {
             Publisher::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),

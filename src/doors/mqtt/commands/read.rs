@@ -1,5 +1,5 @@
-//! Parses the JSON payload of a command into the core's command and the command id. The fields are in `crate::api::command`, the
-//! table is in `crate::api::commands`.
+//! Parses the JSON payload of a command into the core's command and the command id. The fields are in `crate::api::command`,
+//! the table of commands is in `crate::api::commands`.
 
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
@@ -20,7 +20,7 @@ pub(super) struct Read {
     pub(super) asked: AskedCommand,
 }
 
-/// A STOP is one whatever its payload is (safety S8).
+/// A STOP is a STOP whatever its payload is (safety S8).
 pub(super) fn read(row: &CommandRow, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
         return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
@@ -44,7 +44,7 @@ pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
     Err(Problem::too_large(format!("the payload has {bytes} bytes: at most {LARGEST} are read, and a command is a few dozen")))
 }
 
-/// A sender may write a word as JSON, in quotes: they are taken away, with the blanks round them.
+/// A word without the blanks and the quotes round it: a sender may write it as a JSON string.
 pub(super) fn bare(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
@@ -59,7 +59,7 @@ fn command(row: &CommandRow, fields: &mut BodyFields) -> AskedCommand {
     commands::asked(row.kind, number, &CarriedFields(fields))
 }
 
-/// The fields of a payload without its id and number, which were taken out before.
+/// The fields of a payload, without the id and the number, which were removed before.
 struct CarriedFields<'a>(&'a BodyFields);
 
 impl Payload for CarriedFields<'_> {
@@ -74,7 +74,7 @@ impl Payload for CarriedFields<'_> {
     }
 }
 
-/// A command without arguments may come with an empty payload.
+/// A command without arguments may have an empty payload.
 fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word()) {
         (true, true) => Ok(BodyFields::default()),
@@ -83,7 +83,7 @@ fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     }
 }
 
-/// The id for the answer to a command of which nothing else is read, such as a STOP.
+/// The command id in a payload of which nothing else is read, such as that of a STOP.
 pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()

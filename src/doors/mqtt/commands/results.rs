@@ -1,5 +1,5 @@
-//! Publishes the results of commands where their senders look for them: a bounded number at once, each with a time limit. Without
-//! room only the result is lost; the commands are sent elsewhere.
+//! Publishes the results of commands where their senders look for them: a bounded number at once, each with a time limit. When
+//! there is no room, only a result is lost, and not its command, which is sent elsewhere.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,19 +22,19 @@ use hallsweep_core::command::{CommandId, Refused};
 use hallsweep_core::phase::PhaseName;
 use mqtt_gate::AnswerTo;
 
-/// Maximum number of awaited results: as many as the loop's queue holds. A STOP beyond them halts, but has no result.
+/// Maximum number of awaited results: as many as the loop's queue holds. A STOP beyond it halts, but has no result.
 const UNDER_WAY: usize = 256;
 
-/// Maximum number of awaited results of viewers, who have only STOP.
+/// Maximum number of awaited results of viewers, who may only send STOP.
 const VIEWERS_UNDER_WAY: usize = 64;
 
 /// Maximum number of answers waiting to be published.
 pub const ANSWERS: usize = UNDER_WAY + VIEWERS_UNDER_WAY;
 
-/// Maximum wait for a result: as long as at the CoAP door.
+/// Maximum wait for a result: the same as at the CoAP door.
 const PATIENCE: Duration = Duration::from_secs(93);
 
-/// Code of a refusal for lack of a photo to judge by.
+/// Code of the refusal when there is no photo to judge by.
 const NO_PHOTO: &str = "noPhoto";
 
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ pub(super) struct Results {
     lost: Arc<LogThrottle>,
 }
 
-/// A result that waits to be published. Its place is free once it is taken.
+/// A result that waits to be published. Its place is free when it is taken.
 #[derive(Debug)]
 pub struct ResultMessage {
     publication: Publication,
@@ -54,7 +54,7 @@ pub struct ResultMessage {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
-    /// The topic; `None` for messages of the original system, whose senders are only told why they are refused.
+    /// The topic; `None` for a message of the original system, whose sender is told only the reason of a refusal.
     pub(super) topic: Option<String>,
     pub(super) correlation: Option<Bytes>,
     pub(super) id: Option<CommandId>,
@@ -77,15 +77,15 @@ impl Results {
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
-    /// A place for one more command of this sender.
+    /// Reserves a place for one more command of this sender.
     ///
     /// # Errors
-    /// The number of commands under way, when there is no place.
+    /// If there is no place: the number of commands under way.
     pub(super) fn permit(&self, publisher: &Publisher) -> Result<Permit, usize> {
         self.under_way.take(publisher.is_viewer(), publisher.key())
     }
 
-    /// Waits for the result of a command, at most for `PATIENCE`, and publishes it. Must be called inside a runtime.
+    /// Waits for the result of a command, for `PATIENCE` at most, and publishes it. Must be called inside a runtime.
     pub(super) fn follow<F>(&self, done: F, reply: Reply, publisher: Publisher, permit: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
@@ -101,7 +101,7 @@ impl Results {
         });
     }
 
-    /// Publishes a refusal; one without a topic is only logged.
+    /// Publishes a refusal. A refusal without a topic is only logged.
     pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
             Some(topic) => self.publish(topic, reply, publisher, None, &problem.shape()),

@@ -1,4 +1,4 @@
-//! The table of commands as this door shows it, in sentences and in its page.
+//! The table of commands as this door shows it: in sentences, and in its page of the documentation.
 
 use crate::api::commands::COMMANDS;
 

@@ -1,13 +1,13 @@
-//! Answers to unknown command names. Brokers never forget a topic, so only a bounded number of names get a topic of their own; a
-//! client that invents more is answered on one topic.
+//! Answers to unknown command names. Brokers never forget a topic, so only a bounded number of names get a topic of their own.
+//! Beyond that number all names are answered on one topic.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-/// Maximum number of unknown names with a topic of their own: enough for every slip of a keyboard.
+/// Maximum number of unknown names with a topic of their own: enough for typing errors.
 const NAMES: usize = 64;
 
-/// Maximum length of a name in bytes: no command is nearly as long.
+/// Maximum length of such a name in bytes: no command is nearly as long.
 const LONGEST: usize = 32;
 
 /// Name under which all other unknown commands are answered.

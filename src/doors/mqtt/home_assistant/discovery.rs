@@ -1,6 +1,6 @@
 //! The description of the robot for Home Assistant, in one message for all its entities (device-based discovery,
-//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). Every entity uses the public topics, except for
-//! the vacuum's own state.
+//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). Every entity uses the public topics, except
+//! for the vacuum's state, which has a topic of its own.
 
 use serde_json::{Map, Value, json};
 
@@ -41,7 +41,7 @@ fn components(topics: &Topics) -> Value {
     Value::Object(named.into_iter().collect::<Map<String, Value>>())
 }
 
-/// The vacuum's buttons send the bare names of our commands. It pauses by STOP, and START goes on.
+/// The vacuum's buttons send the bare names of our commands: the pause button sends STOP, and START goes on.
 fn vacuum(topics: &Topics) -> Value {
     json!({
         "platform": "vacuum",
@@ -149,7 +149,7 @@ fn identified(topics: &Topics, name: &str, mut component: Value) -> Value {
     component
 }
 
-/// The id of the device, which is the prefix of its entities' ids.
+/// The id of the device. The ids of its entities begin with it.
 fn unique(topics: &Topics) -> String {
     format!("hallsweep_{}", topics.id())
 }

@@ -1,5 +1,5 @@
-//! The robot in the terms of Home Assistant: its description (`discovery`), and the state of a vacuum cleaner, which is how Home
-//! Assistant shows a robot that drives through a hall. `change_feed` decides when they are published.
+//! The robot in the terms of Home Assistant: its description (`discovery`), and its state as that of a vacuum cleaner, which is
+//! how Home Assistant shows a robot that drives through a hall. `change_feed` decides when they are published.
 
 pub mod discovery;
 #[cfg(test)]
@@ -12,7 +12,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// Payload on `homeassistant/status` after Home Assistant's start: its birth message.
+/// Payload on `homeassistant/status` when Home Assistant has started: its birth message.
 pub const BIRTH: &[u8] = b"online";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub enum Activity {
 }
 
 impl State {
-    /// Such as `{"state":"cleaning","alarm":false}`.
+    /// The state in JSON, such as `{"state":"cleaning","alarm":false}`.
     pub fn json(self) -> Value {
         json!({"state": self.activity.name(), "alarm": self.alarm})
     }
@@ -56,7 +56,8 @@ pub fn state(snapshot: &Snapshot) -> State {
     State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
 }
 
-/// Decided by the phase first. A held mission is paused, unless START cannot help before something is repaired.
+/// The activity follows from the phase. A held mission is paused, or an error if START cannot help before something is
+/// repaired.
 fn activity(snapshot: &Snapshot) -> Activity {
     let under_way = match snapshot.mission.phase {
         PhaseName::Exploring | PhaseName::Inspecting | PhaseName::Driving | PhaseName::Retrieving => Activity::Cleaning,
@@ -83,7 +84,7 @@ const fn must_be_mended(hold: Hold) -> bool {
 fn is_alarmed(snapshot: &Snapshot) -> bool {
     let is_unseen = snapshot.alarms.iter().any(|alarm| alarm.acknowledged.is_none());
     let is_secured = snapshot.mission.phase == PhaseName::BagSecured;
-    // Only sets that are at hand, not all luggage, because this is computed at every change.
+    // Looks only at the sets of dangerous pieces, not at all luggage, because this is computed at every change.
     let mut grave = snapshot.luggage.bombs_left().chain(snapshot.luggage.secured());
     is_unseen || (!is_secured && grave.any(|piece| piece.is_dangerous()))
 }

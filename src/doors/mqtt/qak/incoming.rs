@@ -1,4 +1,4 @@
-//! The meaning of the original system's messages (mission §8): one table from MSGIDs to commands, for events and dispatches
+//! The meaning of the original system's messages (mission §8): one table maps MSGIDs to commands, for events and dispatches
 //! alike, from any sender with any number. What is done with the command is decided elsewhere.
 
 use std::sync::LazyLock;
@@ -17,33 +17,33 @@ use hallsweep_core::command::{Command, Refused};
 #[derive(Clone, Debug, PartialEq)]
 pub enum QakRequest {
     Command(Command),
-    /// Going on: repeats a failed photo, otherwise means START.
+    /// Going on: retakes a failed photo, otherwise means START.
     GoOn,
-    /// Nothing of us: a message that we publish ourselves, or an answer to somebody.
+    /// Asks for nothing: a message that we publish ourselves, or a reply to somebody.
     Nothing,
     /// An unknown MSGID: other actors may send such messages to each other.
     Unknown(String),
 }
 
-/// `Display` is the sentence for log and record.
+/// `Display` is the sentence for the log and the record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
     #[error(transparent)]
     NoMessage(#[from] NoMessage),
-    /// Its MSGID is known, but its CONTENT makes no sense.
+    /// The MSGID is known, but the CONTENT makes no sense.
     #[error("the CONTENT of {id} is wrong: {words}")]
     Content { id: &'static str, words: String },
-    /// Driving, which old clients may not do here without `manual_driving`.
+    /// The message asks for driving, which old clients may not do without `manual_driving`.
     #[error("{refused}")]
     Refused { command: Command, refused: Refused },
 }
 
-/// The meaning of a payload on one of the old topics. A payload that is too long, or no message at all, counts as unknown if it
-/// begins with another MSGID than ours: other actors may write to each other what they like.
+/// The meaning of a payload on one of the old topics. If the payload begins with a MSGID that is not ours, it counts as
+/// unknown, even if it is too long or no message at all: other actors may send each other what they like.
 ///
 /// # Errors
-/// When it is no message, when a known message makes no sense, or when it asks for driving and `manual_driving` does not allow
-/// that.
+/// When the payload is no message, when a known message makes no sense, or when it asks for driving and `manual_driving` is
+/// false.
 pub fn asked(payload: &[u8], manual_driving: bool) -> Result<QakRequest, Wrong> {
     if is_stop(payload) {
         return Ok(QakRequest::Command(Command::Stop));
@@ -70,13 +70,13 @@ fn of_others(id: String) -> QakRequest {
     if id == MODEL_CONTENT { QakRequest::Nothing } else { QakRequest::Unknown(id) }
 }
 
-/// Whether a payload begins as a message with another MSGID than ours. It reads only the beginning.
+/// Whether a payload begins like a message with a MSGID that is not ours. It reads only the beginning.
 pub fn is_of_others(payload: &[u8]) -> bool {
     beginning(payload).is_some_and(|id| known(&id).is_none())
 }
 
 /// Whether a payload means STOP, whatever else is wrong with it: a missing number, an invalid sender, a missing end, excessive
-/// length. It reads only the beginning, except for messages such as `userCmd`, whose CONTENT says it. (Safety S1, S8.)
+/// length (safety S1, S8). It reads only the beginning, except for a message such as `userCmd`, which says STOP in its CONTENT.
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
     match known(&id).map(|known| known.asks) {
@@ -163,7 +163,7 @@ impl Known {
     }
 }
 
-/// The parts in the parentheses after `id`; empty without parentheses.
+/// The parts in the parentheses after `id`, empty if there are no parentheses; `None` if the content does not begin with `id`.
 fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     match content {
         Term::Compound(name, parts) if name == id => Some(parts),
@@ -172,7 +172,7 @@ fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     }
 }
 
-/// A whole CONTENT may be in quotes, such as `'startTest(1,2)'`.
+/// The CONTENT without the quotes that may surround it, as in `'startTest(1,2)'`.
 fn unquoted(content: &Term) -> Term {
     let within = match content {
         Term::Atom(text) => Term::parse(text).ok(),
@@ -189,7 +189,7 @@ fn beginning(payload: &[u8]) -> Option<String> {
 
 const OPENING: &[u8] = b"msg(";
 
-/// Number of bytes of a word that are compared: more than the longest known MSGID has.
+/// Number of bytes of a word that are compared. Every known MSGID is shorter.
 const LONGEST: usize = 64;
 
 /// The word at the beginning of a message's first part, quoted or not.
@@ -201,7 +201,7 @@ fn opening(payload: &[u8]) -> Option<String> {
     Some(word.take(LONGEST).collect())
 }
 
-/// Some editors put it before a text.
+/// Some editors put these bytes before a text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// The bytes of a payload without blanks, control characters and quotes. Terms know only single quotes.

@@ -1,5 +1,5 @@
-//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`: parsed liberally, printed strictly.
-//! The meaning of messages is in `incoming` and `outgoing`.
+//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`. Parsing is liberal, printing is
+//! strict. The meaning of messages is in `incoming` and `outgoing`.
 
 use std::fmt;
 
@@ -10,27 +10,27 @@ const MSG: &str = "msg";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Such as `startCmd`.
+    /// The MSGID, such as `startCmd`.
     pub id: String,
     pub kind: MessageKind,
-    /// Such as `js`.
+    /// The SENDER, such as `js`.
     pub sender: String,
-    /// `none` for an event.
+    /// The RECEIVER, `none` for an event.
     pub receiver: String,
     pub content: Term,
-    /// Old clients write 1 in all messages.
+    /// The SEQNUM. Old clients write 1 in all messages.
     pub number: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageKind {
-    /// To everybody who listens.
+    /// A message to everybody who listens.
     Event,
-    /// To one receiver, without an answer.
+    /// A message to one receiver, without an answer.
     Dispatch,
-    /// To one receiver, who answers.
+    /// A message to one receiver, who answers.
     Request,
-    /// To one receiver, who may answer.
+    /// A message to one receiver, who may answer.
     Invitation,
     Reply,
 }
@@ -44,7 +44,7 @@ pub enum NoMessage {
     OtherTerm(String),
     #[error("its {part} is {found}: {expected} belongs there")]
     Part {
-        /// Such as `SENDER`.
+        /// The name of the part, such as `SENDER`.
         part: &'static str,
         found: String,
         expected: &'static str,
@@ -52,10 +52,10 @@ pub enum NoMessage {
 }
 
 impl Message {
-    /// Parses a payload; blanks round its parts and a line end after it are ignored.
+    /// Parses a payload. Blanks round its parts and a line end after it are ignored.
     ///
     /// # Errors
-    /// When it is no text, no term, or another term than a message.
+    /// When the payload is no text, no term, or a term that is not a message.
     pub fn parse(payload: &[u8]) -> Result<Message, NoMessage> {
         let no_text = |error: std::str::Utf8Error| Unreadable::NotText { at: error.valid_up_to() };
         match Term::parse(std::str::from_utf8(payload).map_err(no_text)?)? {
@@ -82,7 +82,7 @@ impl Message {
 }
 
 impl fmt::Display for Message {
-    /// Without blanks round the commas.
+    /// Prints without blanks round the commas.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (id, sender, receiver) = (Printed(&self.id), Printed(&self.sender), Printed(&self.receiver));
         write!(f, "{MSG}({id},{},{sender},{receiver},{},{})", self.kind.name(), self.content, self.number)

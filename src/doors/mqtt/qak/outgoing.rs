@@ -1,5 +1,5 @@
-//! The messages of the original system's resource model (mission §8): the three contents of `modelContent`, and the message round
-//! them. When each is published is decided elsewhere.
+//! The messages of the original system's resource model (mission §8): the three contents of `modelContent`, and the message
+//! that contains them. When each is published is decided elsewhere.
 
 use super::message::{Message, MessageKind};
 use super::term::Term;
@@ -40,10 +40,10 @@ pub fn why_not(words: &str) -> Term {
     content("luggage", [state(text)])
 }
 
-/// The number of a message that answers somebody, which is not counted.
+/// The number of a message that answers somebody. Such a message is not counted.
 pub const ANSWER: u64 = 0;
 
-/// Whether a message made by `message` has a number that counts, and not `ANSWER`.
+/// Whether a message made by `message` has a counted number, and not `ANSWER`.
 pub fn is_counted(message: &[u8]) -> bool {
     !message.ends_with(format!(",{ANSWER})").as_bytes())
 }

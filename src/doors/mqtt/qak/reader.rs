@@ -1,11 +1,12 @@
-//! Parses a term from a text: total, without panics, bounded in length and depth. The values are in `term`.
+//! Parses a term from a text. The parser accepts or refuses every text without a panic, and is bounded in length and depth. The
+//! values are in `term`.
 
 use super::term::{Number, Term, begins_word, is_in_word};
 
-/// Maximum length of a text in bytes: the maximum length of a command at this door. Outgoing texts may be longer, as maps are.
+/// Maximum length of a text in bytes: that of a command at this door. Outgoing texts may be longer, such as maps.
 pub const LENGTH: usize = 4096;
 
-/// Maximum depth of nested terms: messages need five, and each level takes a little stack.
+/// Maximum depth of nested terms. Messages need five, and each level takes a little stack.
 pub const DEPTH: usize = 32;
 
 /// Why a text is no term. `Display` is a sentence for the log; `at` counts bytes from the beginning.
@@ -23,14 +24,14 @@ pub enum Unreadable {
     #[error("at byte {at} there is {}: {expected} belongs there", found.map_or("its end".to_owned(), |found| format!("{found:?}")))]
     Unexpected {
         at: usize,
-        /// The character at this place; `None` at the end of the text.
+        /// The character at this place; `None` if it is the end of the text.
         found: Option<char>,
         expected: &'static str,
     },
 }
 
 impl Term {
-    /// Parses one term and nothing else. Blanks may stand between any two of its parts.
+    /// Parses one term and nothing else. Blanks may surround each part.
     ///
     /// # Errors
     /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
@@ -89,7 +90,7 @@ impl<'a> TermReader<'a> {
         Ok(Term::Compound(name, parts))
     }
 
-    /// A text in quotes, from the opening one on; a doubled quote within it stands for one.
+    /// A text in quotes, beginning with the opening quote. A doubled quote in it stands for one.
     fn quoted(&mut self) -> Result<String, Unreadable> {
         let mut text = String::new();
         loop {
@@ -116,7 +117,7 @@ impl<'a> TermReader<'a> {
         number.map(Term::Number).ok_or_else(|| self.unexpected("a number, as 3, -3 or 21.5,"))
     }
 
-    /// The next character that is not blank, which is not consumed; the blanks before it are.
+    /// The next character that is not blank. It is not consumed, but the blanks before it are.
     fn next(&mut self) -> Option<char> {
         self.taken_while(|letter| letter.is_ascii_whitespace());
         self.rest().chars().next()

@@ -1,21 +1,22 @@
 //! Prolog-like terms, in which the actors of the original system write their messages: the values, and how they are printed.
-//! Parsing is in `reader`. No variables, lists or operators, because no message has any.
+//! Parsing is in `reader`. There are no variables, lists or operators, because no message has any.
 
 use std::fmt;
 
 pub use super::reader::{DEPTH, LENGTH, Unreadable};
 
-/// Such as `startCmd`, `12`, or `content(robot(state(stopped)))`.
+/// A term, such as `startCmd`, `12`, or `content(robot(state(stopped)))`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// A word, or any text. As in Prolog quotes belong to the notation and not to the value: `'js'` and `js` are the same atom.
+    /// A word, or any text. As in Prolog, quotes belong to the notation and not to the value: `'js'` and `js` are the same
+    /// atom.
     Atom(String),
     Number(Number),
-    /// A word or text with terms in parentheses; `f()`, which Prolog does not have, is one without any.
+    /// A word or text with terms in parentheses. `f()`, which Prolog does not have, is a compound without terms.
     Compound(String, Vec<Term>),
 }
 
-/// A number as it was written, so that no digit is lost or added between parsing and printing.
+/// A number as it was written: between parsing and printing no digit is lost or added.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Number(String);
 
@@ -41,7 +42,7 @@ impl Term {
 }
 
 impl Number {
-    /// `text` as a number: digits, with an optional minus and an optional fraction; otherwise `None`.
+    /// `text` as a number: digits, with an optional minus and an optional fraction. `None` for any other text.
     pub fn new(text: &str) -> Option<Number> {
         let (whole, fraction) = text.split_once('.').map_or((text, None), |(whole, fraction)| (whole, Some(fraction)));
         let are_digits = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
@@ -62,7 +63,8 @@ pub(super) const fn is_in_word(letter: char) -> bool {
     begins_word(letter) || letter.is_ascii_digit()
 }
 
-/// A text printed as an atom: bare if it is a word (`startCmd`), otherwise in quotes, with those within it doubled (`'l''una'`).
+/// A text printed as an atom: bare if it is a word (`startCmd`), otherwise in quotes, with each quote in it doubled
+/// (`'l''una'`).
 pub(super) struct Printed<'a>(pub(super) &'a str);
 
 impl fmt::Display for Printed<'_> {
@@ -75,7 +77,7 @@ impl fmt::Display for Printed<'_> {
 }
 
 impl fmt::Display for Term {
-    /// Without any blank outside of quotes.
+    /// Prints without blanks outside of quotes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Term::Atom(text) => Printed(text).fmt(f),

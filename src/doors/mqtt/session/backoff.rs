@@ -1,4 +1,4 @@
-//! The pauses between attempts to connect: longer each time, and random, so that many robots do not return to a broker all at
+//! The pauses between attempts to connect. They grow, and are random, so that many robots do not return to a broker all at
 //! once. Nothing waits here.
 
 use std::time::Duration;
@@ -10,7 +10,7 @@ use hallsweep_core::rng::RandomStream;
 pub(super) struct Backoff {
     shortest: Duration,
     longest: Duration,
-    /// Upper bound of the next pause: doubled by each failure, up to `longest`.
+    /// Upper bound of the next pause. Each failure doubles it, up to `longest`.
     bound: Duration,
     chance: RandomStream,
 }
@@ -21,8 +21,8 @@ impl Backoff {
         Backoff { shortest, longest, bound: shortest, chance }
     }
 
-    /// The pause after a connection, or an attempt at one, that lasted this long. The time of an attempt is part of the pause, so
-    /// that a broker whose machine was off is found as soon as one whose port was closed.
+    /// The pause after a connection, or an attempt to connect, that lasted this long. The time of an attempt counts as part of
+    /// the pause: a broker whose machine was off is then found as soon as a broker whose port was closed.
     pub(super) fn handle_ended(&mut self, lasted: Duration, was_open: bool) -> Duration {
         if was_open && lasted >= self.longest {
             self.bound = self.shortest;

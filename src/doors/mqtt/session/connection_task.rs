@@ -1,5 +1,5 @@
-//! One connection from beginning to end: passes on what is received, and sends what is new. The parent module decides when to try
-//! again; the rules of a connection are in `conversation`.
+//! One connection from beginning to end: passes on what is received, and sends what is new. The parent module decides when to
+//! try again. The rules of a connection are in `conversation`.
 
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Publishes the end of the program, and waits a bounded time until that has arrived.
+    /// Publishes that the program ends, and waits for the acknowledgement for a bounded time.
     pub(super) async fn take_leave(mut self) {
         if self.conversation.is_open() {
             let patience = self.session.times.farewell;
@@ -72,7 +72,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Publishes what is new, as long as there is room for it: the rest is polled later, and is newer then.
+    /// Publishes new messages until there is no more room. The rest is polled later, and is newer then.
     fn speak(&mut self) {
         if self.conversation.is_open() {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
@@ -90,7 +90,7 @@ impl ConnectionTask<'_> {
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
-    /// False when the message is too large for the broker, or the client has no room for it.
+    /// Passes a message to the client; false when it is too large for the broker, or the client has no room for it.
     fn give(&mut self, publication: Publication) -> bool {
         let is_given = self.transport.publish(&publication);
         if is_given {
@@ -146,8 +146,8 @@ impl ConnectionTask<'_> {
         self.session.handle_open();
     }
 
-    /// Handles only new messages, and each once: retained ones were meant for somebody before us. A STOP is carried out as often
-    /// as it comes.
+    /// Handles only new messages, each of them once: retained messages were meant for somebody earlier. A STOP is carried out
+    /// as often as it comes.
     fn hear(&mut self, said: &Heard) {
         let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
         let is_repeated = self.conversation.is_repeated(said.id, said.is_duplicate, (topic, payload));
@@ -169,7 +169,7 @@ impl ConnectionTask<'_> {
         let wanted = said.answer_to.as_ref().map(|(topic, correlation)| AnswerTo { topic, correlation: correlation.as_deref() });
         let answer_to = session.commands.answer_to(wanted, &session.publisher);
         let heard = IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to };
-        // The commands publish the result themselves.
+        // `commands` publishes the result itself.
         if is_repeated {
             let _ = session.commands.halts(topic.as_bytes(), payload, answer_to, &session.publisher);
         } else {
@@ -187,7 +187,7 @@ impl ConnectionTask<'_> {
             self.handle_last(event);
         }
         if !is_said {
-            // The broker publishes it when we are gone without a word.
+            // The broker publishes the last will, because we leave without a DISCONNECT.
             return Ok(());
         }
         self.transport.hang_up();
@@ -195,7 +195,7 @@ impl ConnectionTask<'_> {
         Ok(())
     }
 
-    /// No command is taken at the end of the program: only acknowledgements count.
+    /// At the end of the program no command is taken, and only acknowledgements count.
     fn handle_last(&mut self, event: Event) {
         if let Event::Acknowledged { id, .. } = event {
             let _ = self.conversation.inflight.handle_acknowledged(id, self.now());

@@ -1,5 +1,5 @@
-//! The state of one connection: greeted, subscribed, acknowledgements owed, messages received, and the deadlines. It is told the
-//! events and the time, and sends nothing.
+//! The state of one connection: whether it is greeted and subscribed, which acknowledgements are owed, which messages were
+//! received, and the deadlines. The caller reports the events and the time. Nothing is sent here.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
@@ -14,12 +14,12 @@ pub(super) struct Conversation {
     stage: ConversationStage,
     times: Times,
     pub(super) inflight: Inflight,
-    /// A mark of the last message under each packet id, of which there are few.
+    /// A mark of the last message under each packet id. Few ids are in use.
     heard: HashMap<u16, u64>,
     marks: RandomState,
 }
 
-/// How far the connection has come, with the deadline of a stage that waits.
+/// How far the connection has come. A stage that waits has a deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ConversationStage {
     Greeting(Duration),
@@ -38,7 +38,7 @@ impl Conversation {
         }
     }
 
-    /// Whether the broker has greeted us and answered our subscription.
+    /// Whether the broker has greeted the client and answered its subscription.
     pub(super) fn is_open(&self) -> bool {
         self.stage == ConversationStage::Open
     }
@@ -51,7 +51,7 @@ impl Conversation {
         self.stage = ConversationStage::Subscribing(now + self.times.greeting);
     }
 
-    /// The broker has answered a subscription; returns whether that was expected.
+    /// The broker has answered a subscription; returns whether an answer was expected.
     pub(super) fn handle_subscribed(&mut self) -> bool {
         let is_due = matches!(self.stage, ConversationStage::Subscribing(_));
         if is_due {
@@ -60,15 +60,16 @@ impl Conversation {
         is_due
     }
 
-    /// Whether a message was received on this connection before, and was sent again because our acknowledgement was late. A
-    /// broker reuses its ids, and NATS marks a message as duplicate when its first attempt failed, so both are compared together
-    /// with the contents. Messages without an id (QoS 0) are never repeated.
+    /// Whether a message was received on this connection before, and was sent again because our acknowledgement was late. The
+    /// packet id alone does not tell, because a broker reuses ids. The duplicate flag alone does not tell, because NATS sets it
+    /// when its first attempt failed. So both are checked, and the contents are compared. A message without an id (QoS 0) is
+    /// never repeated.
     pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool, said: (&str, &[u8])) -> bool {
         let mark = self.marks.hash_one(said);
         id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate
     }
 
-    /// The time of [`Conversation::poll_timeout`] may have come.
+    /// Called when the time of [`Conversation::poll_timeout`] may have come.
     ///
     /// # Errors
     /// When the broker has been silent for too long.

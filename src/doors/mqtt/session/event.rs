@@ -5,12 +5,12 @@ use bytes::Bytes;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Event {
     Greeted {
-        /// Maximum packet size of the broker in bytes, if it says so.
+        /// Maximum packet size of the broker in bytes, if it sends one.
         largest: Option<u32>,
-        /// Maximum number of messages that it leaves unacknowledged.
+        /// Maximum number of messages that the broker leaves unacknowledged, if it sends one.
         receive_maximum: Option<u16>,
     },
-    /// Whether each of our filters was granted, in their order.
+    /// Whether each of our filters was granted, in the order of the filters.
     Subscribed(Vec<bool>),
     Acknowledged {
         id: u16,
@@ -27,7 +27,7 @@ pub(super) enum Event {
 pub(super) struct Heard {
     pub(super) topic: String,
     pub(super) payload: Bytes,
-    /// 0 at QoS 0.
+    /// The packet id, 0 at QoS 0.
     pub(super) id: u16,
     pub(super) is_duplicate: bool,
     pub(super) retain: bool,

@@ -1,4 +1,4 @@
-//! rumqttc's client of MQTT 5, with its events in the terms of `transport`.
+//! rumqttc's MQTT 5 client, with its events in the terms of `transport`.
 
 use bytes::Bytes;
 use futures_util::stream::{Stream, unfold};
@@ -50,7 +50,7 @@ impl Five {
 
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
-        // Neither our own messages nor retained ones: only what others publish from now on.
+        // The broker sends neither our own messages nor retained ones: only what others publish from now on.
         let now_and_theirs =
             |path| Filter { nolocal: true, retain_forward_rule: RetainForwardRule::Never, ..Filter::new(path, QoS::AtMostOnce) };
         self.0.try_subscribe_many(filters.chain(kept.into_iter().map(now_and_theirs))).is_ok()

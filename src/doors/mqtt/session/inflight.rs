@@ -1,4 +1,4 @@
-//! Publications passed to the broker and not acknowledged yet: the room for more, how long the broker has owed an
+//! Publications that were passed to the client and are not acknowledged yet: the room for more, how long the broker has owed an
 //! acknowledgement, and what to publish again when the connection is lost. Nothing is sent here.
 
 use std::collections::VecDeque;
@@ -9,11 +9,11 @@ use super::link::IN_FLIGHT;
 
 #[derive(Debug, Default)]
 pub(super) struct Inflight {
-    /// In the order in which they were passed, with the packet id once it was sent.
+    /// Publications in the order in which they were passed. Each has a packet id once it was sent.
     open: VecDeque<(Option<u16>, Publication)>,
     /// Time of the last acknowledgement, or when the first publication was passed.
     since: Duration,
-    /// Maximum number that the broker leaves unacknowledged, if it says so.
+    /// Maximum number of publications that the broker leaves unacknowledged, if it sends one.
     most: Option<usize>,
 }
 
@@ -30,7 +30,7 @@ impl Inflight {
         self.most = receive_maximum.map(usize::from);
     }
 
-    /// A publication was passed to the client, which sends in the same order.
+    /// A publication was passed to the client, which sends publications in the same order.
     pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
         if self.open.is_empty() {
             self.since = now;
@@ -44,14 +44,14 @@ impl Inflight {
         }
     }
 
-    /// The broker has accepted or refused this publication, which is returned.
+    /// The broker has accepted or refused the publication with this id, which is returned.
     pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) -> Option<Publication> {
         let place = self.open.iter().position(|(under, _)| *under == Some(id))?;
         self.since = now;
         self.open.remove(place).map(|(_, publication)| publication)
     }
 
-    /// Since when the broker has owed us an acknowledgement, for which it has `Times::acknowledgement`.
+    /// Since when the broker has owed an acknowledgement. `Times::acknowledgement` limits how long it may.
     pub(super) fn owed_since(&self) -> Option<Duration> {
         (!self.open.is_empty()).then_some(self.since)
     }

@@ -1,5 +1,5 @@
-//! Our retained messages at another broker, on one connection. Whoever may publish there can replace them, and so can a late last
-//! will of ours. That is noticed through a subscription to these topics, and ours are published again. Nothing is sent here.
+//! Our retained messages at another broker, on one connection. Anybody who may publish there can replace them, and a late last
+//! will of ours can, too. A subscription to these topics shows that, and then ours are published again. Nothing is sent here.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -9,7 +9,7 @@ use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
 use crate::doors::update_interval;
 
-/// Minimum time between two repetitions on one topic: two programs that fight over it must not fill the broker.
+/// Minimum time between two repetitions on one topic: two programs that overwrite each other must not fill the broker.
 const AGAIN: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
@@ -25,7 +25,7 @@ struct Topic {
     ours: Publication,
     /// Marks of our messages that have not come back yet, newest first.
     echoes: VecDeque<u64>,
-    /// When ours is to be published again, because another one was received since.
+    /// When our message is to be published again, because another one was received after it.
     due: Option<Duration>,
     /// Earliest time of the next repetition, by `AGAIN`.
     next: Duration,
@@ -45,13 +45,13 @@ impl Kept {
         let topic = topic.get_or_insert_with(fresh);
         (topic.ours, topic.due) = (publication.clone(), None);
         if self.has_echo {
-            // Messages older than all that can be under way do not come back any more.
+            // More messages than this cannot be under way, so older ones do not come back any more.
             topic.echoes.truncate(IN_FLIGHT - 1);
             topic.echoes.push_front(mark);
         }
     }
 
-    /// A message was received on a topic, from us or from others. `None` when the topic is not one of these; otherwise whether
+    /// A message was received, published by us or by others. `None` if its topic is not one of these topics; otherwise whether
     /// others have published there for the first time.
     pub(super) fn handle_heard(&mut self, topic: &str, payload: &[u8], now: Duration) -> Option<bool> {
         let topic = self.topics.get_mut(topic)?;
@@ -72,7 +72,7 @@ impl Kept {
         Some(false)
     }
 
-    /// A publication due for repetition. It counts as sent when it is passed to `handle_given`.
+    /// A publication due for repetition. It counts as sent when `handle_given` gets it.
     pub(super) fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let topic = self.topics.values_mut().flatten().find(|topic| topic.due.is_some_and(|due| due <= now))?;
         topic.due = None;

@@ -9,13 +9,14 @@ use rustls::ClientConfig;
 use super::times::Times;
 use mqtt_gate::packet::Version;
 
-/// Maximum number of unacknowledged publications: over a line of 200 ms that allows three hundred a second, more than happen.
+/// Maximum number of unacknowledged publications. Over a line of 200 ms that allows three hundred a second, more than are ever
+/// published.
 pub(super) const IN_FLIGHT: usize = 64;
 
-/// rumqttc's own bound is above ours, so that an acknowledgement out of order blocks nothing.
+/// rumqttc's own limit. It is above ours, so that an acknowledgement out of order blocks nothing.
 pub(super) const IN_FLIGHT_BELOW: u16 = 128;
 
-/// Room beside these for a subscription, a ping and two last messages.
+/// Room in addition to these limits, for a subscription, a ping and two last messages.
 pub(super) const BESIDE: usize = 8;
 
 #[derive(Clone)]
@@ -53,7 +54,7 @@ impl fmt::Display for SessionLink {
 }
 
 impl fmt::Debug for SessionLink {
-    /// Without the login, which must not be logged.
+    /// Shows the address without the login, which must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Link({self})")
     }

@@ -1,4 +1,4 @@
-//! Why there is no connection, in words for the log. The reaction is always another attempt.
+//! Why there is no connection, in words for the log. The reaction is always another attempt to connect.
 
 use std::time::Duration;
 
@@ -47,7 +47,7 @@ impl From<v5::ConnectionError> for Lost {
     }
 }
 
-/// The root cause of an error: the layers above only repeat through whose hands it went.
+/// The root cause of an error. The errors above it only repeat which layers it passed.
 fn root(error: &dyn std::error::Error) -> String {
     let mut deepest = error;
     while let Some(source) = deepest.source() {

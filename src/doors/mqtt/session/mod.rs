@@ -1,5 +1,5 @@
-//! Publishes what is new: at our own broker in the same process (`own`), and at another broker as a client, which receives
-//! commands there, and reconnects whenever the connection is lost, for as long as the program runs. Messages come from
+//! Publishes what is new: at our own broker in the same process (`own`), or at another broker as a client. At another broker it
+//! also receives commands, and reconnects whenever the connection is lost, until the program ends. Messages come from
 //! `change_feed`, commands go to `commands`.
 
 mod backoff;
@@ -69,7 +69,7 @@ pub struct Session {
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
-    /// Events that were published on a lost connection, and may not have arrived.
+    /// Messages that were published on a lost connection, and may not have arrived.
     again: VecDeque<Publication>,
     /// Number of old messages that may not have arrived.
     unacknowledged: u64,
@@ -103,7 +103,7 @@ impl Session {
         }
     }
 
-    /// Keeps the connection until `shutdown`, then disconnects within a second.
+    /// Keeps the connection until `shutdown`. Then it disconnects within a second.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         loop {
@@ -125,7 +125,7 @@ impl Session {
         }
     }
 
-    /// Our message at the end of the program, and the last will that the broker publishes when we are lost.
+    /// Our message at the end of the program. As the last will, the broker publishes it when our connection is lost.
     fn offline(&self) -> Publication {
         Publication::kept(self.topics.availability(), OFFLINE)
     }
@@ -135,8 +135,8 @@ impl Session {
         self.topics.commands().into_iter().chain(status).collect()
     }
 
-    /// Our retained messages that others may replace. With MQTT 3.1.1, where we receive our own messages too, large ones are left
-    /// out: a STOP would wait behind them.
+    /// The topics of our retained messages, which others may replace. With MQTT 3.1.1 we also receive our own messages, so
+    /// large ones are left out: a STOP would wait behind them.
     fn kept(&self) -> Vec<String> {
         let (topics, is_five) = (&self.topics, self.link.version == Version::Five);
         let is_small = |resource: &Resource| !matches!(resource, Resource::Map | Resource::Luggage | Resource::Log);
@@ -151,7 +151,7 @@ impl Session {
         self.again.pop_front().or_else(|| self.changes.poll_publication(self.clock.now().since_start))
     }
 
-    /// The broker has greeted us and answered our subscription: everything is published again, as for a new subscriber.
+    /// The broker has greeted us and answered our subscription. Everything is published again, as for a new subscriber.
     fn handle_open(&mut self) {
         if std::mem::take(&mut self.is_lost) {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
@@ -165,8 +165,8 @@ impl Session {
         self.changes.handle_state(state);
     }
 
-    /// Logs the loss of a connection once, and not the failed attempts after it. Whatever may not have arrived is published
-    /// again: retained messages because all of them are renewed, the others as they were.
+    /// Logs the loss of a connection, but not the failed attempts after it. Messages that may not have arrived are published
+    /// again: retained ones because all of them are renewed, the others unchanged.
     fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
         let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.changes.is_numbered(said));
         self.unacknowledged += numbered.len() as u64;

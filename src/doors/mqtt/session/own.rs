@@ -1,4 +1,4 @@
-//! Publishes at our own broker, in the same process: there is nothing to connect, to acknowledge or to lose.
+//! Publishes at our own broker, in the same process. There is no connection to make or lose, and nothing to acknowledge.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub struct OwnSession {
     answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
     reading: PhotoReading,
-    /// The subscription to Home Assistant's status; without filters when Home Assistant is not served.
+    /// The subscription to Home Assistant's status. It has no filters if Home Assistant is not served.
     home_assistant_status: OwnSubscription,
     left_out: LogThrottle,
     clock: Clock,
@@ -58,7 +58,7 @@ impl OwnSession {
         }
     }
 
-    /// Publishes until `shutdown`, and finally that the program has ended.
+    /// Publishes until `shutdown`, and then that the program has ended.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         self.learn();

@@ -1,5 +1,5 @@
-//! Reads the photo to publish, one at a time, where blocking is allowed. `change_feed` decides which one it is, and whether it is
-//! still wanted when it has been read.
+//! Reads the photo to publish, one at a time, where blocking is allowed. `change_feed` decides which photo that is, and whether
+//! it is still wanted when it has been read.
 
 use std::pin::Pin;
 
@@ -21,7 +21,7 @@ impl PhotoReading {
         }
     }
 
-    /// The photo that has been read; waits for ever when none is being read. Safe to cancel.
+    /// Waits for the photo that is being read; for ever if none is. Safe to cancel.
     pub(super) async fn done(&mut self) -> Looked {
         let Some(reading) = &mut self.0 else { return std::future::pending().await };
         let looked = reading.await;

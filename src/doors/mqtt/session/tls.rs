@@ -24,8 +24,8 @@ pub enum TlsError {
     Rustls(#[from] rustls::Error),
 }
 
-/// TLS 1.2 or 1.3 to a broker whose certificate leads to one of those in `file`, or otherwise to one of the system's. Reads
-/// files.
+/// TLS 1.2 or 1.3 to a broker whose chain of certificates leads to one in `file`, or to one of the system's if no file is
+/// named. Reads files.
 pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     let roots = file.map_or_else(of_the_system, of_file)?;
     let provider = Arc::new(ring::default_provider());
@@ -33,7 +33,7 @@ pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     Ok(Arc::new(versions.with_root_certificates(roots).with_no_client_auth()))
 }
 
-/// All certificates of the file; a damaged one is an error, since the file was named on purpose.
+/// All certificates of the file. A damaged one is an error, because somebody named the file on purpose.
 fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     let wrong = |problem: String| TlsError::File { path: path.to_owned(), problem };
     let certificates = CertificateDer::pem_file_iter(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -45,7 +45,7 @@ fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     if roots.is_empty() { Err(wrong("there is no certificate in it".to_owned())) } else { Ok(roots) }
 }
 
-/// The readable certificates of the system; old ones among them are often damaged, and not missed.
+/// The readable certificates of the system. Old ones among them are often damaged, and nobody misses those.
 fn of_the_system() -> Result<RootCertStore, TlsError> {
     let found = rustls_native_certs::load_native_certs();
     let mut roots = RootCertStore::empty();

@@ -1,5 +1,5 @@
-//! One connection to a broker, created anew each time: rumqttc can stay silent for ever after a lost one. The messages and the
-//! reaction to its end are not here; the versions of the protocol are in `three` and `five`.
+//! One connection to a broker. It is created anew each time, because rumqttc can stay silent for ever after a lost one. Its
+//! messages, and the reaction to its end, are not here. The versions of the protocol are in `three` and `five`.
 
 use std::pin::Pin;
 
@@ -18,7 +18,7 @@ use mqtt_gate::packet::Version;
 pub(super) struct Transport {
     client: Client,
     events: Pin<Box<dyn Stream<Item = Result<Event, Lost>> + Send>>,
-    /// Maximum packet size of the broker in bytes, as far as it has told.
+    /// Maximum packet size of the broker in bytes; `None` if the broker has not sent one.
     largest: Option<u32>,
     left_out: LogThrottle,
 }
@@ -29,7 +29,7 @@ enum Client {
 }
 
 impl Transport {
-    /// Does not connect before the first event is awaited.
+    /// Prepares a connection, which is not made before the first event is awaited.
     pub(super) fn new(link: &SessionLink, will: Publication, times: &Times) -> Transport {
         let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
             Version::Three => {
@@ -47,7 +47,7 @@ impl Transport {
     /// The next event. Safe to cancel.
     ///
     /// # Errors
-    /// When the connection has ended; further calls are useless.
+    /// When the connection has ended. Further calls are useless.
     pub(super) async fn next(&mut self) -> Result<Event, Lost> {
         let Some(event) = self.events.next().await else { return Err(Lost::Broken("the connection has ended".to_owned())) };
         let event = event?;
@@ -64,7 +64,7 @@ impl Transport {
         }
     }
 
-    /// False when the message is too large for the broker, or the client has no room for it; that is logged.
+    /// Sends a message; false when it is too large for the broker, or the client has no room for it. Such a message is logged.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
         let fits = publication.fits(self.largest);
         let is_given = fits
