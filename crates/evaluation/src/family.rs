@@ -38,7 +38,7 @@ impl Family {
         Family::Maze,
     ];
 
-    /// An estimate for the bound on luggage, 5 % above the expected number; few halls hold more.
+    /// An estimate of the greatest number of pieces, 5 % above the expected number; few halls hold more.
     #[must_use]
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hall is small")]
     pub(crate) fn most_pieces(self, cells: usize) -> usize {
@@ -86,11 +86,11 @@ impl FromStr for Family {
     }
 }
 
-/// Most draws of a hall; the last one is taken even if too little of it can be reached.
+/// Maximum number of draws of a hall; the last hall is taken even if too little of it can be reached.
 const DRAWN: usize = 1000;
 
-/// A hall of this family, more than a third of which can be reached if `DRAWN` draws find one: where luggage shuts home
-/// in there is nothing to search.
+/// A hall of this family. More than a third of it can be reached, unless none of `DRAWN` draws is such a hall: where
+/// luggage shuts home in, there is nothing to search.
 #[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut hall = drawn(family, columns, lines, dice);

@@ -4,7 +4,7 @@
 //! ```text
 //!   family ─► hall ─► ground ─► walk: strategy and floor, move by move, as a mission makes them
 //!                                ├─► compare: strategies on the same halls ─► figures, drawing
-//!                                ├─► time_left: how often its forecast holds
+//!                                ├─► time_left: how often a forecast of the time left holds
 //!                                └─► tune: cross-entropy ─► counterfactuals ─► weights
 //! ```
 

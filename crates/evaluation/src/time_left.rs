@@ -1,5 +1,5 @@
-//! How often a forecast of the remaining search time holds: on random halls from which its bounds were not read off, at
-//! every moment of a search, each moment weighed by its duration.
+//! How often a forecast of the remaining search time holds. It is tested at every moment of a search, each moment
+//! weighed by its duration, on random halls that were not used to set its bounds.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
@@ -31,9 +31,10 @@ const SIDES: [(usize, usize); 4] = [(12, 9), (20, 20), (40, 25), (50, 50)];
 pub struct Held {
     /// Share in which an upper bound was given.
     pub with_most: f64,
-    /// Share of the time with an upper bound in which the rest lay within the range; `None` where no range was given.
+    /// Share of the time with an upper bound in which the remaining time lay within the range; `None` if no range was
+    /// given.
     pub within: Option<f64>,
-    /// Share of the time with only a lower bound in which no less was left.
+    /// Share of the time with only a lower bound in which the remaining time was not less.
     pub at_least: Option<f64>,
 }
 

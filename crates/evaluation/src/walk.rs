@@ -35,7 +35,7 @@ pub struct Walk {
     pub found_after: u64,
     /// Number of cells and pieces whose content is known.
     pub known: usize,
-    /// Sum over these cells of the moves before each was known: when a piece would have been found that stood there.
+    /// Sum over these cells of the moves before each was known: a piece that stood there would have been found then.
     pub known_after: u64,
     /// Every cell in which the robot stood, one after the other, if the caller wants it.
     pub trail: Option<Vec<Cell>>,
@@ -112,7 +112,7 @@ impl Walk {
         }
     }
 
-    /// Carries out what a strategy wants; false when that was the end of the search, and the robot is home.
+    /// Carries out what a strategy wants; false when that was the end of the search, with the robot at home.
     pub fn follow(&mut self, ground: &Ground, ways: &mut Ways, goal: NextGoal) -> bool {
         match goal {
             NextGoal::Visit(cell, route) => {
@@ -130,8 +130,8 @@ impl Walk {
         true
     }
 
-    /// Makes the moves that lead into an open cell, until something is in the way, or an unknown obstacle is seen; or,
-    /// where news are heeded, until anything new is seen.
+    /// Makes the moves that lead into an open cell, until something is in the way, or an unknown obstacle is seen. If
+    /// `heeds_news`, anything new that is seen also ends them.
     pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
         (self.has_met, self.has_news) = (false, false);
         for step in route {
@@ -208,7 +208,7 @@ impl Walk {
         self.print ^= mixed(cell, square as u64);
     }
 
-    /// Recognises the obstacle ahead of `before`; of a wall, the whole straight line it belongs to.
+    /// Recognises the obstacle ahead of `before`. If it is a wall, the whole straight line of the wall becomes known.
     fn meet(&mut self, ground: &Ground, before: Cell) {
         let cell = before.ahead(self.pose.heading);
         if self.grid.at(cell).is_settled() {
@@ -253,7 +253,7 @@ impl Walk {
     }
 }
 
-/// A hash of one fact about a cell; the exclusive or of several tells sets of them apart.
+/// A hash of one fact about a cell. Sets of facts are told apart by the exclusive or of their hashes.
 fn mixed(cell: Cell, salt: u64) -> u64 {
     let place = (u64::from(cell.x.cast_unsigned()) << 32) | u64::from(cell.y.cast_unsigned());
     let mut x = place.wrapping_add(salt.wrapping_mul(0x2545_F491_4F6C_DD1D)).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -5,8 +5,8 @@
 //! ```text
 //!   view ─► SRM1 ─► SRM2 ─► Supervisor ─► proposals, sayings
 //!             └───────┴── blackboard ┘        │
-//!   SUCCESS of the Supervisor: again, while there is anything to be fetched (phase 8), else Done
-//!   FAILURE: the parcel is lost: a call, and once it is acknowledged the Supervisor anew, where the parcel lies; or a named fault
+//!   SUCCESS of the Supervisor: it runs again while anything is left to fetch (phase 8), else Done
+//!   FAILURE: a named fault, or the parcel is lost: a call; once it is acknowledged, the Supervisor runs again where the parcel lies
 //! ```
 //! Nobody ticks the team while anything holds the robots, so its time stands still.
 

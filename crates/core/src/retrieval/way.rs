@@ -8,9 +8,9 @@
 //!   . 1 P 2 .   ─ 1 leads north ►  . P 2 . .
 //! ```
 //!
-//! Searches begin where the way ends, so that one search answers for every start. Unknown cells are taken to be free,
-//! as in the search of the hall, but a way through known cells is preferred to a way that is a little shorter. A robot
-//! that meets an obstacle asks again.
+//! A search begins at the one place that is fixed, mostly the end of the way, so that it answers for all places at the
+//! other end. Unknown cells are taken to be free, as in the search of the hall, but a way through known cells is
+//! preferred to a way that is a little shorter. A robot that meets an obstacle asks again.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};

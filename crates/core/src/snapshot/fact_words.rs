@@ -104,7 +104,7 @@ fn in_words(phase: &Phase) -> String {
     }
 }
 
-/// The reason of a hold, without the advice that belonged to it then.
+/// The reason of a hold, without the advice to the operator.
 fn cause(hold: &Hold) -> &'static str {
     let words = hold.in_words();
     words.find([':', ';']).map_or(words, |end| &words[..end])

@@ -1,4 +1,4 @@
-//! The latest lines of what happened, numbered. The journal stores everything; this stores what fits a page.
+//! The latest lines of what happened, numbered. The journal stores everything; the log stores what fits a page.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Tone {
-        /// Shown once it is on record, the others at once (safety R4).
+        /// A line that is shown once it is on record; lines of the other tones are shown at once (safety R4).
         Info = "info",
         /// Something was refused or is held.
         Warning = "warning",
@@ -35,7 +35,7 @@ named! {
 pub(crate) struct Log {
     lines: VecDeque<Arc<LogLine>>,
     written: u64,
-    /// Lines that wait for their record, oldest first, and the entry they wait for, where that is known.
+    /// Lines that wait for their record, oldest first, each with the entry that it waits for, if that is known.
     waiting: VecDeque<WaitingLine>,
 }
 
@@ -47,8 +47,8 @@ struct WaitingLine {
 }
 
 impl Log {
-    /// Adds a line: a warning is shown at once, any other waits for its record. Returns whether it is shown. When too
-    /// many wait, the oldest is left to the journal.
+    /// Adds a line: a line of tone `Info` waits for its record, any other line is shown at once. Returns whether the
+    /// line is shown. When too many lines wait, the oldest is dropped; the journal still has it.
     pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) -> bool {
         if tone != Tone::Info {
             self.put(wall, tone, said);
@@ -61,7 +61,8 @@ impl Log {
         false
     }
 
-    /// Shows the lines whose entry is on record; true when there are any. Lines since the last call wait for `written`.
+    /// Shows the lines whose entry is on record; true when there are any. Lines that were added since the last call
+    /// wait for `written`.
     pub(crate) fn show(&mut self, written: Seq, kept: Seq) -> bool {
         for line in self.waiting.iter_mut().rev().take_while(|line| line.seq.is_none()) {
             line.seq = Some(written);
@@ -73,7 +74,7 @@ impl Log {
         due > 0
     }
 
-    /// The entries that lines wait for are lost: the lines wait for the next entry instead.
+    /// The entries that lines wait for are lost, so these lines wait for the next entry instead.
     pub(crate) fn lose(&mut self) {
         self.waiting.iter_mut().for_each(|line| line.seq = None);
     }

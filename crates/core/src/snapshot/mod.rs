@@ -30,7 +30,7 @@ use crate::world::temperature::TemperatureView;
 pub struct Snapshot {
     /// The run of the program: revisions of another run mean nothing here.
     pub run: Arc<str>,
-    /// How often anything has changed.
+    /// Number of changes so far.
     pub revision: Revision,
     /// For each resource the revision of its last change, in the order of `Resource::ALL`.
     pub revisions: [Revision; Resource::COUNT],
@@ -38,12 +38,12 @@ pub struct Snapshot {
     pub robot: RobotView,
     /// All robots, the one that searches first.
     pub robots: Arc<[RobotShown]>,
-    /// Its tiles are shared with the core.
+    /// The map; its tiles are shared with the core.
     pub map: HallMap,
     /// The luggage of this mission, by number.
     pub luggage: LuggageRecords,
     pub temperature: TemperatureView,
-    /// Oldest first.
+    /// All alarms, oldest first.
     pub alarms: Arc<[AlarmView]>,
     /// The retrieval under way, or in fault, as far as it is on record.
     pub retrieval: Option<Arc<RetrievalView>>,
@@ -62,15 +62,15 @@ impl Snapshot {
         self.luggage.get(id)
     }
 
-    /// The piece that waits for its verdict: the one being inspected first, then the oldest.
+    /// The piece that waits for its verdict: the piece being inspected, else the oldest.
     #[must_use]
     pub fn pending(&self) -> Option<&Arc<Luggage>> {
         let inspected = self.mission.inspected.and_then(|id| self.luggage(id)).filter(|luggage| luggage.is_pending());
         inspected.or_else(|| self.luggage.pending().next())
     }
 
-    /// Why the robots could not be put down in another hall just now, by what is shown (`Engine::put_down_in`); `None`
-    /// when they could.
+    /// Why the robots cannot be put down in another hall now, as far as that is shown (`Engine::put_down_in`); `None`
+    /// when they can.
     #[must_use]
     pub fn bound_to_hall(&self) -> Option<Refused> {
         let is_over = matches!(self.mission.phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
@@ -90,15 +90,15 @@ pub struct MissionView {
     /// 0 before the first.
     pub id: MissionId,
     pub phase: PhaseName,
-    /// The phase that is interrupted, while driving by hand or in fault.
+    /// The phase that is interrupted by a drive by hand or a fault.
     pub interrupted: Option<PhaseName>,
     pub fault: Option<FaultCause>,
     pub holds: Vec<Hold>,
     pub store_failure: Option<String>,
     pub goal: Option<Cell>,
-    /// The cells it means to pass on the way there, the next one first.
+    /// The cells that the robot plans to pass on the way to its goal, the next one first.
     pub route: Arc<[Cell]>,
-    /// The cells it came through, the latest last.
+    /// The cells that the robot came through, the latest last.
     pub trail: Arc<[Cell]>,
     /// The piece in front of the robot, once it has a number.
     pub inspected: Option<LuggageId>,
@@ -114,7 +114,7 @@ pub struct MissionView {
 /// The progress of the search. Nobody knows before the end how large the hall is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Number of cells.
+    /// Number of visited cells.
     pub visited: usize,
     /// Number of places to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
@@ -127,15 +127,15 @@ pub struct Progress {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeLeft {
-    /// It will hardly be less.
+    /// The remaining time will hardly be shorter.
     pub least: Duration,
-    /// It will hardly be more; `None` while the hall may go on.
+    /// The remaining time will hardly be longer; `None` while the hall may go on.
     pub most: Option<Duration>,
 }
 
 impl Progress {
-    /// How much of the hall is searched: 100, or `None` while anything is open, because nobody knows how large the hall
-    /// is.
+    /// How much of the hall is searched: 100 when nothing is open. `None` before that, because nobody knows how large
+    /// the hall is.
     #[must_use]
     pub const fn percent(self) -> Option<u8> {
         if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }

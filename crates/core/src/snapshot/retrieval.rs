@@ -1,5 +1,4 @@
-//! The view of a retrieval: its progress, the trees at work and their blackboard. The robots themselves are shown among
-//! the robots.
+//! The view of a retrieval: its progress, the trees at work and their blackboard. The robots are shown in `robot`.
 
 use std::sync::Arc;
 
@@ -14,7 +13,7 @@ pub struct RetrievalView {
     pub fetcher: Fetcher,
     pub stage: &'static str,
     pub reason: Option<NotFetched>,
-    /// The known cells in which it lies now; none while it is off the floor.
+    /// The known cells in which the piece lies now; none while it is off the floor.
     pub piece: Vec<Cell>,
     /// Empty when the piece is fetched without trees.
     pub trees: Arc<TreesView>,
@@ -23,7 +22,7 @@ pub struct RetrievalView {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreesView {
     pub ticks: u64,
-    /// In the order in which they are ticked.
+    /// The trees in the order in which they are ticked.
     pub trees: Vec<TreeView>,
     /// Names and values; entries without a value are left out.
     pub blackboard: Vec<(Arc<str>, String)>,
@@ -44,19 +43,19 @@ impl TreesView {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeView {
     pub id: Arc<str>,
-    /// In preorder.
+    /// The nodes in preorder.
     pub nodes: Vec<NodeShown>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeShown {
-    /// Names of the subtrees it is in and its own, joined with `/`.
+    /// The names of the subtrees around the node and then its own name, joined with `/`.
     pub path: Arc<str>,
     pub name: Arc<str>,
     pub kind: Arc<str>,
     /// 0 for the root.
     pub depth: usize,
-    /// What it returned in the last tick if it was ticked, else its status.
+    /// The status that the node returned in the last tick if it was ticked then, else its present status.
     pub status: Status,
     /// Whether `status` comes from the last tick.
     pub is_ticked: bool,

@@ -21,12 +21,12 @@ pub enum Said {
     /// Somebody sent a command, or did something to the simulator.
     Asked {
         asked: Asked,
-        /// The piece that was meant, where the words do not name it.
+        /// The piece that was meant, if the words do not name it.
         meant: Option<LuggageId>,
         issuer: Issuer,
         refused: Option<Refused>,
     },
-    /// An accepted verdict of safe was overtaken by danger before it was on record, and so refused for this reason.
+    /// Danger overtook an accepted verdict of safe before it was on record, so the verdict was refused for this reason.
     Overtaken(Refused),
     Held(Hold, Option<HoldReason>),
     Over(Hold),
@@ -41,35 +41,35 @@ pub enum Said {
         has_photo: bool,
     },
     PhotographedAgain(LuggageId),
-    /// There is no new photo of a piece, and the first one stays.
+    /// There is no new photo of a piece, so the earlier photo stays.
     PhotoStays(LuggageId),
     Secured(LuggageId),
     NoWay(Cell),
-    /// A robot reports that it stands elsewhere than the record has it; `None`: the robot that searches.
+    /// A robot reports that it stands in another place than the one on record; `None`: the robot that searches.
     Stands(Option<RobotId>, Pose),
     Robot(RobotId, Trouble),
     TreesBeginAnew(StateError),
     StartedAgain,
-    /// With the signal that asked for the end.
+    /// With the signal that ended the program.
     Ended(String),
     PutDown,
-    /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes it.
+    /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes such a line.
     Fact(Arc<Fact>),
-    /// Foreign words, such as those about a damaged file.
+    /// Words from elsewhere, such as words about a damaged file.
     Words(String),
 }
 
-/// Words come from the robot, or from the link to it.
+/// Troubles of a robot or its link. Words come from the robot, or from the link to it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trouble {
-    /// It reports that it stands in this cell, where no hall reaches.
+    /// The robot reports that it stands in this cell, where no hall reaches.
     TooFar(Cell),
-    /// Its last reading was too hot, and it no longer has a thermometer.
+    /// The robot's last reading was too hot, and it no longer has a thermometer.
     NoThermometer,
-    /// Its link is still lost, now for this reason; the hold stands already.
+    /// The robot's link is still lost, now for this reason; the hold stands already.
     StillUnreached(String),
     Unreached(String),
-    /// It met something as it left this cell.
+    /// The robot met something as it left this cell.
     MetObstacle(Cell),
     Failed(String),
     NoPhoto(String),

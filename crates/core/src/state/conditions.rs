@@ -1,5 +1,5 @@
-//! The circumstances of a mission's record, which may differ at another time: where it was, and which temperature
-//! counted as too hot.
+//! The circumstances of a mission, put on record because they may change later: where the mission was, and which
+//! temperature counted as too hot.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::units::Celsius;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
     pub venue: Venue,
-    /// Above this nothing moves.
+    /// Temperature above which nothing moves.
     pub threshold: Celsius,
 }
 
@@ -19,12 +19,12 @@ pub struct Venue {
     pub name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub cell_m: Option<f64>,
-    /// Whether the robot that searches counts its way by time, without known places of things: a thing that is met for
-    /// the first time may then be shown a cell beside where it is.
+    /// Whether the searching robot measures its way by time, and no scene file tells where things are. A thing that is
+    /// met for the first time may then be shown one cell off.
     pub is_reckoned: bool,
     /// `None` where the hall is not known beforehand.
     pub reach: Option<Reach>,
-    /// Robots that take part, the one that searches first; none where that is not on record.
+    /// Robots that take part, the one that searches first; none if they are not on record.
     pub robots: Arc<[Participant]>,
     /// The seed of everything random in a simulated hall.
     pub seed: Option<u64>,
@@ -33,7 +33,7 @@ pub struct Venue {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Participant {
     pub name: Arc<str>,
-    /// Such as `sim` or `line`: the settings have the list.
+    /// The kind of the robot, such as `sim` or `line`; the settings list all kinds.
     pub kind: Arc<str>,
     /// `None` for a robot that is part of this program.
     pub address: Option<Arc<str>>,

@@ -29,14 +29,14 @@ use crate::robot::RobotId;
 use crate::search::Goal;
 use crate::units::Piece;
 
-/// Cells of the map that take as much on record as an entry, since rows are written in runs.
+/// Number of map cells that take as much on record as an entry. It is large, because rows are written in runs.
 const CELLS_AN_ENTRY: usize = 64;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct PersistentState {
-    /// The number of the mission, or of the last.
+    /// The number of the present mission, or of the last one.
     pub mission: MissionId,
-    /// Whether it has begun and is not archived yet.
+    /// Whether the mission has begun and is not archived yet.
     pub under_way: bool,
     pub phase: Phase,
     pub holds: Holds,
@@ -50,7 +50,7 @@ pub struct PersistentState {
     pub pose: Pose,
     /// Where the last completed orders left the other robots that have moved.
     pub others: BTreeMap<RobotId, Pose>,
-    /// Steps from home of the robots that stand before the entrance.
+    /// Number of steps from home of each robot that stands outside the entrance.
     pub outside: BTreeMap<RobotId, u8>,
     pub retrieval: Option<Retrieval>,
     pub led_blinking: bool,
@@ -61,11 +61,11 @@ pub struct PersistentState {
     pub luggage: LuggageRecords,
     /// The number of the last piece of all missions.
     pub last_luggage: LuggageId,
-    /// Oldest first.
+    /// All alarms, oldest first.
     pub alarms: Vec<Arc<Alarm>>,
     /// The number of the last alarm of all missions.
     pub last_alarm: AlarmId,
-    /// The operator's last reading, which no thermometer would repeat.
+    /// The operator's last reading; no thermometer would repeat it.
     pub reading: Option<Celsius>,
     /// `None` where no journal has recorded them yet.
     pub conditions: Option<Conditions>,
@@ -104,8 +104,8 @@ impl PersistentState {
         }
     }
 
-    /// Number of entries that take as much, in bytes and in time, as a record of all of this: luggage and the map,
-    /// beside which the rest is negligible.
+    /// The size of a record of the whole state: the number of entries that take as many bytes, and as much time. Only
+    /// luggage and the map count, because the rest is negligible.
     pub(crate) fn size_in_entries(&self) -> u64 {
         (self.luggage.len() + self.map.visited() / CELLS_AN_ENTRY) as u64
     }
@@ -114,7 +114,7 @@ impl PersistentState {
         self.follow(&entry.fact, entry.wall, Revision(1));
     }
 
-    /// Changes of the map get this revision.
+    /// Applies a fact. Changes of the map get this revision.
     pub(crate) fn follow(&mut self, fact: &Fact, wall: WallTime, revision: Revision) {
         match fact {
             Fact::ProgramStarted(_)
@@ -141,7 +141,7 @@ impl PersistentState {
             Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
             Fact::Retrieval(retrieval) => self.retrieval = retrieval.as_deref().cloned(),
             Fact::MetAgain(cell, piece) => drop(self.met_again.insert(*cell, *piece)),
-            // The piece is in the container; it is not met again.
+            // The piece is in the container, so it is not met again.
             Fact::Secured(luggage) => self.luggage.change(*luggage, |record| record.secured = Some(wall)),
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
@@ -166,8 +166,8 @@ impl PersistentState {
         }
     }
 
-    /// The state when the program comes back. Holds with a cause outside are not known before that is reported again,
-    /// and no robot is linked yet.
+    /// The state when the program comes back. A hold with a cause outside is unknown until that cause is reported
+    /// again, and no robot is linked yet.
     #[must_use]
     pub(crate) fn after_restart(mut self) -> PersistentState {
         for hold in [Hold::Temperature, Hold::TemperatureStale, Hold::Store] {

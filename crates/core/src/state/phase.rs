@@ -23,7 +23,7 @@ pub enum Phase {
     AtHome,
     /// On the way home after danger.
     ReturningWithAlarm,
-    /// Home, and a bomb is known to be in the hall.
+    /// The robot is home, and a bomb is known to be in the hall.
     BombLocated,
     Retrieving,
     BagSecured,
@@ -31,7 +31,7 @@ pub enum Phase {
     Explored,
     Fault {
         cause: FaultCause,
-        /// Where START goes back to once the cause is gone.
+        /// The phase to which START returns once the cause is gone.
         interrupted: Box<Phase>,
     },
 }
@@ -88,7 +88,7 @@ impl Phase {
         if let Phase::Fault { cause, .. } = self { Some(cause) } else { None }
     }
 
-    /// Whether the robot moves in it, unless something holds it.
+    /// Whether the robot moves in this phase, unless something holds it.
     pub(crate) const fn is_motion(&self) -> bool {
         match self {
             Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
@@ -117,7 +117,7 @@ pub struct Inspection {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Returning to the centre of the cell it came from: the only part that is motion.
+    /// Returning to the centre of the cell from which the robot came: the only stage that is motion.
     BackingUp,
     TakingPhoto,
     Recording(LuggageId),

@@ -1,4 +1,4 @@
-//! Readings of thermometers, as the journal has them. What follows from a reading stands in `world::temperature`.
+//! Readings of thermometers, as the journal has them. What follows from a reading is decided in `world::temperature`.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use crate::effect::{Entry, Fact};
 use crate::units::Now;
 use crate::world::temperature::Thermometer;
 
-/// The sources that are not silent, by the journal.
+/// The sources that are not silent, according to the journal.
 #[derive(Clone, Debug, Default)]
 pub struct Speaking(BTreeSet<Arc<str>>);
 
@@ -29,7 +29,7 @@ impl Speaking {
 /// Feeds the readings of the journal, oldest first, to a thermometer, with the effect that they had when they came.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
-        // Far enough from one another that each is shown.
+        // Entries count as a minute apart, so that each reading is shown.
         let now = Now { wall: *wall, since_start: Duration::from_secs(60 * minute) };
         if let Fact::Temperature(source, celsius) = fact {
             thermometer.read(source, *celsius, now);

@@ -13,7 +13,7 @@ pub struct Retrieval {
     pub luggage: LuggageId,
     pub fetcher: Fetcher,
     pub stage: RetrievalStage,
-    /// The known cells on which it stands; none while it is off the floor.
+    /// The known cells on which the piece stands; none while it is off the floor.
     pub piece: BTreeSet<Cell>,
     /// The robots' last call to the operator, which holds them until it is acknowledged.
     pub call: Option<AlarmId>,
@@ -26,12 +26,12 @@ pub enum RetrievalStage {
     /// The robot that searches leaves home, so that the others can come in.
     MakingRoom,
     Fetching,
-    /// The robot that fetches by itself has it at home and is about to release it.
+    /// The robot that fetches by itself has the piece at home and is about to release it.
     LettingGo,
-    /// It is in the container, or cannot be fetched, for this reason: the robots that fetched go back outside.
+    /// The robots that fetched go back outside. The piece is in the container, or cannot be fetched for this reason.
     GoingOut(Option<NotFetched>),
-    /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it
-    /// is not.
+    /// The robot that searches comes home, while all others are outside. Then the piece counts as secured, or, for this
+    /// reason, as not fetched.
     ComingHome(Option<NotFetched>),
 }
 

@@ -35,7 +35,7 @@ pub struct TeamState {
 }
 
 impl TeamState {
-    /// Whether both go on alike, apart from counted ticks and passed time.
+    /// Whether both states go on alike. Counted ticks and elapsed time may differ.
     #[must_use]
     pub fn stands_as(&self, other: &TeamState) -> bool {
         let trees = self.trees.iter().zip(&other.trees).all(|(one, two)| one.stands_as(two));

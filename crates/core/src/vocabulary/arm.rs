@@ -1,16 +1,16 @@
-//! Actions of an arm, and its state as it reports it. How an action is done, and how well a parcel is held, is left to
+//! Actions of an arm, and the state that it reports. How an action is done, and how well a parcel is held, is left to
 //! the robot.
 //!
-//! Quantities are whole numbers of small units, so that what is written down is read back exactly.
+//! Quantities are whole numbers of small units, so that every value is read back exactly as it was written.
 
 use crate::place::Place;
 use crate::units::Piece;
 
-/// One bounded action of an arm, or of the camera on it. A controller is started, which takes no time, and goes on by
-/// itself, even under a halt, until the parcel is released.
+/// One bounded action of an arm, or of the camera on it. Starting a controller takes no time. The controller then goes
+/// on by itself, even under a halt, until the parcel is released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmAction {
-    /// Look for a parcel at this place, or near it. It is answered by `RobotEvent::Found`.
+    /// Look for a parcel at this place, or near it. The answer is `RobotEvent::Found`.
     FindParcel(Place),
     /// Bring the gripper to the parcel at this place, which is beside the base.
     AlignEndEffector(Place),
@@ -62,7 +62,7 @@ named! {
     pub enum Gripper {
         #[default]
         Open = "open",
-        /// Round a parcel or round nothing.
+        /// The gripper is closed, round a parcel or round nothing.
         Closed = "closed",
     }
 }
@@ -71,7 +71,7 @@ named! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parcel {
     pub piece: Piece,
-    /// For a piece that covers several cells, the one by which it is lifted.
+    /// The place of the piece. For a piece that covers several cells, it is the cell by which the piece is lifted.
     pub place: Place,
 }
 
@@ -85,13 +85,14 @@ pub struct Controllers {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArmState {
     pub gripper: Gripper,
-    /// The parcel at which the gripper is, not necessarily closed.
+    /// The place of the parcel at which the gripper is, not necessarily closed.
     pub aligned: Option<Place>,
     /// The parcel that is held: both grippers are closed round it.
     pub holds: Option<Parcel>,
     /// Whether the parcel is off the floor, all the way up.
     pub lifted: bool,
-    /// Whether the parcel that is held stands on the floor. In between it is neither on the floor nor lifted.
+    /// Whether the parcel that is held stands on the floor. On the way up or down it is neither on the floor nor
+    /// lifted.
     pub on_floor: bool,
     pub controllers: Controllers,
     /// The gripping force, in millinewtons; 0 when nothing is held.

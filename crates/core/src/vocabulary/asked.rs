@@ -15,7 +15,7 @@ pub enum Asked {
     /// STOPs that share one entry.
     Stops {
         count: u64,
-        /// Time from the first to the last, in whole milliseconds; `None` when they came at once.
+        /// Time from the first STOP to the last, in whole milliseconds; `None` when they came at once.
         within: Option<Duration>,
     },
     Simulated(Simulated),

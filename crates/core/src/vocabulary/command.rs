@@ -14,21 +14,22 @@ pub const OPERATOR: &str = "operator";
 /// The source of the robot's own thermometer.
 pub const ROBOT: &str = "robot";
 
-/// The common source of all readings beyond the sources that are told apart.
+/// The common source of all readings for which there is no room among the sources that are told apart.
 pub const OTHERS: &str = "others";
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     pub command: Command,
-    /// The epoch that its sender saw. Only movement commands look at it.
+    /// The epoch that the sender saw. It matters to movement commands only.
     pub epoch: Option<Epoch>,
-    /// The epoch in which it arrived, which counts where the sender named none.
+    /// The epoch in which the command arrived, which counts if the sender named none.
     pub arrived: Option<Epoch>,
-    /// It was sent before, and nobody knows when: a movement command that names no epoch may be from before a stop or a
-    /// restart.
+    /// Whether the command was sent before, at an unknown time. A movement command without an epoch may then be older
+    /// than a stop or a restart.
     pub is_again: bool,
     pub issuer: Issuer,
-    /// The sender's own id for this command: one that comes again gets the same answer, and is not carried out again.
+    /// The sender's own id for this command. A command that comes again under the same id gets the same answer, and is
+    /// not carried out again.
     pub id: Option<CommandId>,
 }
 
@@ -43,7 +44,7 @@ impl Request {
 pub struct CommandId(Arc<str>);
 
 impl CommandId {
-    /// Longest id, in bytes: more than a UUID in any writing.
+    /// Longest id, in bytes: longer than a UUID in any notation.
     pub const MOST: usize = 128;
 
     /// `None` unless the text has 1 to `MOST` visible ASCII characters.
@@ -63,7 +64,7 @@ impl CommandId {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     Start,
-    /// The handle raises the halt before this command is even queued.
+    /// The halt is raised before this command is even queued.
     Stop,
     BackHome,
     Retrieve,
@@ -160,7 +161,7 @@ impl Command {
         }
     }
 
-    /// Whether it can release a halted robot.
+    /// Whether the command can release a halted robot.
     #[must_use]
     pub const fn releases(&self) -> bool {
         match self {
@@ -282,7 +283,7 @@ impl std::fmt::Display for Note {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LuggageRef {
     Id(LuggageId),
-    /// An old client's bare word: the one piece whose verdict is pending.
+    /// The one piece whose verdict is pending, as old clients mean it that send a bare word.
     Pending,
 }
 
@@ -301,8 +302,8 @@ impl TemperatureReport {
     /// Longest name of a sensor, in characters.
     pub const MOST: usize = 64;
 
-    /// `None` unless the text has 1 to `MOST` visible characters, no blanks and no comma, and is no name under which
-    /// other readings are stored.
+    /// `None` unless the text has 1 to `MOST` visible characters, no blanks and no comma. The text must not be
+    /// `OPERATOR`, `ROBOT` or `OTHERS`.
     #[must_use]
     pub fn sensor_name(text: &str) -> Option<Arc<str>> {
         let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
@@ -314,7 +315,7 @@ impl TemperatureReport {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issuer {
     pub door: Door,
-    /// The name of the sender, as far as it is known: that of a key, and behind it in brackets a person's.
+    /// The sender's name, as far as it is known: the name of the key, and then, in brackets, the name of a person.
     pub who: Arc<str>,
     /// The sender's address, such as `192.0.2.7`; `here` where there is none.
     pub from: Arc<str>,
@@ -327,8 +328,8 @@ impl Issuer {
         Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
     }
 
-    /// The name by which shares are counted and repeats are recognised: that of the key, without the person's behind
-    /// it, such as `operator` for `operator (Anna)`. Nobody gets several shares by using several names.
+    /// The name of the key without the name of a person, such as `operator` for `operator (Anna)`. This name counts for
+    /// shares and for repeats, so nobody gets several shares by using several names.
     #[must_use]
     pub fn key(&self) -> Arc<str> {
         self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))
@@ -354,7 +355,7 @@ impl Door {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Accepted {
-    /// The revision of the state that contains its effect.
+    /// The revision of the state that contains the command's effect.
     pub revision: super::units::Revision,
     /// The epoch of that state, which the next movement command may carry.
     pub epoch: Epoch,
@@ -365,10 +366,10 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// The default: the tuned score, or along the walls where that finds luggage sooner.
+        /// The default: the tuned score, or along the walls where luggage is found sooner there.
         #[default]
         Auto = "auto",
-        /// The cell with the least tuned score of the way there and of its surroundings.
+        /// The cell with the least tuned score, which adds the way there and the worth of its surroundings.
         Scored = "scored",
         /// The nearest unknown cell, lone ones first.
         Frontier = "frontier",

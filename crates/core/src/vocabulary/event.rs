@@ -24,39 +24,40 @@ pub enum Event {
 /// `Found` or `Failed`; the others may come at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
-    /// Where the robot stands by its own reckoning; a robot that knows reports it just before `LinkUp`.
+    /// Where the robot stands by its own reckoning. A robot that knows its place reports it just before `LinkUp`.
     Stands(Whereabouts),
-    /// Where a robot before the entrance stands: the steps from home (`retrieval::Place::Outside`), its heading, and
-    /// whether it stands away from there.
+    /// Where a robot outside the entrance stands: the steps from home (`retrieval::Place::Outside`), its heading, and
+    /// whether it stands away from that place.
     StandsOutside(u8, Heading, OffCentre),
     /// The link stands (again), with what this robot can do.
     LinkUp(Capabilities),
     /// The link is lost, for this reason; the robot halts by itself. No open order will be answered.
     LinkLost(String),
-    /// The robot's time stands still, as that of a simulated robot may: it obeys halts and answers them, and nothing
-    /// that is under way is overdue before `LinkUp` reports that its time goes on, and how long its actions take now.
+    /// The robot's time stands still, as that of a simulated robot may. The robot still obeys halts and answers them.
+    /// Nothing that is under way is overdue before `LinkUp` reports that time goes on, and how long actions take now.
     Paused,
-    /// A step, turn, recentring or movement of the arm is complete, or a controller at work.
+    /// A step, turn, recentring or movement of the arm is complete, or a controller is running.
     Done(OrderId),
-    /// A step met an obstacle: the robot stands against it, away from the centre of the cell it left, until recentred.
+    /// A step met an obstacle: the robot stands against it, away from the centre of the cell that it left, until it is
+    /// recentred.
     Blocked(OrderId, Obstacle),
-    /// The order was cut short by a halt, or came after one and was not begun. `off_centre` says whether the robot now
-    /// stands away from a cell centre or between two headings, to be recentred before anything else.
+    /// A halt cut the order short, or came before it, so that the order was not begun. `off_centre` says whether the
+    /// robot now stands away from a cell centre or between two headings, to be recentred before anything else.
     Halted(OrderId, OffCentre),
     Photo(OrderId, Photo),
     PhotoFailed(OrderId, String),
     Failed(OrderId, String),
     /// The answer to a look for a parcel; `None` when none was recognised.
     Found(OrderId, Option<Parcel>),
-    /// The present state of its arm: at every change of what it holds or does, before the answer to the order that
-    /// changed it, and every now and then while it holds something.
+    /// The present state of the robot's arm. It is reported at every change of what the arm holds or does, before the
+    /// answer to the order that changed it, and every now and then while the arm holds something.
     Arm(ArmState),
     /// The parcel has slipped out of the grippers and lies here now. Both robots of the pair report it.
     ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
-    /// What the front sonar sees from where the current order leaves the robot; reported just before that order is
-    /// `Done`.
+    /// What the front sonar sees from the place where the current order leaves the robot. It is reported just before
+    /// that order is `Done`.
     Ahead(Ahead),
     Temperature(Celsius),
 }
@@ -64,9 +65,9 @@ pub enum RobotEvent {
 /// What is ahead of a robot that stands in the centre of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ahead {
-    /// Number of free cells, as far as its sonar is believed.
+    /// Number of free cells, as far as the sonar is believed.
     pub free: u16,
-    /// What stands in the next one, as the camera takes it.
+    /// The obstacle in the cell after the free ones, as the camera recognises it.
     pub obstacle: Option<Obstacle>,
 }
 
@@ -75,9 +76,9 @@ pub type OffCentre = bool;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whereabouts {
-    /// The cell and heading in which its last completed order left it.
+    /// The cell and heading in which the last completed order left the robot.
     pub pose: Pose,
-    /// Whether it stands away from there, to be recentred before anything else.
+    /// Whether the robot stands away from there, to be recentred before anything else.
     pub off_centre: OffCentre,
 }
 
@@ -91,7 +92,7 @@ pub struct Capabilities {
     pub photo: Duration,
     /// Duration of the longest movement of its arm; zero when it has none.
     pub arm: Duration,
-    /// Without them the moves `NudgeLeft` and `NudgeRight` are refused.
+    /// Whether the robot can make the moves `NudgeLeft` and `NudgeRight`, which are refused otherwise.
     pub nudges: bool,
     pub parts: Parts,
 }

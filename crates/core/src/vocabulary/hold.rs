@@ -18,7 +18,8 @@ named! {
         RobotLink = "robotLink",
         Store = "store",
         Restart = "restart",
-        /// A verdict of danger could not be recorded: that must be acknowledged, or danger put on record, first.
+        /// A verdict of danger could not be recorded. The hold ends when its alarm is acknowledged or danger is on
+        /// record.
         Alarm = "alarm",
         /// The cause of a hold may be gone, but nobody has pressed START since.
         AwaitingStart = "awaitingStart",
@@ -26,7 +27,7 @@ named! {
 }
 
 impl Hold {
-    /// For an operator: the hold, and what to do about it.
+    /// The hold, and what to do about it, in words for an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -42,7 +43,7 @@ impl Hold {
         }
     }
 
-    /// For an operator, when it has ended.
+    /// The end of the hold, in words for an operator.
     #[must_use]
     pub const fn over_in_words(self) -> &'static str {
         match self {
@@ -58,7 +59,7 @@ impl Hold {
         }
     }
 
-    /// Whether an accepted movement command clears it; the others must end by themselves.
+    /// Whether an accepted movement command clears the hold. Other holds must end by themselves.
     pub(crate) const fn cleared_by_start(self) -> bool {
         matches!(self, Hold::Operator | Hold::Restart | Hold::AwaitingStart)
     }
@@ -78,17 +79,17 @@ impl Holds {
         self.0.contains(&hold)
     }
 
-    /// True when it did not stand before.
+    /// Raises a hold; true when it is new.
     pub(crate) fn raise(&mut self, hold: Hold) -> bool {
         self.0.insert(hold)
     }
 
-    /// True when it stood; no other hold is changed.
+    /// Clears a hold; true when it stood. No other hold is changed.
     pub(crate) fn clear(&mut self, hold: Hold) -> bool {
         self.0.remove(&hold)
     }
 
-    /// Clears what a movement command clears; true when any of it stood.
+    /// Clears the holds that a movement command clears; true when there were any.
     pub(crate) fn release(&mut self) -> bool {
         let before = self.0.len();
         self.0.retain(|hold| !hold.cleared_by_start());

@@ -11,7 +11,7 @@ named! {
     pub enum Fetcher {
         /// Two mobile manipulators, SRM1 and SRM2.
         Pair = "pair",
-        /// The robot that searches, which plays both parts.
+        /// The robot that searches also fetches.
         Discovery = "discovery",
         /// Nobody: RETRIEVE is refused.
         None = "none",
@@ -21,7 +21,7 @@ named! {
 /// Why a piece was not fetched. `Display` is what an operator reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotFetched {
-    /// The pair could not go on; with the error of a tree, in the words of whoever read it.
+    /// The pair could not go on. The text is the error of a tree, if that is the cause.
     Pair(RetrievalFault, Option<String>),
     Alone(AloneFault),
     /// The settings name another fetcher than the one that began, which may stand anywhere with the piece in the grip.
@@ -30,10 +30,10 @@ pub enum NotFetched {
         /// The present setting.
         set: Fetcher,
     },
-    /// The robots that fetched cannot go back outside; with the reason why they were to go without the piece, where
-    /// there is one.
+    /// The robots that fetched cannot go back outside. If they were to go without the piece, the second value is the
+    /// reason for that.
     Stuck(StuckFault, Option<Box<NotFetched>>),
-    /// In words of another version.
+    /// A reason that another version of the program recorded, in its words.
     Other(String),
 }
 

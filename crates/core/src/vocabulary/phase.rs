@@ -49,7 +49,7 @@ pub enum FaultCause {
     Unanswered,
     /// The search went round in circles without giving an order.
     Undecided,
-    /// With the robot's own words.
+    /// The robot reported a fault, in these words.
     Robot(String),
     NotFetched(NotFetched),
 }

@@ -1,5 +1,5 @@
-//! Where the robots of a retrieval can be: in a cell of the hall, or outside, beyond home. The content of a cell is on
-//! the map.
+//! Where the robots of a retrieval can be: in a cell of the hall, or outside the entrance, beyond home. The content of
+//! a cell is on the map.
 
 use std::fmt;
 
@@ -9,12 +9,12 @@ use crate::units::Cell;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Place {
     Cell(Cell),
-    /// Before the entrance: steps from home, at most [`Place::FURTHEST`]. There is room for all robots.
+    /// Outside the entrance: steps from home, at most [`Place::FURTHEST`]. There is room for all robots.
     Outside(u8),
 }
 
 impl Place {
-    /// As far out as a train must go, so that its parcel stands one step from home, beside the container.
+    /// Number of steps that a train must go out, so that its parcel stands one step from home, beside the container.
     pub const FURTHEST: u8 = 2;
 
     /// Where robots wait to come in, and where the container stands.
@@ -29,7 +29,7 @@ impl Place {
         }
     }
 
-    /// The places one step from here, the way out only where there is one.
+    /// The places one step from here, the way out included if there is one.
     pub fn neighbours(self, way_out: bool) -> impl Iterator<Item = Place> {
         let (cells, outer, inner) = match self {
             Place::Cell(cell) => (Some(cell.neighbours()), (way_out && cell == Cell::HOME).then_some(1), None),

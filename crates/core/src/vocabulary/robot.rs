@@ -1,5 +1,5 @@
-//! The name of a robot, its state, and its parts as far as a mission needs them: whoever wants something of a robot
-//! checks here whether it has the parts for that.
+//! The name of a robot, its state, and its parts as far as a mission needs them. Before a robot gets a task, its parts
+//! are checked here.
 
 use std::sync::Arc;
 
@@ -62,11 +62,11 @@ named! {
         Sonar = "sonar",
         Led = "led",
         Thermometer = "thermometer",
-        /// It feels what it runs into.
+        /// The robot feels what it runs into.
         Bump = "bump",
         Arm = "arm",
         Gripper = "gripper",
-        /// It reports the end of a move.
+        /// The robot reports the end of a move.
         AcknowledgedMoves = "acknowledgedMoves",
     }
 }

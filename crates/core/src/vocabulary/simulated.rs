@@ -12,13 +12,13 @@ pub enum Simulated {
     Changed(Change),
     /// Every robot was taken to the end of what it had under way.
     Step,
-    /// In the hall of this name.
+    /// The robots were put down in the hall of this name.
     PutDown(Arc<str>),
     Kept(String),
     Discarded(String),
 }
 
-/// What is to be other than it is; what is not named stays.
+/// The parts of the simulation that change; parts without a value stay as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     pub speed: Option<Pace>,
@@ -27,23 +27,23 @@ pub struct Change {
     pub link_lost: Option<bool>,
     pub no_thermometer: Option<bool>,
     pub camera_fails: Option<bool>,
-    /// The cells in which something stands that the hall does not have.
+    /// The cells in which something stands that is not part of the hall.
     pub blocked: Option<BTreeSet<Cell>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// A factor of real time.
+    /// Time runs by this factor of real time.
     Times(f64),
-    /// It jumps to the end of what is under way.
+    /// Time jumps to the end of what is under way.
     Max,
 }
 
 impl Pace {
-    /// As a factor of real time.
+    /// The smallest factor of real time.
     pub const SLOWEST: f64 = 0.1;
 
-    /// As a factor of real time; only `Max` is faster.
+    /// The greatest factor of real time; only `Max` is faster.
     pub const FASTEST: f64 = 1000.0;
 }
 

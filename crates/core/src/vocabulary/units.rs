@@ -152,7 +152,7 @@ pub struct WallTime {
 }
 
 impl WallTime {
-    /// The same moment by a clock that was set by this many milliseconds since.
+    /// The same moment by a clock that was set by this many milliseconds since then.
     #[must_use]
     pub const fn set_by(self, ms: i64) -> WallTime {
         WallTime { unix_ms: self.unix_ms.saturating_add(ms), ..self }
@@ -175,8 +175,8 @@ macro_rules! numbers {
         pub struct $name(pub u64);
 
         impl $name {
-            /// The number after this one; saturates. Nothing counts that far, but a damaged record may say so, and that
-            /// must not end the program.
+            /// The number after this one, or the same if it is the greatest. Nothing counts that far, but a damaged
+            /// record may hold such a number, and that must not end the program.
             #[must_use]
             pub const fn next(self) -> $name {
                 $name(self.0.saturating_add(1))

@@ -1,5 +1,5 @@
-//! Alarms: what an operator must be told loudly, until somebody acknowledges it. An alarm is shown at once, and its
-//! number once that is on record, because a number that was shown must never mean another alarm (safety R4).
+//! Alarms: what an operator must be told loudly, until somebody acknowledges it. An alarm is shown at once. Its number
+//! is shown once the alarm is on record, because a number that was shown must never mean another alarm (safety R4).
 
 use std::fmt;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub struct Alarm {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmView {
-    /// `None` until it is on record.
+    /// `None` until the alarm is on record.
     pub id: Option<AlarmId>,
     pub raised: WallTime,
     pub cause: AlarmCause,
@@ -36,7 +36,7 @@ pub enum AlarmCause {
     Unrecorded(LuggageId, Cell),
     /// The pair that fetches this piece calls the operator.
     Call(LuggageId, Saying),
-    /// In words of another version.
+    /// A cause that another version of the program recorded, in its words.
     Other(String),
 }
 

@@ -8,9 +8,9 @@ named! {
     pub enum Mark {
         #[default]
         Unknown = "unknown",
-        /// The sonar has seen that it is free; the robot was not there yet.
+        /// The sonar has seen that the cell is free; the robot was not there yet.
         Seen = "seen",
-        /// The robot was there, so it is free.
+        /// The robot was there, so the cell is free.
         Visited = "visited",
         Wall = "wall",
         /// An inspected piece of luggage, or an obstacle that could not be told from one.
@@ -20,7 +20,7 @@ named! {
 }
 
 impl Mark {
-    /// Whether the robot is still to go there, and no known obstacle prevents it.
+    /// Whether the robot is still to go there, as far as no known obstacle prevents it.
     #[must_use]
     pub const fn is_unvisited(self) -> bool {
         matches!(self, Mark::Unknown | Mark::Seen)
@@ -64,13 +64,13 @@ impl Bounds {
         cell.x >= self.least.x && cell.y >= self.least.y && cell.x <= self.most.x && cell.y <= self.most.y
     }
 
-    /// In columns.
+    /// Number of columns.
     #[must_use]
     pub const fn width(self) -> i32 {
         self.most.x - self.least.x + 1
     }
 
-    /// In rows.
+    /// Number of rows.
     #[must_use]
     pub const fn height(self) -> i32 {
         self.most.y - self.least.y + 1

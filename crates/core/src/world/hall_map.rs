@@ -1,5 +1,5 @@
-//! The hall as far as it is known: a mark for every cell, and the frontier where the known cells end. How they are
-//! stored in memory that snapshots share stands in `tiles`; how a map is written on a wire stands in `hallsweep::api`.
+//! The hall as far as it is known: a mark for every cell, and the frontier where the known cells end. `tiles` stores
+//! the marks in memory that snapshots share; `hallsweep::api` writes a map on a wire.
 
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl HallMap {
         true
     }
 
-    /// Nobody has seen this map before this revision, so all of it counts as changed by it.
+    /// Makes the whole map count as changed at this revision, because nobody has seen it before.
     pub(crate) fn show_first_at(&mut self, revision: Revision) {
         self.tiles.iter_mut().for_each(|tile| tile.revision = revision);
     }
@@ -102,8 +102,8 @@ impl HallMap {
         self.uninspected
     }
 
-    /// Number of known places that are not searched: cells never entered beside visited ones, and obstacles that were
-    /// not inspected.
+    /// Number of known places that are not searched: unvisited cells beside visited ones, and obstacles that were not
+    /// inspected.
     #[must_use]
     pub const fn unsearched(&self) -> usize {
         self.open + self.uninspected

@@ -8,13 +8,13 @@ use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Luggage {
-    /// Its number, never used for another piece.
+    /// The number of the piece, never used for another piece.
     pub id: LuggageId,
     pub cell: Cell,
     pub pose: Pose,
     /// When the photo was taken (or failed).
     pub taken: WallTime,
-    /// When its first photo was taken: from then on it waits for its verdict.
+    /// When the first photo was taken: from then on the piece waits for its verdict.
     pub first_taken: WallTime,
     pub photo: PhotoState,
     pub verdict: Option<Decision>,
@@ -36,7 +36,7 @@ pub enum PhotoState {
 }
 
 impl PhotoState {
-    /// The state after another photo was taken, or failed: an older photo stays valid then.
+    /// The state after another photo was taken, or failed. If it failed, an older photo stays valid.
     #[must_use]
     pub fn after(before: Option<&PhotoState>, photo: &Result<Photo, String>) -> PhotoState {
         let take = match before {
@@ -72,7 +72,7 @@ pub struct Decision {
 }
 
 impl Luggage {
-    /// When it began to wait for its verdict, by the clock as it was at the verdict, or is now.
+    /// When the piece began to wait for its verdict, by the clock as it was set at the verdict, or as it is set now.
     #[must_use]
     pub const fn waits_since(&self) -> WallTime {
         self.first_taken.set_by(self.clock_set_ms)

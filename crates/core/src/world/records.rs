@@ -1,6 +1,6 @@
 //! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and the changes
-//! between two states are found without comparing the rest. Which records wait for a verdict, are bombs still in the
-//! hall or are secured is indexed.
+//! between two states are found without comparing the rest. Indexes list the records that wait for a verdict, the bombs
+//! still in the hall, and the secured pieces.
 
 use std::collections::BTreeSet;
 use std::ops::Index;
@@ -72,19 +72,19 @@ impl LuggageRecords {
         self.photoless.iter().filter_map(|id| self.get(*id))
     }
 
-    /// All records, part by part: none has more than `PART`.
+    /// All records, part by part. No part has more than `PART` records.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = &[Arc<Luggage>]> {
         self.parts.iter().map(|part| &part[..])
     }
 
-    /// The parts that are not the same memory as in `older`, an earlier state of these, each with its index.
+    /// The parts that are not the same memory as in `older`, an earlier state of these records, each with its index.
     pub fn parts_changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = (usize, &'a [Arc<Luggage>])> {
         let is_shared = |n: usize, part: &LuggagePart| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
         let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
         parts.map(|(n, part)| (n, &part[..]))
     }
 
-    /// The records that are not the same memory as in `older`, an earlier state of these.
+    /// The records that are not the same memory as in `older`, an earlier state of these records.
     pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
         let is_same = |record: &Arc<Luggage>| older.get(record.id).is_some_and(|old| Arc::ptr_eq(old, record));
         self.parts_changed_since(older).flat_map(|(_, part)| part).filter(move |record| !is_same(record))
@@ -114,7 +114,7 @@ impl LuggageRecords {
         };
         match parts[n].binary_search_by_key(&id, |record| record.id) {
             Ok(place) => Arc::make_mut(&mut parts[n])[place] = record,
-            // Numbers grow, so a new one nearly always comes last.
+            // Numbers grow, so a new record nearly always comes last.
             Err(PART) if n + 1 == parts.len() => {
                 parts.push(Arc::new(vec![record]));
                 self.size += 1;
@@ -134,14 +134,14 @@ impl LuggageRecords {
         }
     }
 
-    /// The part in which a number belongs; `None` where it is less than all there are.
+    /// The part to which a number belongs; `None` if the number is less than all numbers there are.
     fn part_of(&self, id: LuggageId) -> Option<usize> {
         self.parts.partition_point(|part| part[0].id <= id).checked_sub(1)
     }
 }
 
-/// Shared parts are not compared as long as both sides are divided alike; only numbers that came out of order divide
-/// them differently.
+/// Shared parts are not compared if both sides are divided alike. Only numbers that came out of order divide them
+/// differently.
 impl PartialEq for LuggageRecords {
     fn eq(&self, other: &LuggageRecords) -> bool {
         if self.size != other.size || Arc::ptr_eq(&self.parts, &other.parts) {

@@ -1,5 +1,5 @@
-//! The one list of the parts of the state that have a revision of their own. How each is written, and at which path, is
-//! decided by the doors.
+//! The one list of the parts of the state that have a revision of their own. The doors decide the form and the path of
+//! each part.
 
 named! {
     ALL by name;

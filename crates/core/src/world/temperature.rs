@@ -14,8 +14,8 @@ pub const SOURCES: usize = 64;
 /// Time without a reading after which a robot's thermometer counts as silent. Sensors have a setting of their own.
 pub const SILENCE: Duration = Duration::from_secs(30);
 
-/// Shortest time between two updates of an unchanged reading's time, so that a thermometer that reports often does not
-/// wake every door.
+/// Shortest time between two updates that only renew the time of an unchanged reading, so that a thermometer that
+/// reports often does not wake every door.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
 /// No sensor has a blank in its name.
@@ -30,8 +30,8 @@ pub(crate) struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    /// The latest reading of those sources that are not silent, else of all; its time may be a little older than the
-    /// latest.
+    /// The latest reading of the sources that are not silent; the latest of all sources if all are silent. Its time may
+    /// be a few seconds old.
     pub(crate) last: Option<(Arc<str>, Source)>,
 }
 
@@ -45,7 +45,8 @@ pub(crate) struct Source {
 
 impl Source {
     fn view(&self) -> SourceReading {
-        // A source without a reading in this run has one from an earlier run, and its silence began with this one.
+        // If a reading and the silence of its source have the same time, the reading is from an earlier run, and its
+        // time is unknown.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
         SourceReading { celsius: self.reading, read, silent_since: self.silent_since }
     }
@@ -56,8 +57,8 @@ impl Thermometer {
         Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
-    /// Takes a reading; true when it changes something of this source, or of what a door shows. Readings beyond
-    /// `SOURCES` are shown, and count as `OTHERS`.
+    /// Takes a reading; true when it changes something of this source, or of what a door shows. Readings of sources
+    /// beyond the number `SOURCES` are shown, and count as `OTHERS`.
     pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius, now: Now) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
@@ -87,7 +88,8 @@ impl Thermometer {
         true
     }
 
-    /// The machine's clock was set by this many milliseconds: readings keep their age.
+    /// The machine's clock was set by this many milliseconds, so the times of the readings are shifted: readings keep
+    /// their age.
     pub(crate) fn set_clock(&mut self, by_ms: i64) {
         for source in self.sources.values_mut().chain(self.last.iter_mut().map(|(_, last)| last)) {
             source.read.wall = source.read.wall.set_by(by_ms);
@@ -104,13 +106,13 @@ impl Thermometer {
         }
     }
 
-    /// Takes the operator's word from before the program was started. Its age is unknown.
+    /// Takes the operator's word from before the program was started. The age of the word is unknown.
     pub(crate) fn remember(&mut self, said: Celsius, now: Now) {
         self.read(&Arc::from(OPERATOR), said, now);
         self.fall_silent(OPERATOR, now.wall);
     }
 
-    /// The next robot's thermometer to fall silent, and when, unless it reports before.
+    /// The robot's thermometer that falls silent next unless it reports before, and when.
     pub(crate) fn due(&self) -> Option<(Duration, Arc<str>)> {
         let speaking = self.sources.iter().filter(|(name, source)| is_robot(name) && source.silent_since.is_none());
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
@@ -160,16 +162,17 @@ impl Thermometer {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureView {
-    /// The latest reading of all sources that are not silent, else of all; `None` before the first.
+    /// The latest reading of the sources that are not silent, or of all sources if all are silent; `None` before the
+    /// first.
     pub celsius: Option<Celsius>,
-    /// When it was read, to some seconds; `None` where that is not known.
+    /// When the temperature was read, to some seconds; `None` if that is not known.
     pub read: Option<WallTime>,
-    /// Since when its source is silent, so that nobody knows the temperature; `None` while it is known.
+    /// Since when the source of the reading is silent, so that nobody knows the temperature; `None` while it is known.
     pub silent_since: Option<WallTime>,
     pub status: TemperatureStatus,
-    /// Above this nothing moves.
+    /// Temperature above which nothing moves.
     pub threshold: Celsius,
-    /// A source that was above the threshold is cool again at this reading or below.
+    /// A source that was above the threshold counts as cool again at this reading or below.
     pub cool: Celsius,
     /// The sources that make the hall too hot, each with its last reading.
     pub hot: Vec<(Arc<str>, SourceReading)>,
@@ -178,7 +181,7 @@ pub struct TemperatureView {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceReading {
     pub celsius: Celsius,
-    /// To some seconds; `None` where that is not known.
+    /// When the source was read, to some seconds; `None` if that is not known.
     pub read: Option<WallTime>,
     pub silent_since: Option<WallTime>,
 }

@@ -28,7 +28,7 @@ pub struct Tile {
     /// For each row the cells of the frontier, as bits.
     frontier: [u32; TILE as usize],
     open: u16,
-    /// Number of known cells. A tile without any lies beyond the known ones, and only its frontier counts.
+    /// Number of known cells. A tile with 0 known cells lies beyond the known area, and only its frontier counts.
     known: u16,
 }
 

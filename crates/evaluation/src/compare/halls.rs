@@ -12,7 +12,7 @@ use crate::family::{Family, hall};
 
 #[derive(Clone, Debug)]
 pub enum Halls {
-    /// Random halls. No hall that anything was tuned on is among them: they come from a stream of their own.
+    /// Random halls from a random stream of their own, so that none of them was used for tuning.
     Random {
         kind: Kind,
         count: usize,

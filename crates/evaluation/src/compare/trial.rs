@@ -83,11 +83,10 @@ pub struct Trial {
     pub moves: Moves,
     /// The cost of the moves per cell, in steps.
     pub moves_per_cell: f64,
-    /// The mean of the moves before each cell of luggage was found, per reachable cell; `None` where there is none to
-    /// find.
+    /// The mean number of moves before a cell of luggage was found, per reachable cell; `None` if no luggage was found.
     pub to_a_piece: Option<f64>,
-    /// Steps in proportion to a lower bound: twice the cells of the more frequent colour, if cells were coloured like a
-    /// chessboard.
+    /// Steps in proportion to a lower bound: twice the number of cells of the more frequent colour, if the cells were
+    /// coloured like a chessboard.
     pub steps_over_bound: f64,
     /// How long the moves take, in seconds, without photos and answers.
     pub seconds: f64,
@@ -131,7 +130,8 @@ pub fn trial(
     }
 }
 
-/// No closed tour over all cells that can be reached has fewer steps: every step changes the colour.
+/// A lower bound for the steps of a closed tour over all cells that can be reached. Every step changes the colour, so a
+/// tour has at least two steps for each cell of the more frequent colour.
 #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
 fn bound(ground: &Ground) -> f64 {
     let cells = ground.cells().into_iter().filter(|cell| ground.at(*cell) == Truth::Free);

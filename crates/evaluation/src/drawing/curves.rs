@@ -46,7 +46,7 @@ impl Scale {
     }
 }
 
-/// `axes` names what is measured to the right, then upwards.
+/// `axes` names the quantity of the abscissa, then the quantity of the ordinate.
 #[must_use]
 pub fn curves(title: &str, axes: [&str; 2], curves: &[Curve]) -> String {
     let scale = Scale::of(curves);

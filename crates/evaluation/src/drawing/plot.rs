@@ -1,4 +1,4 @@
-//! Draws strategies side by side: a band for each kind of hall, with a line for each strategy with its mean and its
+//! Draws strategies side by side. Each kind of hall has a band, in which each strategy has a line with its mean and its
 //! interval.
 
 use super::{COLOURS, escaped, opening, push};

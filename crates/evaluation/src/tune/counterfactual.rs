@@ -1,8 +1,9 @@
-//! The effect of another choice: one entry is forced, the policy followed on, and the difference of costs learnt from.
+//! Learns from the effect of another choice: one entry is forced, the policy goes on from there, and the costs of both
+//! courses are compared.
 //!
 //! ```text
 //!   a walk   ──●────●────●────●────●────●──  its decisions
-//!                   └ forced ─●────●────●    until the horizon, or until it comes to where the walk has been
+//!                   └ forced ─●────●────●    until the horizon, or until a state of the walk is met
 //!                                       └ what is left here, less what is left of the walk after as many moves
 //! ```
 
@@ -33,12 +34,12 @@ const MOST: f64 = 40.0;
 /// Greatest weight of a row of a table, in thousandths of a step.
 const MOST_ROW: f64 = 5000.0;
 
-/// Moments of a walk whose remaining costs are used to judge others.
+/// Number of moments of each walk from whose real remaining costs the cost of a rest is learnt.
 const LOOKS: usize = 12;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
-    /// Its number: every round has halls of its own.
+    /// The number of the round: every round has halls of its own.
     pub number: u64,
     pub halls: usize,
     /// Steps for which each counterfactual is followed.
@@ -54,17 +55,18 @@ pub struct Round {
 pub struct Learnt {
     pub weights: Weights,
     pub tried: usize,
-    /// The mean square error of the scores, before and after, over all that is known.
+    /// The mean square error of the scores, before and after this round, over all samples so far.
     pub missed: (f64, f64),
 }
 
-/// Each round fits all counterfactuals so far anew.
+/// Counterfactuals of all rounds so far: each round fits all of them anew.
 #[derive(Debug)]
 pub struct Lessons<'a> {
     task: &'a Task,
-    /// Coefficients that turn a rest into its remaining cost, by the numbers of the rest.
+    /// Weights of the numbers that describe a rest; the weighted sum is its remaining cost.
     worth: Vec<f64>,
-    /// Each target is a difference of costs without that of the ways; its numbers are where the outlooks differ.
+    /// One sample for each counterfactual: the target is the difference of costs, less the difference of the ways; the
+    /// numbers tell where the outlooks differ.
     samples: Vec<Sample>,
 }
 
@@ -107,7 +109,7 @@ impl<'a> Lessons<'a> {
         Lessons { task, worth: rest::worth(&samples), samples: Vec::new() }
     }
 
-    /// Tries alternatives in fresh halls, and fits everything that is known by now.
+    /// Tries alternatives in fresh halls, and fits the counterfactuals of all rounds so far.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "weights are small numbers, bounded here")]
     #[expect(clippy::cast_precision_loss, reason = "nobody waits for 2^53 samples")]
@@ -277,14 +279,15 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The rest; empty once everything is found and the robot home.
+    /// The rest that is left at this moment; empty once everything is found and the robot is home.
     fn rest_unless_home(&mut self, moment: &Moment) -> Rest {
         let is_home = moment.unknown == 0.0 && moment.walk.pose.cell == Cell::HOME;
         if is_home { Rest::new() } else { self.rest(moment) }
     }
 }
 
-/// The best candidate and another: half of the time the next best, because where two are close the choice matters.
+/// The best candidate and another one. Half of the time the other is the next best, because the choice matters where
+/// two are close.
 fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate, Candidate)> {
     let mut sorted: Vec<&Candidate> = candidates.iter().collect();
     sorted.sort_by_key(|candidate| candidate.score);

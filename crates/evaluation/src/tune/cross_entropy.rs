@@ -16,7 +16,7 @@ const BEST: usize = 10;
 /// Fresh halls for each candidate.
 const HALLS: u64 = 24;
 
-/// Spread of the candidates at first, and at least, in thousandths of a step.
+/// Initial and least spread of the candidates, in thousandths of a step.
 const SPREAD: (f64, f64) = (700.0, 40.0);
 
 /// Share of the new mean and spread that comes from the best of a generation.

@@ -3,9 +3,9 @@
 //!
 //! ```text
 //!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
-//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; what is left of the hall
-//!                    then is judged by somebody who knows it (rest). Ridge regression of the difference of costs, less that of the
-//!                    scores, on the differences of the outlooks ─► a better policy ─► again
+//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; `rest` estimates the cost
+//!                    of what is left of the hall then. Ridge regression explains the difference of costs, less that of the
+//!                    scores, by the differences of the outlooks ─► a better policy ─► again
 //! ```
 
 mod counterfactual;
@@ -43,7 +43,7 @@ impl Task {
         Task { terms, sides: (20, 30), families: vec![Family::Luggage(0.1)], seed }
     }
 
-    /// To cover a hall, the search begins with the pocket rule; to find luggage, without any weights.
+    /// The first weights of a tuning: the pocket rule to cover a hall, none to find luggage.
     #[must_use]
     pub fn first_weights(&self) -> Weights {
         let mut weights = Weights { least: -3000, ..Weights::nothing() };
@@ -62,7 +62,8 @@ impl Task {
         Ground::of(&hall(family, columns, lines, &mut dice))
     }
 
-    /// The cost of a whole search by these weights, per cell: moves, or the moves before a piece is found anywhere.
+    /// The cost of a whole search by these weights, per cell: to cover, all moves; to find, the mean number of moves
+    /// before a cell or a piece is known.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
     pub fn price(&self, ground: &Ground, weights: &Weights, ways: &mut Ways) -> f64 {

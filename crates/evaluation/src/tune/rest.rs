@@ -1,5 +1,5 @@
-//! The rest of a hall where a counterfactual is not followed further, judged with knowledge of the hall by the layout
-//! of its unvisited cells. It replaces the rest of the walk, most of which is chance.
+//! The rest of a hall at the moment when a counterfactual ends. Its cost is estimated from the layout of its unvisited
+//! cells, with knowledge of the hall. The estimate replaces a walk to the end, whose cost is mostly chance.
 
 use std::sync::LazyLock;
 
@@ -22,7 +22,7 @@ pub(super) const NUMBERS: usize = PLAIN + NEIGHBOURHOODS;
 /// Clockwise from the north.
 const ROUND: [(i32, i32); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
 
-/// Neighbourhoods that are turned or mirrored images of each other share one number: the least of theirs.
+/// Neighbourhoods that are turned or mirrored images of each other share one number: the least of their numbers.
 static CLASSES: LazyLock<Vec<u32>> = LazyLock::new(|| {
     let digit = |code: u32, place: u32| code / 3u32.pow(place) % 3;
     let image = |code: u32, turn: u32, is_mirrored: bool| {

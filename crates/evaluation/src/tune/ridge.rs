@@ -1,5 +1,5 @@
-//! Ridge regression over many numbers of which each sample has few: by conjugate gradients, with the diagonal as
-//! preconditioner, because some numbers are counts of hundreds and some are ones.
+//! Ridge regression over many numbers, most of which are 0 in each sample. It uses conjugate gradients, with the
+//! diagonal as preconditioner, because some numbers count to hundreds and others are 1.
 
 /// `numbers` holds pairs of index and value; a number that is absent is 0.
 #[derive(Clone, Debug)]
