@@ -12,7 +12,7 @@ use tokio::runtime::Handle;
 #[derive(Debug)]
 pub struct Listeners {
     ports: Vec<TcpListener>,
-    /// The port to poll first. It changes, so that a crowd at one port does not block another.
+    /// The port to poll first. Ports take turns, so that a crowd at one port does not block another.
     turn: usize,
     /// The runtime that polls the ports, on which input is read (safety S7).
     pub(super) thread: Handle,

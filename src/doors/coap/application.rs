@@ -28,8 +28,8 @@ pub trait Application: Send + 'static {
     /// The present representations for an observer of this request; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
-    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone. Such a request is
-    /// carried out whatever else is wrong with it, and however many commands are under way (safety S8).
+    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone. This STOP is
+    /// carried out whatever else is wrong with the request, and however many commands are under way (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
     /// Words of four bytes, in lower case by the bit 0x20 of each byte. The path of a STOP in its usual form contains at least

@@ -58,7 +58,7 @@ impl FloodFilter {
         (self.fine != [0; 3]).then(|| self.since + CALM)
     }
 
-    /// Lets more through if it is time; returns whether that changes anything.
+    /// Lets more datagrams through if it is time; returns whether the filter has changed.
     pub(super) fn loosen(&mut self, now: Duration) -> bool {
         if self.due().is_none_or(|due| now < due) {
             return false;

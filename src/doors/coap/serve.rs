@@ -82,7 +82,7 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Handles the received datagrams for a limited time. When more arrive than can be answered, all are received first, so
+    /// Handles the received datagrams for a limited time. When more arrive than can be answered, they are received first, so
     /// that a STOP is found behind the datagrams of others (safety S1, S7).
     async fn turn(&mut self) {
         if self.backlog.has_urgent() {

@@ -41,7 +41,7 @@ struct SlotTable {
     /// Maximum number of evicted connections that are still closing.
     leaving: usize,
     has_shares: bool,
-    /// Number of all events of the slots so far. A moment is such a number; the smaller of two moments is the older one.
+    /// Number of events so far. A moment is the number of an event; the smaller of two moments is the older one.
     moments: u64,
     /// Slots in use, including those of evicted connections that are still closing.
     held: usize,

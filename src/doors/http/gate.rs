@@ -46,7 +46,7 @@ pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
 }
 
 impl HttpDoor {
-    /// Whether answers can have a date: no machine's clock is right before 1970.
+    /// Whether answers can have a date. A clock that shows a time before 1970 is wrong.
     pub(super) fn can_date(&self) -> bool {
         self.moment().unix_s >= 0
     }

@@ -40,8 +40,8 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// Host names of this program. With any other name a foreign page could reach the program, by a name that points here (DNS
-/// rebinding). An address is safe, because nobody can make it point elsewhere.
+/// Host names of this program. If other names were accepted, a foreign page could reach the program by a name that points here
+/// (DNS rebinding). An address is safe, because nobody can make it point elsewhere.
 #[derive(Clone, Debug)]
 pub struct Hosts {
     is_local: bool,
@@ -65,7 +65,8 @@ impl Hosts {
         }
     }
 
-    /// The first foreign host name in a request: that of its target (`named`) if it has one, otherwise those in its headers.
+    /// The first foreign host name in a request: that of its target (`named`) if it has one, otherwise the names in its
+    /// headers.
     pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
         let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
         let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);

@@ -228,8 +228,8 @@ pub(super) async fn of_these(
     Ok((entries, next))
 }
 
-/// Reads pages of entries until at least `least` wanted or unreadable ones are found, or `LOOKS` pages are read.
-/// Returns them, and the entry after which the next search begins.
+/// Reads pages of entries until at least `least` wanted or unreadable entries are found, or `LOOKS` pages are read. Returns
+/// them, and the entry after which the next search begins.
 pub(super) async fn wanted(
     door: &HttpDoor,
     id: u64,

@@ -1,5 +1,5 @@
-//! Writes problems as `application/problem+json`, with the status of the problem details. Also the problems that only this door
-//! has.
+//! Writes problems as `application/problem+json`, with the status of the problem details. The problems that only this door has
+//! are here, too.
 
 use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
@@ -81,7 +81,7 @@ impl Problem {
         Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
-    /// A panic ended this request; others go on.
+    /// A panic ended this request; other requests go on.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
         Problem::new(("internal", ProblemKind::Internal), detail)

@@ -1,6 +1,6 @@
-//! The report of a mission and its record as a list, as downloads: the operator's page with its STOP stays open. They are as
-//! large as the mission. They are written in parts, as fast as the client reads, a few at once, with a share for each key.
-//! Their contents are in `report`.
+//! The report of a mission and its record as a list, as downloads: the operator's page with its STOP stays open. A download is
+//! as large as its mission. It is written in parts, as fast as the client reads. Few downloads run at once, with a share for
+//! each key. Their contents are in `report`.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;

@@ -44,7 +44,7 @@ impl SignInQuery {
     }
 }
 
-/// What a sender who was not signed in any more has asked for. It was not carried out.
+/// A request of somebody who was not signed in any more. It was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Undone {

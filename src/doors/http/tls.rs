@@ -60,7 +60,7 @@ fn config(chain: Vec<CertificateDer<'static>>, key: PrivateKeyDer<'static>) -> R
     Ok(config)
 }
 
-/// The fault of a file. It quotes nothing from the file, which may be the key.
+/// The fault of a file, without quotes from the file, because the file may be the key.
 fn in_words(error: &pem::Error, empty: &str) -> String {
     if let pem::Error::Io(error) = error {
         return format!("it cannot be read: {error}");

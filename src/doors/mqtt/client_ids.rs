@@ -11,8 +11,8 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent client is forgotten: the one
-/// that connected first, among those of the owner with the most.
+/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent client is forgotten: of the
+/// owner with the most such clients, the one that connected first.
 const REMEMBERED: usize = 128;
 
 /// Maximum time that a newcomer waits for another client with its name to leave.

@@ -73,7 +73,7 @@ impl ClientService {
             }
             if io.wants_turn() {
                 // Yields to all other tasks, even to those woken by another thread. A task that only wakes itself again would
-                // block those.
+                // block the other tasks.
                 let _ = pin!(yield_now()).poll(cx);
             }
             alarm.set(io.due(), clock, cx);

@@ -28,8 +28,8 @@ pub struct Ways {
     /// For clients over TCP only: a web client comes with an `Access` of its own.
     pub access: Access,
     pub web_clients: mpsc::Receiver<IncomingConnection>,
-    /// The runtime that reads input (safety S7), apart from short turns of `client_service`. The listeners are polled there,
-    /// too.
+    /// The runtime that reads input, and runs nothing else except short turns of `client_service` (safety S7). The listeners
+    /// are polled there, too.
     pub hearing: Handle,
 }
 

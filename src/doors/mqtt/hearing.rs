@@ -19,7 +19,7 @@ use mqtt_gate::Listener;
 use mqtt_gate::UrgentSearch;
 use mqtt_gate::packet::Version;
 
-/// Maximum time of a turn; then other clients get theirs.
+/// Maximum time of a turn, before other clients get their turns.
 const TURN: Duration = Duration::from_millis(2);
 
 /// Maximum number of bytes searched that were received from a client that is about to end: more than the system buffers for it.

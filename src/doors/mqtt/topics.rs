@@ -89,7 +89,7 @@ impl Topics {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
-    /// Filters that match all topics on which only the program itself publishes, and those of commands.
+    /// Filters that match all topics on which only the program itself publishes, and all command topics.
     pub fn ours(&self) -> [String; 3] {
         [format!("{}/#", self.base), format!("{}/+", self.old), self.discovery()]
     }

@@ -16,8 +16,8 @@ use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 
-/// The item that changed last. It is determined at every newer state, so that a later change of something else does not hide
-/// it. Only the changed parts are compared, and no item is written for that.
+/// The item that changed last. The item is determined at every newer state, so that a later change of something else does not
+/// hide an earlier one. Only the changed parts are compared, and no item is written for that.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {

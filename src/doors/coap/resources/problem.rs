@@ -1,4 +1,4 @@
-//! Writes problems for this door: their codes, and the three formats. Also the problems that only this door has.
+//! Writes problems for this door: their codes, and the three formats. The problems that only this door has are here, too.
 
 use super::super::application::HALTED;
 use super::shows;

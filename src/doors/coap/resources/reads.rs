@@ -1,5 +1,5 @@
 //! Reading: the representation for a request, at once or after reading the archive, and the representations for its observers.
-//! They are cached in `cache` and `photos`.
+//! `cache` and `photos` cache the representations.
 
 use std::sync::Arc;
 

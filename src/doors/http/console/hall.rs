@@ -23,7 +23,7 @@ const LABELS: i32 = 24;
 /// Maximum length of the sonar's ray, in cells.
 const RAY: i32 = 8;
 
-/// Maximum number of frontier cells drawn: with more, they would be most of what is sent with every step.
+/// Maximum number of frontier cells drawn. More would be most of the data that is sent with every step.
 const FRONTIER: usize = 2000;
 
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {

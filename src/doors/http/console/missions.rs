@@ -1,5 +1,5 @@
-//! The pages of missions, past and present: the list, and for each mission a page with its hall, its luggage and all its
-//! events, including commands with sender, address and outcome. The pages work without a script.
+//! The pages of missions, past and present: the list of missions, and for each mission a page with its hall, its luggage and
+//! all its events, including commands with sender, address and outcome. The pages work without a script.
 
 use askama::Template;
 use axum::extract::State;

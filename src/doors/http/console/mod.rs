@@ -60,7 +60,8 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<S
     whole(&door, &to, None).await
 }
 
-/// `GET console/bar`: the bar with the state of the hall that all other pages show. The console gets its own bar by its stream.
+/// `GET console/bar`: the bar with the state of the hall that all other pages show. The stream of the console contains the
+/// console's bar.
 pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
     let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };

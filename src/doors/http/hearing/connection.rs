@@ -39,8 +39,8 @@ const FIRST_WORDS: usize = 1024;
 /// that long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
-/// Maximum number of bytes read in one turn; then other connections have theirs. A newcomer waits for the turns of at most a
-/// thousand connections, which take some hundredths of a second together.
+/// Maximum number of bytes read in one turn, before other connections have their turns. A newcomer waits for the turns of at
+/// most a thousand connections, which take some hundredths of a second together.
 const TURN: usize = 4 * 1024;
 /// Size of the buffer at the beginning of a turn, in bytes: most heads are short, and many connections wait.
 const FIRST: usize = 1024;
@@ -105,7 +105,7 @@ pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketA
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
-        // Bytes that have arrived are read before the eviction: it may be requested during the turns of other tasks.
+        // The eviction may be requested during the turns of other tasks, so bytes that have arrived are read first.
         tokio::task::yield_now().await;
     };
     tokio::select! {

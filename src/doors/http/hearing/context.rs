@@ -24,8 +24,8 @@ pub(in crate::doors::http) struct ServerContext {
 }
 
 impl ServerContext {
-    /// Evicts some connections when the system has no more descriptors, and returns how many: first those that get no further
-    /// answer, last those that may be about to send STOP.
+    /// Evicts some connections when the system has no more descriptors, and returns how many: first connections that get no
+    /// further answer, last connections that may be about to send STOP.
     pub(in crate::doors::http) fn evict_some(&self) -> usize {
         let mut relieved = self.lingering.evict_some();
         if relieved == 0 {

@@ -30,7 +30,7 @@ pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
 pub(super) struct ConnectionState {
     stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
-    /// The epochs, each by the number of the first request that came in it.
+    /// Epochs in which requests came. The key of an epoch is the number of its first request.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
     /// Whether an answer hands the connection over. That answer is the last one.
     pub(super) is_handed_over: watch::Sender<bool>,

@@ -1,6 +1,6 @@
-//! Every operation for programs at this door: those in the tables of commands, resources, map files and old words, and below
-//! them the operations without a table. A test fails if a route under `/api/v1` is missing here, or an operation here has no
-//! route.
+//! Every operation for programs at this door: the operations in the tables of commands, resources, map files and old words, and
+//! below them the operations without a table. A test fails if a route under `/api/v1` is missing here, or an operation here has
+//! no route.
 
 use axum::http::Method;
 use serde_json::{Value, json};

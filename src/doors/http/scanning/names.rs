@@ -9,7 +9,7 @@ pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/
 /// Other paths that people try, and the routes that they mean.
 const OTHERWISE: [(&str, &str); 3] = [("/api/v1/commands/h", STOPS[0]), ("/console/h", STOPS[1]), ("/stop", STOPS[2])];
 
-/// The routes that are STOP when their body says so.
+/// The routes that are STOP if the body of the request says so.
 pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 
 /// Methods that change nothing (RFC 9110, section 9.2.1).

@@ -1,6 +1,6 @@
 //! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body
 //! is, and where the next head begins. It is lenient, because a STOP with a fault is still a STOP. For a request that hyper
-//! accepts, both find the same length. It reads no socket, stores little even of a long head, and decides nothing.
+//! accepts, it finds the same length as hyper. It reads no socket, stores little even of a long head, and decides nothing.
 //!
 //! Of a head it stores only what names STOP, who sends it, and how long the body is, each within a bound:
 //!

@@ -68,7 +68,7 @@ impl ChangeFeed {
         }
     }
 
-    /// Takes a newer state. It replaces an unpublished one, except for luggage: every changed piece is published.
+    /// Takes a newer state, which replaces an unpublished one. But of luggage every changed piece is published.
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
         self.old.handle_state(older, &snapshot);
@@ -124,7 +124,7 @@ impl ChangeFeed {
         }
     }
 
-    /// Whether this is an old message with our SEQNUM. Of these messages `renew` needs the number of unacknowledged ones.
+    /// Whether this is an old message with our SEQNUM. `renew` needs the number of unacknowledged messages of this kind.
     pub fn is_numbered(&self, publication: &Publication) -> bool {
         publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }
@@ -143,8 +143,8 @@ impl ChangeFeed {
         self.home_assistant_feed.as_mut()?.photos.poll()
     }
 
-    /// Takes the requested photo; returns whether it will be published. It will not if there is a newer one by now, or if it is
-    /// larger than `PHOTO_MOST`.
+    /// Takes the requested photo; returns whether it will be published. A photo is not published if there is a newer one by
+    /// now, or if it is larger than `PHOTO_MOST`.
     pub fn handle_photo(&mut self, picture: Picture, photo: Photo) -> bool {
         self.home_assistant_feed.as_mut().is_some_and(|home_assistant_feed| home_assistant_feed.photos.handle(picture, photo))
     }

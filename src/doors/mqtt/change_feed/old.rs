@@ -37,7 +37,7 @@ pub(super) struct Old {
     next: Duration,
     /// Earliest time of the next map: the map is published as a whole, and therefore less often.
     next_map: Duration,
-    /// The published pieces, each with the number of its message: `renew` queues the unacknowledged ones again.
+    /// The published pieces, each with the number of its message: `renew` queues the unacknowledged pieces again.
     said: VecDeque<(u64, Arc<Luggage>)>,
 }
 

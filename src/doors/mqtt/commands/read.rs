@@ -83,7 +83,7 @@ fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     }
 }
 
-/// The command id in a payload of which nothing else is read, such as that of a STOP.
+/// The command id in a payload of which nothing else is read, such as the payload of a STOP.
 pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()

@@ -50,7 +50,7 @@ impl Five {
 
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
-        // The broker sends neither our own messages nor retained ones: only what others publish from now on.
+        // The broker sends neither our own messages nor retained ones, but only messages that others publish from now on.
         let now_and_theirs =
             |path| Filter { nolocal: true, retain_forward_rule: RetainForwardRule::Never, ..Filter::new(path, QoS::AtMostOnce) };
         self.0.try_subscribe_many(filters.chain(kept.into_iter().map(now_and_theirs))).is_ok()

@@ -1,5 +1,6 @@
-//! Our retained messages at another broker, on one connection. Anybody who may publish there can replace them, and a late last
-//! will of ours can, too. A subscription to these topics shows that, and then ours are published again. Nothing is sent here.
+//! Our retained messages at another broker, on one connection. Anybody who may publish on their topics can replace them, and so
+//! can a late last will of ours. A subscription to these topics shows when a message was replaced, and the message is published
+//! again. Nothing is sent here.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -51,8 +52,8 @@ impl Kept {
         }
     }
 
-    /// A message was received, published by us or by others. `None` if its topic is not one of these topics; otherwise whether
-    /// others have published there for the first time.
+    /// A message was received, published by us or by others. `None` if its topic is not in `topics`; otherwise whether others
+    /// have published there for the first time.
     pub(super) fn handle_heard(&mut self, topic: &str, payload: &[u8], now: Duration) -> Option<bool> {
         let topic = self.topics.get_mut(topic)?;
         // Before our first publication there is nothing to repeat.

@@ -13,7 +13,7 @@ use mqtt_gate::packet::Version;
 /// published.
 pub(super) const IN_FLIGHT: usize = 64;
 
-/// rumqttc's own limit. It is above ours, so that an acknowledgement out of order blocks nothing.
+/// rumqttc's own limit, which is above `IN_FLIGHT`, so that an acknowledgement out of order blocks nothing.
 pub(super) const IN_FLIGHT_BELOW: u16 = 128;
 
 /// Room in addition to these limits, for a subscription, a ping and two last messages.
@@ -40,7 +40,7 @@ impl SessionLink {
 pub(super) fn network(times: &Times) -> NetworkOptions {
     let mut network = NetworkOptions::new();
     network.set_tcp_nodelay(true);
-    // rumqttc's own time limit is above ours.
+    // rumqttc has a time limit of its own, which is above that of the session.
     network.set_connection_timeout((times.greeting * 2).as_secs().max(1));
     network
 }

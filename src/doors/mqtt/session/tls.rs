@@ -45,7 +45,7 @@ fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     if roots.is_empty() { Err(wrong("there is no certificate in it".to_owned())) } else { Ok(roots) }
 }
 
-/// The readable certificates of the system. Old ones among them are often damaged, and nobody misses those.
+/// The readable certificates of the system. Old certificates of a system are often damaged, and nobody misses them.
 fn of_the_system() -> Result<RootCertStore, TlsError> {
     let found = rustls_native_certs::load_native_certs();
     let mut roots = RootCertStore::empty();

@@ -275,7 +275,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Secured(_) => "secured",
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
-        // The effect of a verdict has its mark with the verdicts.
+        // A verdict has its mark by its effect, among the verdicts, so its command has none.
         Fact::Command { asked: Asked::Command(Command::Verdict { .. }), refused: None, .. } => return None,
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { asked: Asked::Command(Command::Stop) | Asked::Stops { .. }, .. } => "stop",
