@@ -9,7 +9,7 @@ use super::value::{LONGEST_TEXT, Value, ValueType};
 /// Most entries of one blackboard: more than all ports of the largest tree that people draw.
 pub const MOST_ENTRIES: usize = 8192;
 
-/// The index of an entry; it stays the same for as long as the blackboard lives.
+/// The index of an entry, which never changes while the blackboard exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Slot(u32);
 
@@ -26,40 +26,40 @@ pub struct BlackboardEntry {
     ty: ValueType,
     value: Option<Value>,
     written: u64,
-    /// Set once a port names it or something was written there: only then may a script write it with `=`.
+    /// Set once a port names the entry or a value was written to it: only then may a script write it with `=`.
     is_there: bool,
 }
 
 impl BlackboardEntry {
-    /// Its name; that of an entry of a subtree begins with the path of the subtree.
+    /// The name of the entry. In a subtree it begins with the path of the subtree.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The type of its values; `Any` until a port gives it another.
+    /// The type of the entry's values; `Any` until a port gives it another type.
     #[must_use]
     pub const fn value_type(&self) -> ValueType {
         self.ty
     }
 
-    /// The value that was written last; `None`: none was, or it was removed.
+    /// The value that was written last; `None` if no value was written, or it was removed.
     #[must_use]
     pub const fn value(&self) -> Option<&Value> {
         self.value.as_ref()
     }
 
-    /// The number of the last write to it; later writes on this blackboard have higher numbers.
+    /// The number of the last write to this entry. Later writes on the blackboard have higher numbers.
     #[must_use]
     pub const fn written(&self) -> u64 {
         self.written
     }
 }
 
-/// Why a value cannot be put on the blackboard, or an entry not be made there.
+/// Why a value cannot be put on the blackboard, or an entry cannot be created there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// The entry has another type, to which the value cannot be converted without a loss.
+    /// The entry has another type, to which the value cannot be converted without loss.
     #[error("the entry {{{name}}} is of type {} and cannot hold \"{value}\"", ty.word())]
     Type {
         /// The entry's name on the blackboard, with the path of its subtree.
@@ -69,14 +69,14 @@ pub enum Unfit {
         /// The value to be written, as it stands in a file.
         value: String,
     },
-    /// Two ports give the entry two different types; only `Any` goes with another.
+    /// Two ports give the entry two different types. Only `Any` is compatible with every type.
     #[error("the entry {{{name}}} is of type {} elsewhere, and of type {} here", before.word(), now.word())]
     TwoTypes {
         /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
-        /// The type by the port that was bound first.
+        /// The type that the port bound first gives the entry.
         before: ValueType,
-        /// The type by the port that is refused.
+        /// The type that the refused port gives the entry.
         now: ValueType,
     },
     /// The text is longer than [`LONGEST_TEXT`].
@@ -84,7 +84,7 @@ pub enum Unfit {
     TooLong {
         /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
-        /// Its length in bytes.
+        /// The length of the text in bytes.
         length: usize,
     },
     /// The blackboard has [`MOST_ENTRIES`] already, or the slot is not one of its own.
@@ -101,7 +101,7 @@ pub struct Blackboard {
 }
 
 impl Blackboard {
-    /// A blackboard without entries: building a tree on it makes those that the tree names.
+    /// A blackboard without entries. Building a tree on it creates the entries that the tree names.
     #[must_use]
     pub fn new() -> Blackboard {
         Blackboard::default()
@@ -112,25 +112,25 @@ impl Blackboard {
         self.entries.iter()
     }
 
-    /// Number of writes so far; to remove a value counts as one.
+    /// Number of writes so far. Removing a value counts as a write.
     #[must_use]
     pub const fn writes(&self) -> u64 {
         self.writes
     }
 
-    /// The slot of the entry of this name. Look it up once: it stays the same.
+    /// The slot of the entry of this name. Look it up only once, since it never changes.
     #[must_use]
     pub fn slot(&self, name: &str) -> Option<Slot> {
         self.by_name.get(name).copied()
     }
 
-    /// The value of the entry of this name; `None`: it has none, or there is no such entry.
+    /// The value of the entry of this name; `None` if it has none, or there is no such entry.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.value(self.slot(name)?)
     }
 
-    /// Writes a value to the entry of this name, which is created if need be.
+    /// Writes a value to the entry of this name, and creates the entry if necessary.
     ///
     /// # Errors
     /// If the value does not fit the type of the entry, or there are too many entries.
@@ -142,7 +142,7 @@ impl Blackboard {
     /// Creates an entry of this name and type, or finds the existing one.
     ///
     /// # Errors
-    /// If the existing one has another type, or a value that is not of this type.
+    /// If the existing entry has another type, or a value that is not of this type, or there are too many entries.
     pub fn declare(&mut self, name: &str, ty: ValueType) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             let entry = &mut self.entries[slot.index()];
@@ -168,8 +168,8 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// The slot of this name, which is reserved if need be: some scripts create its entry, and others require it to
-    /// exist.
+    /// The slot of this name, which is reserved if necessary. The entry need not exist yet: some scripts create it, and
+    /// others require it to exist.
     pub(crate) fn mention(&mut self, name: &str) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             return Ok(slot);
@@ -184,24 +184,24 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// The value of the entry in this slot, which has to be one of this blackboard; `None`: it has none.
+    /// The value of the entry in this slot of this blackboard; `None` if it has no value.
     #[must_use]
     pub fn value(&self, slot: Slot) -> Option<&Value> {
         self.entries.get(slot.index())?.value.as_ref()
     }
 
-    /// Whether a script may write this entry with `=`: a port names it, or something was written there.
+    /// Whether a script may write this entry with `=`: a port names it, or a value was written to it.
     pub(crate) fn is_there(&self, slot: Slot) -> bool {
         self.entries.get(slot.index()).is_some_and(|entry| entry.is_there)
     }
 
-    /// The entry in this slot, which has to be one of this blackboard.
+    /// The entry in this slot of this blackboard.
     #[must_use]
     pub fn entry(&self, slot: Slot) -> Option<&BlackboardEntry> {
         self.entries.get(slot.index())
     }
 
-    /// Writes a value to a slot, converted to the type of its entry where nothing is lost by that.
+    /// Writes a value to a slot. It is converted to the type of the entry if nothing is lost.
     ///
     /// # Errors
     /// If the value does not fit.
@@ -225,8 +225,8 @@ impl Blackboard {
         Ok(())
     }
 
-    /// Turns the text in this slot into a number if it is one and no port has another type for it, so that scripts can
-    /// count with it.
+    /// Turns the text in this slot into a number if it is one and no port gives the entry a type, so that scripts can
+    /// use it in arithmetic.
     pub(crate) fn take_for_number(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index())
             && entry.ty == ValueType::Any
@@ -239,7 +239,7 @@ impl Blackboard {
         }
     }
 
-    /// Removes an entry as far as scripts see: `=` needs it to be created again. Its slot and its type stay.
+    /// Removes an entry for scripts: before the next `=` it has to be created again. Its slot and its type stay.
     pub(crate) fn remove(&mut self, slot: Slot) {
         self.unset(slot);
         if let Some(entry) = self.entries.get_mut(slot.index()) {
@@ -256,7 +256,7 @@ impl Blackboard {
         }
     }
 
-    /// Restores stored values: these entries get them, and all others have none. Build the trees first.
+    /// Restores stored values. All other entries lose their values. Build the trees first.
     ///
     /// # Errors
     /// If a value does not fit its entry.

@@ -1,12 +1,11 @@
-//! A file of trees as a value, element by element. How it is read and written stands in `xml`, what it means in
-//! `build`.
+//! A file of trees as a value, element by element. `xml` reads and writes it, and `build` interprets it.
 
 use std::fmt;
 
-/// A place in a file. All places compare equal, so that a document with another layout is the same document.
+/// A place in a file. All places compare equal, so documents that differ only in layout are equal.
 #[derive(Clone, Copy, Debug, Default, Eq)]
 pub struct SourcePosition {
-    /// The line, counted from 1; 0 for what comes from no file.
+    /// The line, counted from 1; 0 for an element that comes from no file.
     pub line: u32,
     /// The column, counted in characters from 1.
     pub column: u32,
@@ -24,10 +23,10 @@ impl fmt::Display for SourcePosition {
     }
 }
 
-/// All trees of a file and its models of leaves, as they are written: no name has been looked up.
+/// All trees of a file and its models of leaves, as written: no name has been looked up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
-    /// The tree that runs unless another is named: `main_tree_to_execute`.
+    /// The tree that runs unless the program names another: `main_tree_to_execute`.
     pub main: Option<String>,
     /// Further attributes that the graphical editor wrote at the top, such as `project_name`.
     pub notes: Vec<Attribute>,
@@ -37,20 +36,21 @@ pub struct Document {
     pub models: Vec<Model>,
     /// Other elements among the models, which are written again behind them.
     pub kept: Vec<Kept>,
-    /// The `<include>` elements for other files. A document with any is written again, but neither checked nor run.
+    /// The `<include>` elements for other files. A document with such elements can be written again, but neither
+    /// checked nor run.
     pub includes: Vec<Kept>,
 }
 
-/// An element without meaning here, which is written again as it was read, such as `<MetadataFields>`.
+/// An element without meaning here, such as `<MetadataFields>`. It is written again as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// The name of its tag, which has no prefix.
     pub name: String,
     /// Its attributes in the order of the file.
     pub attributes: Vec<Attribute>,
-    /// The text between its children, joined, and without blanks at both ends.
+    /// The text between the children, joined, and without blanks at both ends.
     pub text: String,
-    /// The elements in it, at most `tree::DEEPEST` levels of them.
+    /// The elements in this one, at most `tree::DEEPEST` levels of them.
     pub children: Vec<Kept>,
     /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
@@ -59,18 +59,18 @@ pub struct Kept {
 /// One `<BehaviorTree>`: the main tree, a subtree of others, or one that nothing uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeDefinition {
-    /// Its `ID`, by which a `<SubTree>` uses it; where the file has none, `BehaviorTree_0` and so on.
+    /// The `ID`, by which a `<SubTree>` uses the tree. If the file has none, `BehaviorTree_0` and so on.
     pub id: String,
     /// Further attributes that the editor wrote, such as `_description`.
     pub notes: Vec<Attribute>,
-    /// Its only child. A tree with another number of them is a fault, and gets a stand-in.
+    /// The only child. A tree with more or fewer children is a fault, and gets a stand-in.
     pub root: Element,
     /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
 named! {
-    /// How an element names its kind: by its own name, or by the `ID` of one of these elements.
+    /// How an element names its kind: by its own name, or as the `ID` of one of these elements.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Form {
         /// The element's own name is the kind: `<Sequence>`, `<NearObj>`.
@@ -94,19 +94,19 @@ named! {
 pub struct Element {
     /// The kind of the node, or the tree of a `<SubTree>`.
     pub id: String,
-    /// By which element it is written, so that it is written again by the same.
+    /// The form in which the element was read and is written again.
     pub form: Form,
-    /// Its `name`; `None`: it goes by the name of its kind.
+    /// The `name`; `None` if the node has the name of its kind.
     pub name: Option<String>,
     /// All other attributes: ports, conditions, notes of the editor.
     pub attributes: Vec<Attribute>,
-    /// Its children in the order of the file, which their parent follows.
+    /// The children in the order of the file, in which their parent ticks them.
     pub children: Vec<Element>,
     /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
 }
 
-/// An attribute of an element; two of the same name and value are equal, wherever they stand.
+/// An attribute of an element. Two attributes of the same name and value are equal, wherever they stand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attribute {
     /// Its name, with the prefix of a namespace.
@@ -120,15 +120,15 @@ pub struct Attribute {
 /// A declaration of a leaf, a control node, a decorator or a subtree in `<TreeNodesModel>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Which of them it is; never `Compact`.
+    /// Whether it is a leaf, a control node, a decorator or a subtree; never `Compact`.
     pub form: Form,
     /// The name by which elements use it.
     pub id: String,
     /// Further attributes that the editor wrote, such as `editable`.
     pub notes: Vec<Attribute>,
-    /// Its ports, by whose order a leaf counts them.
+    /// The ports. A leaf counts its ports in this order.
     pub ports: Vec<ModelPort>,
-    /// Other elements in it, such as `<MetadataFields>`.
+    /// Other elements in the model, such as `<MetadataFields>`.
     pub kept: Vec<Kept>,
     /// Where its tag begins in the file, for error messages.
     pub place: SourcePosition,
@@ -162,7 +162,7 @@ impl Element {
         Element { form: Form::SubTree, ..Element::new(id, Vec::new()) }
     }
 
-    /// Sets its `name`, which is a part of its path and may stand for it in `Mocks`.
+    /// Sets the `name`, which is a part of the node's path. `Mocks` may refer to the node by it.
     #[must_use]
     pub fn named(self, name: &str) -> Element {
         Element { name: Some(name.to_owned()), ..self }
@@ -175,7 +175,7 @@ impl Element {
         self
     }
 
-    /// The first attribute of this name. `ID` and `name` are no attributes here but fields.
+    /// The first attribute of this name. `ID` and `name` are not attributes here, but fields.
     #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
@@ -205,14 +205,14 @@ impl Document {
         Document { main: Some(id.to_owned()), ..Document::default() }.with_tree(id, root)
     }
 
-    /// Adds a tree at the end. That its ID is new is checked when a tree is built.
+    /// Adds a tree at the end. Building a tree later checks that the ID is new.
     #[must_use]
     pub fn with_tree(mut self, id: &str, root: Element) -> Document {
         self.trees.push(TreeDefinition { id: id.to_owned(), notes: Vec::new(), root, place: SourcePosition::default() });
         self
     }
 
-    /// The first tree of this ID, exactly as it is written.
+    /// The first tree of this ID, exactly as written.
     #[must_use]
     pub fn tree(&self, id: &str) -> Option<&TreeDefinition> {
         self.trees.iter().find(|tree| tree.id == id)

@@ -1,4 +1,4 @@
-//! Why a file of trees is refused, with the place in it, in one sentence each. Errors while a tree runs are a
+//! Why a file of trees is refused, with the place in the file, in one sentence each. An error while a tree runs is a
 //! `tick::Fault`.
 
 use std::fmt;
@@ -12,7 +12,7 @@ use super::value::ValueType;
 /// A fault of a file, or a note about it, with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeError {
-    /// The place to show in an editor; line 1, column 1 if the file as a whole is meant.
+    /// The place to show in an editor; line 1, column 1 if the fault concerns the whole file.
     pub place: SourcePosition,
     /// What is wrong, in one sentence that does not name the place.
     pub reason: Reason,
@@ -39,36 +39,36 @@ pub enum Reason {
     /// The file is longer than `xml::LONGEST_FILE`.
     #[error("the file is {length} bytes long, and {most} is the most")]
     TooLong {
-        /// Its length in bytes.
+        /// The length of the file in bytes.
         length: usize,
         /// The longest file that is read, in bytes.
         most: usize,
     },
-    /// What the XML parser said, without its place.
+    /// The message of the XML parser, without the place.
     #[error("this is no XML: {0}")]
     NotXml(String),
-    /// The name of the root of a file that is XML, but not one of trees.
+    /// The name of the root element of a file that is XML, but not a file of trees.
     #[error("the file begins with <{0}>, and <root BTCPP_format=\"4\"> should be there")]
     NotTrees(String),
-    /// The file has no version. Those of format 3 have none, so 4 is not assumed.
+    /// The file has no version. Files of format 3 have none, so format 4 is not assumed.
     #[error(
         "<root> has no BTCPP_format, as in files of format 3, and only format 4 is read here: write BTCPP_format=\"4\" if it is of \
          format 4, else convert it (convert_v3_to_v4.py of BehaviorTree.CPP does)"
     )]
     NoFormat,
-    /// The value of `BTCPP_format`, where it is not 4.
+    /// The value of `BTCPP_format`, if it is not 4.
     #[error("<root> says BTCPP_format=\"{0}\", and only version \"4\" is read here")]
     Format(String),
     /// The name of an element that is not allowed in its place, or is of another namespace.
     #[error("<{0}> does not belong here")]
     Misplaced(String),
-    /// An XML namespace, except a prefix that the root declares, as a file with a schema has it.
+    /// An XML namespace. Only prefixes that the root declares are allowed, as in a file with a schema.
     #[error("xmlns is not read here: files of trees have no namespaces")]
     Namespace,
     /// An `<include>`: this crate opens no files.
     #[error("<include> is not read here: put all trees into one file")]
     Include,
-    /// A second `<TreeNodesModel>`; its faults are reported as well.
+    /// A second `<TreeNodesModel>`. Faults in it are reported as well.
     #[error("there is a second <TreeNodesModel>, and only one may be")]
     SecondModel,
     /// The element of a port without a name in a model, such as `input_port`.
@@ -80,10 +80,11 @@ pub enum Reason {
     /// The name of an element whose `ID` is missing or empty.
     #[error("<{0}> has no ID")]
     NoId(String),
-    /// The name of an element that is its own kind, such as `<Sequence>`, and has an ID all the same.
+    /// The name of an element that is its own kind, such as `<Sequence>`, and nevertheless has an ID.
     #[error("<{0}> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have")]
     NeedlessId(String),
-    /// The ID of two models, or of two trees that differ: BehaviorTree.CPP writes a tree once for each use.
+    /// The ID of two models, or of two trees that differ. Equal trees are allowed, since BehaviorTree.CPP writes a tree
+    /// once for each use.
     #[error("the ID {0} is taken already")]
     TwiceId(String),
     /// The ID of a tree that is the name of a built-in node or of a leaf in the catalogue.
@@ -94,25 +95,25 @@ pub enum Reason {
     Roots {
         /// The tree's ID; `BehaviorTree_0` and so on for a tree without one.
         id: String,
-        /// Number of elements in its `<BehaviorTree>`.
+        /// Number of elements in the `<BehaviorTree>`.
         count: usize,
     },
-    /// A file without trees. One with models alone can be read, but not run.
+    /// A file without trees. A file with only models can be read, but not run.
     #[error("there is no <BehaviorTree> in the file")]
     NoTree,
     /// The IDs of several trees, none of which is the main one.
     #[error("the file has several trees, and no main_tree_to_execute says which one runs: {0}")]
     NoMain(String),
-    /// The ID that a `<SubTree>`, the file or the program asks for, and no tree has.
+    /// The ID for which a `<SubTree>`, the file or the program asks, but which no tree has.
     #[error("there is no tree {} in the file", .0.escape_debug())]
     UnknownTree(String),
     /// A tree that uses itself, directly or by way of others.
     #[error("the tree {0} uses itself")]
     Recursive(String),
-    /// The name of an element without children that is no built-in node and not in the catalogue.
+    /// The name of an element without children that is neither a built-in node nor in the catalogue.
     #[error("the node {0} is not known")]
     UnknownNode(String),
-    /// The name of an element with children that is no built-in node: it cannot be taken for a leaf.
+    /// The name of an element with children that is no built-in node. Since it has children, it cannot be a leaf.
     #[error("the node {0} is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>")]
     UnknownParent(String),
     /// A node or an attribute of format 3 that has another name in format 4.
@@ -123,7 +124,7 @@ pub enum Reason {
         /// What to write in format 4, such as `SequenceWithMemory`.
         now: &'static str,
     },
-    /// A declared control node or decorator, which nobody here can perform.
+    /// A declared control node or decorator, which cannot be performed here.
     #[error(
         "{id} is a <{form}> of the file's own: only those of BehaviorTree.CPP are performed, and a mock stands for a leaf alone, so a tree \
          with it can be checked but not run"
@@ -139,7 +140,7 @@ pub enum Reason {
     RefusedThere {
         /// The name of a tree, a model or a port.
         name: String,
-        /// Why it is refused there, as the end of a sentence.
+        /// Why the name is refused, as the end of a sentence.
         why: &'static str,
     },
     /// An element of the wrong form for its node, such as `<Condition ID="Sequence">`.
@@ -150,12 +151,12 @@ pub enum Reason {
         /// The element in the file, such as `Condition`.
         written: &'static str,
     },
-    /// More or fewer children than the kind takes; comments do not count.
+    /// More or fewer children than a node of this kind has; comments do not count.
     #[error("{id} has {count} children, and must have {wanted}")]
     Children {
         /// The kind of the parent, such as `Inverter`.
         id: String,
-        /// How many children it has; a subtree counts as one.
+        /// The number of children; a subtree counts as one.
         count: usize,
         /// The allowed number in words, such as `2 to 3`.
         wanted: String,
@@ -163,7 +164,7 @@ pub enum Reason {
     /// Two asynchronous children, each of which would have the other halted.
     #[error("ReactiveSequence has more than one AsyncSequence as a child")]
     TwoAsync,
-    /// An attribute that is no port of this kind. Those that begin with `_` are never ports.
+    /// An attribute that is no port of this kind. Attributes that begin with `_` are never ports.
     #[error("{id} has no port {port}")]
     UnknownPort {
         /// The kind of the node, such as `Repeat`.
@@ -171,7 +172,7 @@ pub enum Reason {
         /// The name of the attribute, such as a misspelt `num_cycle`.
         port: String,
     },
-    /// An attribute that resembles a condition and is none: to ignore it would be dangerous.
+    /// An attribute that resembles a condition but is none: ignoring it would be dangerous.
     #[error("there is no condition or setting {written}: {meant} is meant")]
     Misspelt {
         /// The name of the attribute, with its wrong capitals or underscores.
@@ -179,7 +180,7 @@ pub enum Reason {
         /// The condition that it resembles, or `_autoremap`.
         meant: &'static str,
     },
-    /// A port that has no default and is not set, of a node or of the model of a subtree.
+    /// A port of a node, or of the model of a subtree, that is not set and has no default.
     #[error("{id} needs its port {port}")]
     MissingPort {
         /// The kind of the node, or the ID of the subtree.
@@ -187,7 +188,7 @@ pub enum Reason {
         /// The attribute to add, such as `num_cycles`.
         port: String,
     },
-    /// A literal, or an element of a queue, that cannot be read as the type that is needed.
+    /// A literal, or an element of a queue, that cannot be read as the required type.
     #[error("the port {port} is of type {}, and \"{value}\" is none", ty.word())]
     Literal {
         /// The attribute with the literal, such as `num_cycles`.
@@ -197,10 +198,10 @@ pub enum Reason {
         /// The literal, or the wrong element of the queue.
         value: String,
     },
-    /// The name of a port that writes an entry, where a literal stands.
+    /// The name of a port that writes an entry, but has a literal.
     #[error("the port {0} is written by its node, so it must name an entry: {{name}}")]
     LiteralOutput(String),
-    /// The name of a port that is needed when the tree is built, where an entry stands.
+    /// The name of a port whose value is needed when the tree is built, but that names an entry.
     #[error("the port {0} is looked at when the tree is built, so it cannot be an entry")]
     EntryForLiteral(String),
     /// A value that the port cannot have, although its type is right, such as a negative time.
@@ -210,45 +211,45 @@ pub enum Reason {
         port: String,
         /// The value as it is written, such as `-1`.
         value: String,
-        /// What the port takes, in words.
+        /// The allowed values of the port, in words.
         wanted: &'static str,
     },
     /// The name of two barriers on one blackboard with different parties.
     #[error("the barrier {0} has other parties elsewhere")]
     Parties(String),
-    /// A script that cannot be parsed, or names too many entries.
+    /// A script that cannot be parsed, or that names too many entries.
     #[error("{attribute} is no script: {error}")]
     Script {
-        /// The name of the attribute that holds it, such as `_skipIf`.
+        /// The name of the attribute with the script, such as `_skipIf`.
         attribute: String,
-        /// What is wrong with it; the place in it is counted in bytes from 0.
+        /// What is wrong with the script. Places in it are counted in bytes from 0.
         error: ScriptError,
     },
     /// An entry that cannot have the type or the value that the file gives it.
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    /// More of something than is read, so that no file takes long to check.
+    /// More of something than is accepted, so that no file takes long to check.
     #[error("there are more than {most} {what}")]
     TooMany {
-        /// What there is too much of, in the plural.
+        /// The thing that there is too much of, in the plural.
         what: &'static str,
-        /// How many of them a file may have.
+        /// The largest number that a file may have.
         most: usize,
     },
-    /// More than [`MOST_NODES`] nodes in one tree. Each use of a subtree counts: a few that use each other twice would
-    /// fill the memory.
+    /// More than [`MOST_NODES`] nodes in one tree. Each use of a subtree counts. Otherwise a few subtrees that use each
+    /// other twice would fill the memory.
     #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
     TooManyNodes,
     /// More than [`MOST_TEXT`] bytes of attributes in one tree. Each use of a subtree counts, since it is built each
     /// time.
     #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, those of its subtrees counted")]
     TooMuchText,
-    /// Deeper than [`DEEPEST`] levels: a tick descends by recursive calls, which a thread's stack has to hold.
+    /// Deeper than [`DEEPEST`] levels. A tick descends by recursive calls, which must fit on a thread's stack.
     #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
     TooDeep,
 }
 
-/// What to write in format 4 for a node or an attribute of format 3; `None`: it is not known to have another name.
+/// The name in format 4 of a node or an attribute of format 3; `None` if no other name is known.
 pub(crate) fn format_4_name(name: &str) -> Option<&'static str> {
     match name {
         "SubTreePlus" => Some("SubTree, with _autoremap where it has __autoremap"),

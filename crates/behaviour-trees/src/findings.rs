@@ -1,20 +1,20 @@
-//! All faults of a file of trees, and what its author should know besides.
+//! All faults of a file of trees, and other notes for its author.
 
 use std::collections::BTreeSet;
 
 use super::error::TreeError;
 use crate::fnv1a;
 
-/// Maximum number of faults that are named, and of notes; further faults are counted.
+/// Maximum number of faults that are named, and of notes. Further faults are only counted.
 pub const MOST_FAULTS: usize = 100;
 
-/// Faults, for which a file is refused, and notes, for which it is not.
+/// Faults, for which a file is refused, and notes, for which it is not refused.
 #[derive(Debug, Default)]
 pub struct Findings {
     faults: Vec<TreeError>,
     notes: Vec<TreeError>,
-    /// Place and hash of the sentence of every fault. A subtree is checked wherever it is used, and its faults are
-    /// reported once.
+    /// Place of every fault, and hash of its sentence. A subtree is checked at each use, but its faults are reported
+    /// once.
     seen: BTreeSet<(u32, u32, u64)>,
 }
 

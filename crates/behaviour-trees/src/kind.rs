@@ -1,4 +1,4 @@
-//! The engine's own kinds of nodes: their names, their ports and their numbers of children. What they do stands in
+//! The engine's own kinds of nodes: their names, their ports and their numbers of children. Their rules stand in
 //! `tick`; leaves are in `leaf`.
 
 use super::value::ValueType;
@@ -7,7 +7,7 @@ named! {
     /// The supported nodes of BehaviorTree.CPP 4, by their names in a file, and `Sync`, which is an addition.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum BuiltIn {
-        /// Ticks its children in order; the first failure ends it.
+        /// Ticks its children in order. The first failure ends the node.
         Sequence = "Sequence",
         /// A sequence that continues at the child that failed.
         SequenceWithMemory = "SequenceWithMemory",
@@ -15,7 +15,7 @@ named! {
         AsyncSequence = "AsyncSequence",
         /// A sequence that begins at its first child in every tick.
         ReactiveSequence = "ReactiveSequence",
-        /// Ticks its children in order; the first success ends it.
+        /// Ticks its children in order. The first success ends the node.
         Fallback = "Fallback",
         /// A fallback that returns RUNNING after each child.
         AsyncFallback = "AsyncFallback",
@@ -41,23 +41,23 @@ named! {
         Switch5 = "Switch5",
         /// Ticks the child whose `case_N` equals `variable`; the seventh child if none of the six cases does.
         Switch6 = "Switch6",
-        /// Success for failure, and failure for success; RUNNING and SKIPPED stay.
+        /// Returns success for failure, and failure for success. RUNNING and SKIPPED stay.
         Inverter = "Inverter",
-        /// Ticks its child again when it fails, `num_attempts` times in all; −1: without end.
+        /// Ticks its child again when the child fails, `num_attempts` times in all; −1 means without end.
         RetryUntilSuccessful = "RetryUntilSuccessful",
-        /// Ticks its child again when it succeeds, `num_cycles` times in all; −1: without end.
+        /// Ticks its child again when the child succeeds, `num_cycles` times in all; −1 means without end.
         Repeat = "Repeat",
-        /// Halts its child, and fails, when it still runs after `msec` milliseconds; 0: never.
+        /// If its child still runs after `msec` milliseconds, halts the child and fails; 0 means never.
         Timeout = "Timeout",
-        /// Ticks its child after `delay_msec` milliseconds, and is RUNNING until then.
+        /// Is RUNNING for `delay_msec` milliseconds, and then ticks its child.
         Delay = "Delay",
-        /// Success for failure; RUNNING and SKIPPED stay.
+        /// Returns success for failure. RUNNING and SKIPPED stay.
         ForceSuccess = "ForceSuccess",
-        /// Failure for success; RUNNING and SKIPPED stay.
+        /// Returns failure for success. RUNNING and SKIPPED stay.
         ForceFailure = "ForceFailure",
-        /// Performs its child a single time, and is SKIPPED from then on, or returns its result again.
+        /// Performs its child only once. From then on it is SKIPPED, or returns the child's result again.
         RunOnce = "RunOnce",
-        /// Ticks its child until it fails; a success makes it RUNNING, and the child begins again.
+        /// Ticks its child until the child fails. After a success the node is RUNNING, and the child begins again.
         KeepRunningUntilFailure = "KeepRunningUntilFailure",
         /// Ticks its child for each whole number of a queue.
         LoopInt = "LoopInt",
@@ -79,13 +79,13 @@ named! {
         AlwaysFailure = "AlwaysFailure",
         /// Writes a literal or the value of another entry to an entry; fails if there is no value.
         SetBlackboard = "SetBlackboard",
-        /// Removes the value of an entry of its own tree; it always succeeds.
+        /// Removes the value of an entry of its own tree, and always succeeds.
         UnsetBlackboard = "UnsetBlackboard",
         /// RUNNING for `msec` milliseconds, then SUCCESS.
         Sleep = "Sleep",
         /// Executes a script and succeeds; a script that cannot be executed ends the tick with a fault.
         Script = "Script",
-        /// Succeeds if a script is true, else fails.
+        /// Succeeds if a script is true, otherwise fails.
         ScriptCondition = "ScriptCondition",
         /// Succeeds if an entry was written since the last tick of this node.
         WasEntryUpdated = "WasEntryUpdated",
@@ -97,14 +97,14 @@ named! {
 }
 
 named! {
-    /// The class of a node by its number of children; its word is that of an element in files.
+    /// The class of a node by its number of children. Its word is the name of an element in files.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Family {
         /// One child or more; some kinds need two.
         Control = "Control",
-        /// One child, which stands right behind it in the row of nodes.
+        /// One child, which is the next node in the row of nodes.
         Decorator = "Decorator",
-        /// No children, be it an action or a condition.
+        /// No children: an action or a condition.
         Leaf = "Action",
     }
 }
@@ -114,7 +114,7 @@ named! {
 pub(crate) enum PortForm {
     /// A literal of this type, or an entry.
     Value(ValueType),
-    /// A literal only, since it is needed when the tree is built.
+    /// Only a literal, since the value is needed when the tree is built.
     Literal,
     /// The name of an entry, with or without braces.
     EntryName,
@@ -172,13 +172,13 @@ const SWITCH: [BuiltInPort; 7] = [
 ];
 
 impl BuiltIn {
-    /// The kind of this name; capitals count.
+    /// The kind of this name, which is case-sensitive.
     #[must_use]
     pub fn named(word: &str) -> Option<BuiltIn> {
         BuiltIn::ALL.into_iter().find(|kind| kind.word() == word)
     }
 
-    /// Its class; that of a `SubTree` is `Decorator`, and its child is the root of the other tree.
+    /// The class of this kind. A `SubTree` is a `Decorator`, whose child is the root of the other tree.
     #[must_use]
     pub const fn family(self) -> Family {
         use BuiltIn as B;
@@ -214,7 +214,7 @@ impl BuiltIn {
         LOOPS.into_iter().find(|(kind, _)| *kind == self).map(|(_, element)| element)
     }
 
-    /// Whether it remembers the last write of an entry that it has seen.
+    /// Whether a node of this kind remembers the last write of an entry that it has seen.
     pub(crate) const fn looks_at_writes(self) -> bool {
         matches!(self, BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated)
     }

@@ -1,5 +1,5 @@
-//! Leaves: their names and ports, the catalogue of those that a tree may name, and the trait of whoever performs them.
-//! What a leaf does is defined by its performer.
+//! Leaves: their names and ports, the catalogue of leaves that a tree may name, and the trait of their performer, which
+//! defines what a leaf does.
 
 use std::borrow::Cow;
 use std::time::Duration;
@@ -13,28 +13,28 @@ use super::value::{Value, ValueType};
 use crate::value::Cell;
 
 named! {
-    /// Whether a leaf reads a port, writes it, or both, with the element of a model that says so.
+    /// Whether a leaf reads a port, writes it, or both. The word is the element that declares such a port in a model.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Direction {
-        /// It reads a literal or an entry.
+        /// The leaf reads a literal or an entry.
         In = "input_port",
-        /// It writes an entry; a literal in its place is a fault.
+        /// The leaf writes an entry. A literal in place of the entry is a fault.
         Out = "output_port",
-        /// It reads a literal or an entry; what it writes to a literal is lost.
+        /// The leaf reads a literal or an entry, and may write an entry. A value written to a literal is lost.
         InOut = "inout_port",
     }
 }
 
-/// A port of a leaf: one of its arguments or results, which a file sets by an attribute.
+/// A port of a leaf: an argument or a result, which a file sets by an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
     /// The attribute by which a file sets it.
     pub name: Cow<'static, str>,
-    /// Whether it is read or written: to write one that is only read ends the tick with a fault.
+    /// Whether the port is read or written. Writing a port that is only read ends the tick with a fault.
     pub direction: Direction,
-    /// The type of its values, by which the literals of a file are checked.
+    /// The type of the port's values. Literals in a file must be of this type.
     pub ty: ValueType,
-    /// The value, as text, when a file does not set it.
+    /// The value, as text, if a file does not set the port.
     pub default: Option<Cow<'static, str>>,
 }
 
@@ -45,13 +45,13 @@ impl Port {
         Port { name: Cow::Borrowed(name), direction: Direction::In, ty, default: None }
     }
 
-    /// A port that is written; what is written is lost if a file does not set it.
+    /// A port that is written. If a file does not set the port, the written value is lost.
     #[must_use]
     pub const fn output(name: &'static str, ty: ValueType) -> Port {
         Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
     }
 
-    /// A port as a file declares it. An empty default means none, as in BehaviorTree.CPP.
+    /// A port as a file declares it. An empty default means that there is none, as in BehaviorTree.CPP.
     #[must_use]
     pub fn of_model(port: &ModelPort) -> Port {
         let default = Model::note(&port.notes, "default").filter(|default| !default.is_empty());
@@ -63,19 +63,19 @@ impl Port {
         }
     }
 
-    /// Sets the value, as text, that counts when a file does not set the port.
+    /// Sets the value, as text, that holds if a file does not set the port.
     #[must_use]
     pub fn or(self, default: &'static str) -> Port {
         Port { default: Some(Cow::Borrowed(default)), ..self }
     }
 }
 
-/// A kind of leaf, of which a tree may have many.
+/// A kind of leaf. A tree may have many leaves of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafKind {
     /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
     pub name: Cow<'static, str>,
-    /// Whether it only asks: it changes nothing, is written as a `<Condition>`, and should be done at once.
+    /// Whether the leaf is a query: it changes nothing, is written as a `<Condition>`, and should return at once.
     pub is_condition: bool,
     /// Its ports; a leaf refers to them by their indices in this list.
     pub ports: Vec<Port>,
@@ -88,7 +88,7 @@ impl LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: false, ports }
     }
 
-    /// A leaf that only asks, written as a `<Condition>`.
+    /// A leaf that is a query, written as a `<Condition>`.
     #[must_use]
     pub const fn condition(name: &'static str, ports: Vec<Port>) -> LeafKind {
         LeafKind { name: Cow::Borrowed(name), is_condition: true, ports }
@@ -99,12 +99,12 @@ impl LeafKind {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Catalogue {
     kinds: Vec<LeafKind>,
-    /// Control nodes, decorators and subtrees that files declare, none of which is performed from here.
+    /// Control nodes, decorators and subtrees that files declare. None of them is performed here.
     declared: Vec<Model>,
 }
 
 impl Catalogue {
-    /// A catalogue of these leaves. Of two with the same name the first counts.
+    /// A catalogue of these leaves. If two have the same name, the first one counts.
     #[must_use]
     pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
         Catalogue { kinds, declared: Vec::new() }
@@ -116,14 +116,14 @@ impl Catalogue {
         &self.kinds
     }
 
-    /// The index of the leaf of this name, which [`Leaf::kind`] returns when it is performed.
+    /// The index of the leaf of this name. [`Leaf::kind`] returns it when such a leaf is performed.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<usize> {
         self.kinds.iter().position(|kind| kind.name == name)
     }
 
-    /// Adds what a file declares in its `<TreeNodesModel>`, except for names in use. The file may be that of the trees,
-    /// or another.
+    /// Adds the models in a file's `<TreeNodesModel>`, except for names in use. The file may be the file of the trees
+    /// or another one.
     pub fn add_models(&mut self, document: &Document) {
         for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
             if matches!(model.form, Form::Action | Form::Condition) {
@@ -149,7 +149,8 @@ impl Catalogue {
         }
     }
 
-    /// Adds a leaf, or the missing ports to the one of this name; for leaves that are known by their use alone.
+    /// Adds a leaf. If its name exists, adds its missing ports to that leaf. This is for leaves that are known only
+    /// from their use.
     pub(crate) fn add_or_widen(&mut self, kind: LeafKind) {
         let Some(place) = self.place(&kind.name) else { return self.kinds.push(kind) };
         let known = &mut self.kinds[place];
@@ -161,25 +162,25 @@ impl Catalogue {
     }
 }
 
-/// Performs the leaves of a tree, within the tick that reaches them.
+/// The performer of a tree's leaves, called in the tick that reaches them.
 pub trait Leaves {
-    /// Performs a leaf, or continues it, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change its
-    /// state: one that was running still is, and may be halted. IDLE ends the tick with an error.
+    /// Performs a leaf, or continues it, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change the
+    /// state of the leaf: a running leaf still runs, and may be halted. IDLE ends the tick with an error.
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
 
-    /// Ends a leaf that is running; it is not called for others. The leaf is IDLE afterwards.
+    /// Halts a running leaf, which is IDLE afterwards. It is called only for running leaves.
     fn halt(&mut self, leaf: &mut Leaf<'_>);
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Binding {
-    /// The file does not set it, and it has no default.
+    /// The file does not set the port, and the port has no default.
     Unset,
     Literal(Value),
     Slot(Slot),
 }
 
-/// A leaf while it is performed, with its ports; made anew for each call.
+/// A leaf while it is performed, with its ports. A new value is made for each call.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     pub(crate) kind: usize,
@@ -193,21 +194,21 @@ pub struct Leaf<'a> {
     pub(crate) misuse: Option<Misuse>,
 }
 
-/// A port was used in a way that is not possible, which ends the tick with a fault.
+/// A port was used in a way that is not allowed, which ends the tick with a fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Misuse {
-    /// The index is not one of the ports of its kind.
+    /// The kind of the leaf has no port with this index.
     #[error("it has no port number {0}")]
     NoPort(usize),
     /// The name of a port with `Direction::In`.
     #[error("it writes its port {0}, which is one to be read")]
     ReadOnly(String),
-    /// The blackboard refuses the value, which is of another type, or too long a text.
+    /// The blackboard refuses the value, because it is of another type or too long a text.
     #[error("it writes its port {port}: {unfit}")]
     Unfit {
         /// The attribute that names the entry in the file.
         port: String,
-        /// Which of the two it is, with the entry and its type.
+        /// The reason, with the entry and its type.
         unfit: Unfit,
     },
 }
@@ -219,13 +220,13 @@ impl Leaf<'_> {
         self.kind
     }
 
-    /// Its node in the tree, which tells two leaves of one kind apart.
+    /// Its node in the tree, which distinguishes two leaves of one kind.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// Its name in the file: `name="…"`, or that of its kind.
+    /// Its name in the file: `name="…"`, or the name of its kind.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.label.name
@@ -243,20 +244,20 @@ impl Leaf<'_> {
         &self.label.id
     }
 
-    /// Whether it was not running before this tick, so that it begins anew.
+    /// Whether the leaf begins: it was not running before this tick.
     #[must_use]
     pub const fn is_starting(&self) -> bool {
         self.is_starting
     }
 
-    /// How long it has been running; zero when it starts. Time in which the tree is not ticked does not count.
+    /// How long the leaf has been running; zero when it starts. Time in which the tree is not ticked does not count.
     #[must_use]
     pub const fn elapsed(&self) -> Duration {
         self.elapsed
     }
 
-    /// The value of a port, by its index in the list of its kind. `None` if the file does not set it, or nothing was
-    /// written there yet.
+    /// The value of a port, by its index in the list of its kind. `None` if the file does not set the port, or its
+    /// entry has no value.
     #[must_use]
     pub fn read(&self, port: usize) -> Option<&Value> {
         match self.bindings.get(port)? {
@@ -266,25 +267,25 @@ impl Leaf<'_> {
         }
     }
 
-    /// The index of the port of this name, for performers that do not know their leaves, such as mocks.
+    /// The index of the port of this name, for performers without a fixed set of leaves, such as mocks.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<usize> {
         self.ports.iter().position(|port| port.name == name)
     }
 
-    /// The value of a port if it is a text; a number is not written out.
+    /// The value of a port if it is a text. Other values are not converted.
     #[must_use]
     pub fn text(&self, port: usize) -> Option<&str> {
         self.read(port)?.as_text()
     }
 
-    /// The value of a port as a whole number; texts are read, and a number may have no fraction.
+    /// The value of a port as a whole number. A text is parsed. A number with a fraction gives `None`.
     #[must_use]
     pub fn int(&self, port: usize) -> Option<i64> {
         self.read(port)?.as_int()
     }
 
-    /// The value of a port as a number, also where a text is one; `true` is 1.
+    /// The value of a port as a number. A text is parsed; `true` is 1.
     #[must_use]
     pub fn number(&self, port: usize) -> Option<f64> {
         self.read(port)?.as_number()
@@ -296,14 +297,14 @@ impl Leaf<'_> {
         self.read(port)?.as_bool()
     }
 
-    /// The value of a port as a cell, also where a text is one, such as `3;4`.
+    /// The value of a port as a cell. A text such as `3;4` is parsed.
     #[must_use]
     pub fn cell(&self, port: usize) -> Option<Cell> {
         self.read(port)?.as_cell()
     }
 
-    /// Writes an entry by a port. Nothing is written if the file does not set the port. A value that does not fit ends
-    /// the tick with an error.
+    /// Writes an entry through a port. If the file does not set the port, nothing is written. A value that does not fit
+    /// ends the tick with an error.
     pub fn write(&mut self, port: usize, value: Value) {
         if let Err(misuse) = self.try_write(port, value) {
             self.misuse.get_or_insert(misuse);

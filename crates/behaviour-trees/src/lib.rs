@@ -1,5 +1,5 @@
-//! Behaviour trees: an engine by the rules of BehaviorTree.CPP 4, whose files it reads and writes. START HERE. What
-//! leaves do is not here: whoever performs them is a `Leaves`. The rules of every node stand beside the code that
+//! Behaviour trees: an engine with the rules of BehaviorTree.CPP 4, which reads and writes its files. START HERE.
+//! Leaves are performed by the program, through the trait `Leaves`. The rules of every node stand beside the code that
 //! performs it.
 //!
 //! ```text
@@ -23,7 +23,7 @@
 
 #![warn(missing_docs)]
 
-/// Declares an enum whose variants have one fixed word each, with the list of them in their order.
+/// Declares an enum whose variants have one fixed word each, with the list of all variants in order.
 macro_rules! named {
     ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
         $(#[$meta])*
@@ -35,7 +35,7 @@ macro_rules! named {
             /// All variants in the order of their declaration.
             $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
 
-            /// Its fixed word in files and messages.
+            /// The fixed word of this variant in files and messages.
             #[must_use]
             $vis const fn word(self) -> &'static str {
                 match self {
@@ -76,7 +76,7 @@ pub use self::tick::Fault;
 pub use self::tree::{NodeId, NodeView, Tree};
 pub use self::value::{Cell, Value, ValueType};
 
-/// FNV-1a over the bytes of a text. It is stored, so it has to be the same in every version of the program.
+/// FNV-1a over the bytes of a text. The hash is stored, so it must be the same in every version of the program.
 fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

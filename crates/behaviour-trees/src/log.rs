@@ -1,5 +1,5 @@
-//! The log of a tree's ticks: only the changes of each tick, which is enough to show the state of every node and entry
-//! at that time. How it is stored or shown is decided by others.
+//! The log of a tree's ticks. It stores only the changes of each tick, which is enough to show the state of every
+//! node and entry at that time. The log is stored and shown elsewhere.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -10,30 +10,30 @@ use super::status::Status;
 use super::tree::{NodeId, NodeView, Tree};
 use super::value::Value;
 
-/// Most changes in a log: an hour of a tree in which ten nodes change in each of ten ticks a second. Older changes are
-/// merged into the state before the oldest remaining tick.
+/// Most changes in a log: an hour of a tree with ten ticks a second, in each of which ten nodes change. Older changes
+/// are merged into the state before the oldest remaining tick.
 pub const MOST_CHANGES: usize = 360_000;
 
-/// A node's state after a tick. It is not what the node returned if its parent has reset it.
+/// A node's state after a tick. It differs from the returned status if the parent has reset the node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeState {
-    /// Its status after the tick: IDLE if its parent has reset it, whatever it returned.
+    /// The status after the tick: IDLE if the parent has reset the node, whatever it returned.
     pub after: Status,
-    /// What it returned in the tick; `None`: it was not ticked.
+    /// The status returned in the tick; `None` if the node was not ticked.
     pub returned: Option<Status>,
 }
 
-/// What one tick changed since the record before.
+/// The changes of one tick since the record before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TickRecord {
     /// The number of the tick, counted from 1.
     pub tick: u64,
-    /// Its time on the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
+    /// Its time on the clock of the log's owner. A tree's own time stands still while the tree is not ticked.
     pub at: Duration,
-    /// Nodes whose state differs from that in the record before.
+    /// Nodes whose state differs from their state in the record before.
     pub nodes: Vec<(NodeId, NodeState)>,
-    /// Entries whose value differs from that in the record before, whoever wrote them; `None`: the entry has no value
-    /// any more.
+    /// Entries whose value differs from their value in the record before, whoever wrote them; `None` if the entry has
+    /// no value any more.
     pub entries: Vec<(Arc<str>, Option<Value>)>,
 }
 
@@ -44,7 +44,7 @@ impl TickRecord {
     }
 }
 
-/// The whole state after one tick, put together from the changes until then.
+/// The whole state after one tick, computed from the changes until then.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoggedTick {
     /// The state of each node, by its number.
@@ -89,7 +89,7 @@ impl LoggedTick {
     }
 }
 
-/// The latest ticks of one tree, within a bound on their changes.
+/// The latest ticks of one tree, with a limit on the number of changes.
 #[derive(Clone, Debug)]
 pub struct TickLog {
     most: usize,
@@ -114,9 +114,9 @@ impl TickLog {
         TickLog { most, changes: 0, before: LoggedTick::default(), last: LoggedTick::default(), records: VecDeque::new() }
     }
 
-    /// Records what the last tick of the tree changed, with the time of that tick; nothing when it is on record
-    /// already. Call it after each tick, even one that ended with a fault. For a tree that was resumed from its state,
-    /// it records the changes since then.
+    /// Records the changes of the tree's last tick, with the time of that tick. Does nothing if the tick is on record
+    /// already. Call this after each tick, even one that ended with a fault. For a tree that was resumed from a state,
+    /// records the changes since then.
     pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
         if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
             return;
@@ -144,7 +144,7 @@ impl TickLog {
         self.records.iter()
     }
 
-    /// The state after this tick; `None` for one that is not in the log any more, or never was.
+    /// The state after this tick; `None` if the tick is not in the log.
     #[must_use]
     pub fn moment(&self, tick: u64) -> Option<LoggedTick> {
         let first = self.records.front()?.tick;

@@ -10,11 +10,11 @@ use super::status::Status;
 use super::tree::{NodeId, NodeKind, NodeView, Tree};
 use super::value::{Value, ValueType};
 
-/// The name of the mock for every leaf that has none of its own.
+/// The name of the mock for every leaf without a mock of its own.
 const ALL_OTHERS: &str = "*";
 
-/// Scripted leaves. The mock of a leaf is found by the path of its node, else by its name, else by the name of its
-/// kind, else it is `*`.
+/// Scripted leaves. The mock of a leaf is found by the path of its node, else by the node's name, else by the name of
+/// its kind; else it is `*`.
 #[derive(Clone, Debug, Default)]
 pub struct Mocks {
     mocks: BTreeMap<String, Mock>,
@@ -25,7 +25,7 @@ pub struct Mocks {
 #[derive(Clone, Debug, Default)]
 struct Mock {
     says: Vec<(Status, u64)>,
-    /// What it writes whenever it succeeds, by the names of its ports.
+    /// Texts that the mock writes whenever it succeeds, with the names of the ports.
     writes: Vec<(String, String)>,
 }
 
@@ -41,7 +41,7 @@ pub enum MockError {
 }
 
 impl Mocks {
-    /// Adds `NAME=STATUS,STATUS*3,…`: what successive ticks of such a leaf return; the last status is repeated.
+    /// Adds `NAME=STATUS,STATUS*3,…`: the results of successive ticks of such a leaf. The last status is repeated.
     ///
     /// # Errors
     /// If the text has another form.
@@ -53,7 +53,7 @@ impl Mocks {
         Ok(())
     }
 
-    /// Makes leaves of this path, name or kind write this text to this port whenever they succeed.
+    /// Makes all leaves of this path, name or kind write this text to this port whenever they succeed.
     pub fn write(&mut self, name: &str, port: &str, text: &str) {
         self.mocks.entry(name.to_owned()).or_default().writes.push((port.to_owned(), text.to_owned()));
     }
@@ -63,8 +63,8 @@ impl Mocks {
         std::mem::take(&mut self.halted)
     }
 
-    /// A catalogue with the leaves of another, those that the document declares, and those that it names and a mock
-    /// stands for. All attributes of the last are ports.
+    /// A catalogue with the leaves in `known`, the leaves that the document declares, and the leaves that it uses and
+    /// that have a mock. For the latter, all attributes are ports.
     #[must_use]
     pub fn catalogue(&self, document: &Document, mut known: Catalogue) -> Catalogue {
         known.add_models(document);
@@ -74,7 +74,7 @@ impl Mocks {
         known
     }
 
-    /// The first leaf of a tree for which there is no mock; it would fail in every tick.
+    /// The first leaf of a tree without a mock. Such a leaf would fail in every tick.
     #[must_use]
     pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
         let is_leaf = |node: &NodeView<'_>| matches!(node.kind, NodeKind::Leaf(_));
@@ -96,7 +96,8 @@ impl Mocks {
         element.children.iter().for_each(|child| self.add_leaves(child, known));
     }
 
-    /// A name with `/` or `::` may be a path, which is not known before the tree is built.
+    /// Whether a mock may be meant for this element. A mock's name with `/` or `::` may be a path, which is not known
+    /// before the tree is built.
     fn stands_for(&self, element: &Element) -> bool {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let is_path = |key: &String| key.rsplit('/').next().is_some_and(|last| last.split("::").next() == Some(name));
@@ -111,7 +112,7 @@ impl Mocks {
     }
 }
 
-/// All leaves of a file for which a mock can stand, including those of trees that do not run.
+/// All leaves of a file that can have a mock, including leaves of trees that do not run.
 #[must_use]
 pub fn leaves(document: &Document) -> Vec<&Element> {
     fn add<'d>(element: &'d Element, leaves: &mut Vec<&'d Element>) {
@@ -123,7 +124,7 @@ pub fn leaves(document: &Document) -> Vec<&Element> {
     leaves
 }
 
-/// Whether an element has no children and is none of the engine's.
+/// Whether an element has no children and is no built-in node.
 fn is_leaf(element: &Element) -> bool {
     let may_be = matches!(element.form, Form::Compact | Form::Action | Form::Condition);
     may_be && element.children.is_empty() && BuiltIn::named(&element.id).is_none()

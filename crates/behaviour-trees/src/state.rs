@@ -1,6 +1,6 @@
-//! The state that a tree needs to go on after a restart, as a line of text: the state of each node, and the tree's own
-//! time. The values of the blackboard are stored separately (`Blackboard::entries`, `Blackboard::restore`), and the
-//! progress of leaves by whoever performs them.
+//! The state that a tree needs to continue after a restart, as a line of text: the state of each node, and the tree's
+//! own time. The values of the blackboard are stored separately (`Blackboard::entries`, `Blackboard::restore`). The
+//! performer of the leaves stores their progress.
 
 use std::fmt;
 
@@ -8,29 +8,29 @@ use super::status::Status;
 use super::tick::children;
 use super::tree::{Live, NodeKind, Tree};
 
-/// The version of the line's format; lines of another are refused.
+/// The version of the line's format. Lines of another version are refused.
 const VERSION: &str = "1";
 
-/// The state of a tree between two ticks. `to_string` writes it as a line, and `parse` reads that.
+/// The state of a tree between two ticks. `to_string` writes it as a line, and `parse` reads such a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TreeState {
-    /// Identifies the tree: the state of another is refused.
+    /// Identifies the tree: the state of another tree is refused.
     fingerprint: u64,
     clock: u64,
     ticks: u64,
     nodes: Vec<Live>,
 }
 
-/// Why a tree cannot resume a state; it then stays as it was.
+/// Why a tree cannot resume a state. The tree then stays unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// The text is not a written state, or one of another version.
+    /// The text is no written state, or one of another version.
     #[error("this is no state of a tree")]
     Unreadable,
-    /// Its fingerprint is that of another tree, or of this one with another word in its file.
+    /// The fingerprint is that of another tree, or of this tree with another word in its file.
     #[error("this is the state of another tree, or of this one before it was changed")]
     OtherTree,
-    /// The node of this number would go on at a node that is not its child.
+    /// In this state the node of this number would continue at a node that is not its child.
     #[error("node {0} of the tree cannot stand as this state says")]
     Impossible(u32),
 }
@@ -42,18 +42,18 @@ impl Tree {
         TreeState { fingerprint: self.fingerprint, clock: self.clock, ticks: self.ticks, nodes: self.live.clone() }
     }
 
-    /// Resumes a state: the next tick is as if there had been no restart, except that `WasEntryUpdated` and its kin
-    /// take the values of their entries for new. Leaves that were running are ticked as running ones, without being
-    /// started.
+    /// Resumes a state. The next tick is as if there had been no restart, except that `WasEntryUpdated` and similar
+    /// nodes treat the values of their entries as new. Leaves that were running are ticked as running leaves, without
+    /// being started.
     ///
     /// # Errors
-    /// If it is the state of another tree; then this one is unchanged.
+    /// If it is the state of another tree. This tree is then unchanged.
     pub fn resume(&mut self, state: TreeState) -> Result<(), StateError> {
         if state.fingerprint != self.fingerprint || state.nodes.len() != self.live.len() {
             return Err(StateError::OtherTree);
         }
         for (at, (live, node)) in state.nodes.iter().zip(&self.shape.nodes).enumerate() {
-            // A cursor leads the next tick, and any other value would lead it out of the tree.
+            // The next tick follows the cursor. A wrong one would lead it out of the tree.
             let cursor = live.cursor as usize;
             if cursor != 0 && !children(&self.shape, at, node).any(|child| child == cursor) {
                 return Err(StateError::Impossible(u32::try_from(at).unwrap_or(u32::MAX)));
@@ -66,7 +66,7 @@ impl Tree {
             if let NodeKind::BuiltIn(kind) = node.kind
                 && kind.looks_at_writes()
             {
-                // Another run counts the writes on its blackboard from the start.
+                // After a restart the writes on a blackboard are counted from the start.
                 live.since = 0;
             }
         }
@@ -75,7 +75,7 @@ impl Tree {
 }
 
 impl TreeState {
-    /// Whether both states are of one tree and go on alike, apart from time and counted attempts.
+    /// Whether both states are of one tree and continue in the same way, apart from time and counted attempts.
     #[must_use]
     pub fn stands_as(&self, other: &TreeState) -> bool {
         let standing = |live: &Live| (live.status, live.cursor, live.is_counted, live.has_begun, live.is_spent, live.failures);

@@ -1,10 +1,11 @@
-//! What a node of a tree returns when it is ticked. Which status follows from those of the children stands in `tick`.
+//! The status that a node of a tree returns when it is ticked. How it follows from the statuses of its children stands
+//! in `tick`.
 
 named! {
     /// The statuses of BehaviorTree.CPP 4, with its words.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Status {
-        /// Not begun, or halted, or reset by its parent. No tick ever returns it.
+        /// Not begun, or halted, or reset by its parent. No tick returns this status.
         #[default]
         Idle = "IDLE",
         /// Not done yet: it has to be ticked again.
@@ -25,7 +26,7 @@ impl Status {
         Status::ALL.into_iter().find(|status| status.word() == word)
     }
 
-    /// Whether it is SUCCESS or FAILURE. SKIPPED is no result, since the parent goes on as if there were no node.
+    /// Whether it is SUCCESS or FAILURE. SKIPPED is no result, since the parent continues as if the node did not exist.
     #[must_use]
     pub const fn is_completed(self) -> bool {
         matches!(self, Status::Success | Status::Failure)

@@ -1,5 +1,5 @@
-//! A tree that can be ticked: its nodes in one row, and the state of each of them. How it comes from a document stands
-//! in `build`, what a tick does in `tick`.
+//! A tree that can be ticked: its nodes in one row, and the state of each node. `build` makes it from a document, and
+//! `tick` has its rules.
 //!
 //! ```text
 //!   Sequence ──┬─ Fallback ─┬─ NearObj            nodes:   0 Sequence  1 Fallback  2 NearObj  3 ApproachObject  4 Sync
@@ -19,23 +19,22 @@ use super::script::Script;
 use super::status::Status;
 use super::tick::{Fault, TreeRun};
 
-/// Most nodes of a tree, including those of its subtrees: trees that people draw have some hundreds, and a few subtrees
-/// that use each other twice would otherwise fill the memory.
+/// Most nodes of a tree, including the nodes of its subtrees. Trees that people draw have some hundreds. Without a
+/// limit, a few subtrees that use each other twice would fill the memory.
 pub const MOST_NODES: usize = 10_000;
 
-/// Most bytes of attributes in a tree, with those of its subtrees counted at each use: a file may have its longest
-/// scripts in a subtree that is used a thousand times, and each use is built.
+/// Most bytes of attributes in a tree. The attributes of a subtree count at each use, since each use is built: a file
+/// may have its longest scripts in a subtree that is used a thousand times.
 pub const MOST_TEXT: usize = 2 << 20;
 
-/// Greatest depth of a tree, subtrees included: a tick descends by recursive calls, and the stack of a thread must hold
-/// them all.
+/// Greatest depth of a tree, subtrees included: a tick descends by recursive calls, which must fit on a thread's stack.
 pub const DEEPEST: usize = 128;
 
 /// A node of a tree: its index in preorder, from 0. The graphical editor's UID is one more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
-/// Who performs a node: the engine, or whoever performs the leaves.
+/// Who performs a node: the engine, or the performer of the leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// One of the engine's kinds, by the rules in `tick`.
@@ -54,7 +53,7 @@ pub struct Label {
     pub(crate) depth: u16,
 }
 
-/// The part of a node that never changes while the tree runs.
+/// The part of a node that does not change while the tree runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) kind: NodeKind,
@@ -85,9 +84,9 @@ pub(crate) struct Shape {
     pub(crate) labels: Vec<Label>,
     pub(crate) bindings: Vec<Binding>,
     pub(crate) conditions: Vec<Conditions>,
-    /// The scripts of `Script`, `ScriptCondition` and `Precondition`, by node.
+    /// The scripts of `Script`, `ScriptCondition` and `Precondition`, each with its node.
     pub(crate) scripts: Vec<(u32, Script)>,
-    /// What `Precondition` and the loops return when they do not tick their child, by node.
+    /// The results of `Precondition` and loops when they do not tick their child, each with its node.
     pub(crate) otherwise: Vec<(u32, Status)>,
     pub(crate) leaf_kinds: Vec<LeafKind>,
 }
@@ -98,22 +97,21 @@ pub(crate) struct Live {
     pub(crate) returned: Status,
     /// Whether a parallel parent has its result.
     pub(crate) is_counted: bool,
-    /// What a node remembers: that its time runs, that it has run, that its condition held, or that it is at the last
-    /// child.
+    /// A fact that a node remembers: its time runs, it has run, its condition held, or it is at the last child.
     pub(crate) has_begun: bool,
-    /// Whether the timer of a Timeout has run out while its child was not running.
+    /// Whether the time of a Timeout was over while its child was not running.
     pub(crate) is_spent: bool,
-    /// The child to go on with, by its index in the row; 0 is the first.
+    /// The child at which the node continues, by its index in the row; 0 means the first child.
     pub(crate) cursor: u32,
     /// Number of skipped children, successes, attempts, or elements.
     pub(crate) count: u32,
     pub(crate) failures: u32,
-    /// The tree's time when it began, in nanoseconds; or the number of the last write that it has seen.
+    /// The tree's time when the node began, in nanoseconds; or the number of the last write that the node has seen.
     pub(crate) since: u64,
     pub(crate) ticked: u64,
 }
 
-/// A tree that can be ticked, on the blackboard on which it was built.
+/// A tree that can be ticked, on the blackboard where it was built.
 #[derive(Clone, Debug)]
 pub struct Tree {
     pub(crate) id: Arc<str>,
@@ -131,10 +129,11 @@ pub struct Tree {
 pub struct NodeView<'a> {
     /// Its number in preorder, from 0.
     pub node: NodeId,
-    /// Its path, as BehaviorTree.CPP makes it (`fullPath`): names of subtrees and its own name, joined with `/`. If it has
-    /// no name of its own, or another node has that path, `::` and its UID follow. No two nodes have the same path.
+    /// The path, as in BehaviorTree.CPP (`fullPath`): the names of the subtrees and its own name, joined with `/`. If
+    /// the node has no name of its own, or another node has that path, `::` and its UID follow. No two nodes have the
+    /// same path.
     pub path: &'a str,
-    /// Its name, or that of its kind.
+    /// The node's name, or the name of its kind.
     pub name: &'a str,
     /// The name of its kind; `SubTree` for the use of a tree.
     pub id: &'a str,
@@ -142,18 +141,19 @@ pub struct NodeView<'a> {
     pub kind: NodeKind,
     /// Its class by its number of children; a `SubTree` is a decorator.
     pub family: Family,
-    /// Levels below the root, which has 0; those of subtrees count.
+    /// Levels below the root, which has 0. Levels of subtrees count.
     pub depth: usize,
     /// Where its element begins in the file.
     pub place: SourcePosition,
-    /// Its status after the tick: IDLE where its parent has reset it.
+    /// The status after the tick: IDLE if the parent has reset the node.
     pub after: Status,
-    /// What it returned in the last tick, if it was ticked.
+    /// The status returned in the last tick; `None` if the node was not ticked.
     pub returned: Option<Status>,
 }
 
 impl NodeView<'_> {
-    /// What it returned in the last tick, even if its parent has reset it since; its status, if it was not ticked.
+    /// The status returned in the last tick, even if the parent has reset the node since. If it was not ticked, its
+    /// present status.
     #[must_use]
     pub fn status(&self) -> Status {
         self.returned.unwrap_or(self.after)
@@ -167,13 +167,13 @@ impl Tree {
         &self.id
     }
 
-    /// Ticks the tree once. `since_last` is the time since the last tick: Timeout, Delay, Sleep and `Leaf::elapsed`
-    /// count this time, so that it stands still while the tree is not ticked. After SUCCESS or FAILURE the next tick
+    /// Ticks the tree once. `since_last` is the time since the last tick. Timeout, Delay, Sleep and `Leaf::elapsed`
+    /// count only this time, which stands still while the tree is not ticked. After SUCCESS or FAILURE the next tick
     /// begins a new run.
     ///
     /// # Errors
-    /// If a node cannot be performed: a script that divides by zero, an entry without a value where a number is needed.
-    /// Then the whole tree has been halted.
+    /// If a node cannot be performed, such as a script that divides by zero, or an entry without a value where a number
+    /// is needed. The whole tree has then been halted.
     pub fn tick<L: Leaves>(
         &mut self,
         blackboard: &mut Blackboard,
@@ -218,7 +218,7 @@ impl Tree {
         }
     }
 
-    /// All nodes in preorder, in their state after the last tick.
+    /// All nodes in preorder, with their state after the last tick.
     pub fn nodes(&self) -> impl Iterator<Item = NodeView<'_>> {
         let rows = self.shape.nodes.iter().zip(&self.shape.labels).zip(&self.live);
         rows.zip(0..).map(|(((node, label), live), number)| NodeView {
@@ -235,26 +235,26 @@ impl Tree {
         })
     }
 
-    /// The status of the root: RUNNING between the ticks of a run, else IDLE.
+    /// The status of the root: RUNNING between the ticks of a run, otherwise IDLE.
     #[must_use]
     pub fn status(&self) -> Status {
         self.live[0].status
     }
 
-    /// How often it was ticked, the times before a restart included.
+    /// Number of ticks, including ticks before a restart.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks
     }
 
-    /// The tree's own time: the sum of what its ticks were told.
+    /// The tree's own time: the sum of the times passed to its ticks.
     #[must_use]
     pub const fn clock(&self) -> Duration {
         Duration::from_nanos(self.clock)
     }
 }
 
-/// Saturates after 584 years.
+/// Nanoseconds, at most 584 years.
 pub(crate) fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }

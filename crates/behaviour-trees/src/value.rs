@@ -1,10 +1,10 @@
-//! Values of ports and blackboard entries, their types, and their form in a file. Who may write what where stands in
-//! `blackboard`.
+//! Values of ports and blackboard entries, their types, and their form in a file. `blackboard` decides which values an
+//! entry accepts.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// A square of a floor. The engine compares cells, and nothing else.
+/// A square of a floor. The engine can only compare cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
     /// Its column, the first number in a file.
@@ -13,7 +13,7 @@ pub struct Cell {
     pub y: i32,
 }
 
-/// Longest text of an entry, in bytes: more than any name or sentence, and the end of a script that doubles a text.
+/// Longest text of an entry, in bytes. It is longer than any name or sentence, and stops a script that doubles a text.
 pub const LONGEST_TEXT: usize = 64 * 1024;
 
 /// The value of a port or an entry of the blackboard. Its `Display` is its form in a file.
@@ -25,24 +25,24 @@ pub enum Value {
     Int(i64),
     /// A finite number of 64 bits, never `NaN`.
     Number(f64),
-    /// Any text; in an entry, of [`LONGEST_TEXT`] at most.
+    /// Any text; in an entry, [`LONGEST_TEXT`] bytes at most.
     Text(Arc<str>),
     /// A square of the floor, written `3;4`: column, row.
     Cell(Cell),
 }
 
 named! {
-    /// The type of a port or an entry, by which its text in a file is read.
+    /// The type of a port or an entry. Its text in a file is parsed by this type.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum ValueType {
-        /// No type was given: any value fits, and a text stays one.
+        /// No type was given. Any value fits, and a text stays a text.
         #[default]
         Any = "any",
         /// `true` or `false`, which may also be written as `1` or `0`.
         Bool = "bool",
         /// A whole number of 64 bits, in decimal digits.
         Int = "int",
-        /// A finite number; `inf` and `NaN` are none.
+        /// A finite number; `inf` and `NaN` are not accepted.
         Number = "number",
         /// Any text, with its blanks.
         Text = "text",
@@ -52,8 +52,8 @@ named! {
 }
 
 impl ValueType {
-    /// The type that a model of a leaf names (`type="std::string"`): names of C++ that the graphical editor writes, and
-    /// our own words. An unknown name means `Any`.
+    /// The type that a model of a leaf names (`type="std::string"`): a C++ name that the graphical editor writes, or a
+    /// word of ours. An unknown name means `Any`.
     #[must_use]
     pub fn of_model(name: &str) -> ValueType {
         match name {
@@ -70,13 +70,13 @@ impl ValueType {
 }
 
 impl Value {
-    /// A text, which is copied.
+    /// A text value with a copy of this text.
     #[must_use]
     pub fn text(text: &str) -> Value {
         Value::Text(Arc::from(text))
     }
 
-    /// Its type; never `Any`.
+    /// The type of this value; never `Any`.
     #[must_use]
     pub const fn value_type(&self) -> ValueType {
         match self {
@@ -107,8 +107,7 @@ impl Value {
         }
     }
 
-    /// The same as a value of this type, where nothing is lost by it: texts are read, and numbers may become whole
-    /// ones.
+    /// This value converted to the type, if nothing is lost. Texts are parsed, and numbers may become whole numbers.
     #[must_use]
     pub fn converted(&self, ty: ValueType) -> Option<Value> {
         if ty == ValueType::Any || self.value_type() == ty {
@@ -124,7 +123,7 @@ impl Value {
         }
     }
 
-    /// As `true` or `false`: a number is true unless it is 0, and texts such as `true` are read.
+    /// The value as `true` or `false`. A number is true unless it is 0, and texts such as `true` are parsed.
     #[must_use]
     pub fn as_bool(&self) -> Option<bool> {
         match self {
@@ -139,7 +138,7 @@ impl Value {
         }
     }
 
-    /// As a whole number, if it is one: `true` is 1, and texts are read.
+    /// The value as a whole number, if it is one. `true` is 1, and texts are parsed.
     #[must_use]
     pub fn as_int(&self) -> Option<i64> {
         match self {
@@ -151,7 +150,7 @@ impl Value {
         }
     }
 
-    /// As a number: `true` is 1, and texts are read; `None` for a cell.
+    /// The value as a number. `true` is 1, and texts are parsed; `None` for a cell.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a script counts in doubles, as those of BehaviorTree.CPP do")]
     pub fn as_number(&self) -> Option<f64> {
@@ -164,7 +163,7 @@ impl Value {
         }
     }
 
-    /// As a text, if it is one; other values are not written out.
+    /// The value as a text, if it is one. Other values are not converted.
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {
         match self {
@@ -173,7 +172,7 @@ impl Value {
         }
     }
 
-    /// As a cell, which may be read from a text such as `3;4`.
+    /// The value as a cell. A text such as `3;4` is parsed.
     #[must_use]
     pub fn as_cell(&self) -> Option<Cell> {
         match self {
@@ -187,12 +186,12 @@ impl Value {
     }
 }
 
-/// `None` if the number is infinite or undefined.
+/// A number as a value; `None` if it is infinite or undefined.
 pub(crate) fn finite(number: f64) -> Option<Value> {
     number.is_finite().then_some(Value::Number(number))
 }
 
-/// 2⁵³: up to here a double represents every whole number.
+/// 2⁵³: up to this number a double represents every whole number exactly.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 #[expect(clippy::cast_possible_truncation, reason = "looked at before: whole, and within what a double holds exactly")]
@@ -201,7 +200,7 @@ pub(crate) fn whole(number: f64) -> Option<i64> {
 }
 
 impl fmt::Display for Value {
-    /// The form that it has in a file.
+    /// Writes the value as in a file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Bool(truth) => write!(f, "{truth}"),

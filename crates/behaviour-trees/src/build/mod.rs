@@ -17,8 +17,8 @@ use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Label, Live, MOST_NODES, MOST_TEXT, Node, NodeKind, Shape, Tree};
 use crate::fnv1a;
 
-/// Most nodes and most bytes of attributes of all trees of a file together, each with its subtrees, when the file is
-/// checked: two hundred trees may use one that is as large as a tree may be.
+/// Most nodes, and most bytes of attributes, of all trees of a file together, each with its subtrees, when the file is
+/// checked. Without a limit, two hundred trees could each use a subtree of the largest size.
 const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
@@ -92,7 +92,7 @@ impl Document {
         }
     }
 
-    /// Checks that each tree has an ID of its own, which is not that of a kind of node, and that no other file is
+    /// Checks that each tree has an ID of its own, which is no name of a kind of node, and that no other file is
     /// needed.
     fn whole(&self, catalogue: &Catalogue, findings: &mut Findings) {
         for include in &self.includes {
@@ -111,8 +111,8 @@ impl Document {
         }
     }
 
-    /// Checks all trees of the document as they would be built, including those that the main one does not use. A file
-    /// of several trees needs no main one for this.
+    /// Checks all trees of the document as if they were built, including trees that the main one does not use. For this
+    /// check a file of several trees needs no main one.
     pub fn check(&self, catalogue: &Catalogue, findings: &mut Findings) {
         if self.main.is_some()
             && let Err(fault) = self.main_tree(None)
@@ -178,22 +178,22 @@ struct Builder<'a> {
     scopes: Scopes,
     shape: Shape,
     paths: BTreeSet<Arc<str>>,
-    /// The trees round the node being built, from the outermost.
+    /// The IDs of the trees that contain the node being built, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
     nodes: usize,
     text: usize,
-    /// Hash of everything that the nodes so far say.
+    /// Hash of the elements of all nodes so far.
     fingerprint: u64,
 }
 
 enum FoundNode<'a> {
     Node(NodeKind),
-    /// A control node or decorator that nobody here performs.
+    /// A control node or decorator that the file declares and nobody here performs.
     Declared(&'a Model),
 }
 
-/// Faults go to the findings; an `Err` is one after which the tree cannot be checked any further.
+/// Faults go to the findings. An `Err` is a fault after which the tree cannot be checked any further.
 impl<'a> Builder<'a> {
     fn tree(&mut self, tree: &'a TreeDefinition, scope: usize, prefix: &str) -> Result<(), TreeError> {
         self.open.push(&tree.id);
@@ -227,7 +227,7 @@ impl<'a> Builder<'a> {
             }
         };
         let (family, children) = match kind {
-            // The child of a subtree stands in a tree of its own.
+            // The child of a `SubTree` belongs to another tree.
             NodeKind::BuiltIn(BuiltIn::SubTree) => (Family::Decorator, (0, 0)),
             NodeKind::BuiltIn(kind) => (kind.family(), kind.children()),
             NodeKind::Leaf(_) => (Family::Leaf, (0, 0)),
@@ -322,7 +322,7 @@ impl<'a> Builder<'a> {
         if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
     }
 
-    /// Checks a declared node as any other node is checked, although nobody here performs it.
+    /// Checks a declared node like any other, although nobody here performs it.
     fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
         self.count_children(element, (1, most));
@@ -346,7 +346,7 @@ impl<'a> Builder<'a> {
         self.findings.fault(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }));
     }
 
-    /// BehaviorTree.CPP has the same rule: one asynchronous child would have the other halted in each tick.
+    /// Refuses a second asynchronous child, as BehaviorTree.CPP does: each would have the other halted in each tick.
     fn count_async(&mut self, element: &Element, kind: NodeKind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
         if kind == NodeKind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
@@ -354,7 +354,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Adds an element to the fingerprint: a tree with one other word is another tree.
+    /// Adds an element to the fingerprint: a tree with one changed word is another tree.
     fn note(&mut self, element: &Element) {
         let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
         let words: Vec<String> = attributes.collect();
@@ -362,8 +362,8 @@ impl<'a> Builder<'a> {
         self.fingerprint = fnv1a(&format!("{:x}{said}", self.fingerprint));
     }
 
-    /// The path of a node, as BehaviorTree.CPP makes it, and its name. Where two nodes would have the same path, the
-    /// UID is added.
+    /// The path of a node, as in BehaviorTree.CPP, and its name. If two nodes would have the same path, the UID is
+    /// added.
     fn path<'e>(&mut self, element: &'e Element, prefix: &str, uid: usize) -> (Arc<str>, &'e str) {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let named = format!("{prefix}{name}");

@@ -13,7 +13,7 @@ use crate::value::{Value, ValueType};
 
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
-/// Whether a subtree sees the names outside, except those that begin with `_`.
+/// The attribute with which a subtree sees the names outside, except names that begin with `_`.
 const AUTOREMAP: &str = "_autoremap";
 
 /// Most parties of a barrier: each has an entry, which every tick reads.
@@ -110,8 +110,8 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (PortForm::EntryName, _) => {
-                // With or without braces, the text is the name: a slot cannot be an entry that holds the name of
-                // another. Only braces create the entry, though.
+                // The text is the name, with or without braces: a slot cannot be an entry that holds the name of
+                // another entry. But only braces create the entry.
                 let name = pointer.unwrap_or(text);
                 let slot = match pointer {
                     Some(name) => self.scopes.declare(scope, name, ValueType::Any, self.blackboard),
@@ -152,7 +152,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A barrier has one entry for each of its parties, true when the party has arrived. Its name is that of the node.
+    /// Binds a barrier, which has the name of its node. Each of its parties has an entry, which is true when the party
+    /// has arrived.
     fn bind_barrier(&mut self, element: &Element, kind: BuiltIn) -> Result<(), TreeError> {
         let barrier = element.name.as_deref().unwrap_or(kind.word());
         let mut texts = [None, None];
@@ -206,8 +207,8 @@ impl<'a> Builder<'a> {
                 "_onFailure" => &mut conditions.on_failure,
                 "_onHalted" => &mut conditions.on_halted,
                 "_post" => &mut conditions.post,
-                // Anything else is a note of the editor, unless it resembles a condition: to ignore a misspelt one
-                // would be dangerous.
+                // Any other such attribute is a note of the editor, unless it resembles a condition: ignoring a
+                // misspelt condition would be dangerous.
                 other => {
                     if let Some(reason) = looks_like(other) {
                         self.findings.fault(TreeError::at(attribute.place, reason));
@@ -232,8 +233,8 @@ impl<'a> Builder<'a> {
         script.map_err(|error| TreeError::at(attribute.place, Reason::Script { attribute: attribute.name.clone(), error }))
     }
 
-    /// Opens the scope of a subtree from its `<SubTree>`, and from the model of the tree where that says nothing.
-    /// Returns it with the entries of its own that were given a text.
+    /// Opens the scope of a subtree from its `<SubTree>`; for ports that are missing there, from the model of the tree.
+    /// Returns the scope, and the slots of its own entries that were given a text.
     pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> (usize, Vec<Slot>) {
         let has_autoremap = element.attribute(AUTOREMAP).is_some_and(|attribute| {
             let truth = Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool());
@@ -267,7 +268,8 @@ impl<'a> Builder<'a> {
         (inner, texts)
     }
 
-    /// Binds a name of a subtree to an entry outside, or to a text in an entry of its own, whose slot is returned.
+    /// Binds a name of a subtree to an entry outside. If the value is a text, writes it to an entry of the subtree and
+    /// returns the slot.
     fn outer(&mut self, inner: usize, attribute: &Attribute) -> Option<Slot> {
         if let Some(outside) = pointer(&attribute.name, &attribute.value) {
             self.scopes.remap(inner, &attribute.name, outside);
@@ -280,8 +282,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What a misspelt attribute was probably meant to be: a condition or `_autoremap` with other capitals or underscores,
-/// or one of format 3.
+/// The probable meaning of a misspelt attribute: a condition or `_autoremap` with other capitals or underscores, or an
+/// attribute of format 3.
 fn looks_like(written: &str) -> Option<Reason> {
     if let Some(now) = format_4_name(written) {
         return Some(Reason::Format3 { written: written.to_owned(), now });
@@ -315,7 +317,7 @@ fn given(element: &Element) -> impl Iterator<Item = &Attribute> {
     element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'))
 }
 
-/// The entry that a text names: `{goal}`; `{=}` and `=` stand for the entry with the name of the port.
+/// The entry that a text names, such as `{goal}`. `{=}` and `=` stand for the entry with the name of the port.
 fn pointer<'t>(port: &'t str, text: &'t str) -> Option<&'t str> {
     let text = text.trim_matches(' ');
     if text == "=" {

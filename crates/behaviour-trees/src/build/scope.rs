@@ -1,13 +1,13 @@
-//! Maps names to entries: a subtree has a blackboard of its own, from which names lead out where its `<SubTree>` says
-//! so. This is settled when a tree is built; on the blackboard there are only entries, those of a subtree under its
-//! path.
+//! Maps names to entries. A subtree has a blackboard of its own; its `<SubTree>` may bind names to entries outside.
+//! Names are mapped when a tree is built. The blackboard itself has only entries, and the entries of a subtree stand
+//! under its path.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::blackboard::{Blackboard, Slot, Unfit};
 use crate::value::ValueType;
 
-/// The scopes of a tree and its subtrees; the first is that of the tree itself.
+/// The scopes of a tree and its subtrees; the first one is the scope of the tree itself.
 pub(super) struct Scopes {
     scopes: Vec<Scope>,
     /// Prefix of the names of all entries of subtrees, which separates the trees on one blackboard.
@@ -18,7 +18,7 @@ pub(super) struct Scopes {
 struct Scope {
     parent: usize,
     prefix: String,
-    /// Names in this scope, with their names in the parent.
+    /// Names in this scope, each with its name in the parent scope.
     remapped: BTreeMap<String, String>,
     own: BTreeSet<String>,
     has_autoremap: bool,
@@ -28,7 +28,7 @@ struct Scope {
 impl Scopes {
     pub(super) fn new(id: &str, blackboard: &Blackboard) -> Scopes {
         let is_taken = |root: &str| blackboard.entries().any(|entry| entry.name().starts_with(root));
-        // The same tree twice on one blackboard: the entries of its subtrees are separate.
+        // If the same tree is built twice on one blackboard, the entries of its subtrees are separate.
         let names = std::iter::once(format!("{id}/")).chain((2..).map(|number| format!("{id}#{number}/")));
         let root = names.into_iter().find(|root| !is_taken(root)).unwrap_or_default();
         Scopes { scopes: vec![Scope { is_root: true, ..Scope::default() }], root }
@@ -45,13 +45,13 @@ impl Scopes {
         self.scopes[scope].remapped.insert(inside.to_owned(), outside.to_owned());
     }
 
-    /// Makes a name of this scope stand for an entry of its own, whatever is remapped.
+    /// Makes a name of this scope stand for an entry of its own, even if the name is remapped.
     pub(super) fn own(&mut self, scope: usize, name: &str) {
         self.scopes[scope].own.insert(name.to_owned());
     }
 
-    /// The name on the blackboard of the entry called `name` in this scope. With `@` it is that of the main tree's
-    /// scope.
+    /// The name on the blackboard of the entry called `name` in this scope. A name with `@` is one in the scope of the
+    /// main tree.
     pub(super) fn entry_name(&self, scope: usize, name: &str) -> String {
         if let Some(name) = name.strip_prefix('@') {
             return name.to_owned();
@@ -70,7 +70,7 @@ impl Scopes {
         format!("{}{name}", here.prefix)
     }
 
-    /// Whether a name stands for an entry of this scope's own blackboard, and not for one outside.
+    /// Whether a name stands for an entry of this scope's own blackboard, not for an entry outside.
     pub(super) fn is_own(&self, scope: usize, name: &str) -> bool {
         let here = &self.scopes[scope];
         let leads_out = here.remapped.contains_key(name) || (here.has_autoremap && !name.starts_with('_'));

@@ -1,6 +1,6 @@
 //! Executes scripts. Arithmetic is in doubles, comparisons give 1 or 0, and both sides of `&&` and `||` are always
-//! evaluated, as in BehaviorTree.CPP. Results that it accepts and nobody can use (a division by zero, an undefined
-//! number) are errors here.
+//! evaluated, as in BehaviorTree.CPP. Results that BehaviorTree.CPP accepts but nobody can use (a division by zero, an
+//! undefined number) are errors here.
 
 use super::{Assignment, Comparison, Expression, Infix, Prefix, Script, Trouble, shown, truth_of};
 use crate::blackboard::{Blackboard, Slot};
@@ -117,7 +117,7 @@ fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> 
     }
 }
 
-/// A value as a part of a text: a number of a type with fractions has six digits, as from `std::to_string`.
+/// A value as a part of a text. A number that is not of a whole type has six decimals, as from `std::to_string`.
 fn joined(value: &Value) -> String {
     match value {
         Value::Number(number) => format!("{number:.6}"),
@@ -125,8 +125,8 @@ fn joined(value: &Value) -> String {
     }
 }
 
-/// Compares texts with texts, numbers with numbers, and a text with a number if it is one (`true` and `false` are 1 and
-/// 0).
+/// Compares texts with texts, numbers with numbers, and a text with a number if the text is one (`true` and `false` are
+/// 1 and 0).
 fn compared(comparison: Comparison, left: &Value, right: &Value) -> Result<bool, Trouble> {
     if let (Value::Text(left), Value::Text(right)) = (left, right) {
         return Ok(match comparison {
@@ -163,7 +163,7 @@ fn compared(comparison: Comparison, left: &Value, right: &Value) -> Result<bool,
     })
 }
 
-/// Writes an entry. One that has a value keeps its type.
+/// Writes an entry. An entry with a value keeps its type.
 fn assign(assignment: Assignment, slot: Slot, value: Value, blackboard: &mut Blackboard) -> Result<Value, Trouble> {
     let before = blackboard.value(slot).cloned();
     let value = match (assignment, &before) {

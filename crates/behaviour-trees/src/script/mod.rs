@@ -1,5 +1,5 @@
-//! The language of scripts, that of BehaviorTree.CPP 4: `x := 3; x += 1; done = (x > 3 && name == 'SRM1')`. `token`
-//! splits a text, `parse` builds the expressions, `evaluate` executes them. Entries are looked up when a tree is built.
+//! The script language of BehaviorTree.CPP 4: `x := 3; x += 1; done = (x > 3 && name == 'SRM1')`. `token` splits a
+//! text, `parse` builds the expressions, `evaluate` executes them. Entries are looked up when a tree is built.
 
 mod evaluate;
 mod parse;
@@ -17,18 +17,18 @@ pub(crate) const DEEPEST_EXPRESSION: usize = 64;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Script {
     expressions: Vec<Expression>,
-    /// Indices of the top-level expressions, in their order; at least one.
+    /// Indices of the top-level expressions, in order; at least one.
     statements: Vec<usize>,
 }
 
-/// An expression; operands are indices in the list of expressions.
+/// An expression. Its operands are indices in the list of expressions.
 #[derive(Clone, Debug, PartialEq)]
 enum Expression {
     Literal(Value),
     Entry(Slot),
     Prefix(Prefix, usize),
     Infix(Infix, usize, usize),
-    /// `a < b <= c`: each is compared with the next.
+    /// `a < b <= c`: each operand is compared with the next one.
     Chain(usize, Vec<(Comparison, usize)>),
     /// `a ? b : c`
     Choice(usize, usize, usize),
@@ -85,9 +85,9 @@ enum Comparison {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Assignment {
-    /// `:=`, which makes the entry if there is none.
+    /// `:=`, which creates the entry if it does not exist.
     Create,
-    /// `=`, which needs an entry that is there.
+    /// `=`, which requires an existing entry.
     Existing,
     Plus,
     Minus,
@@ -98,34 +98,34 @@ enum Assignment {
 /// Why a text is not a valid script. Places in it are in bytes, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
-    /// Its length in bytes, which is more than [`LONGEST_SCRIPT`].
+    /// The length of the script in bytes, more than [`LONGEST_SCRIPT`].
     #[error("it is {0} bytes long, and {LONGEST_SCRIPT} is the most")]
     TooLong(usize),
-    /// It is nested deeper than 64 levels: scripts are executed by recursive calls.
+    /// The script is nested deeper than 64 levels: scripts are executed by recursive calls.
     #[error("it is nested deeper than {DEEPEST_EXPRESSION} levels")]
     TooDeep,
-    /// It has no statement; blanks and `;` are none.
+    /// The script has no statement; blanks and `;` are no statements.
     #[error("it is empty")]
     Empty,
-    /// The first thing in the script that does not fit what stands before it.
+    /// The first part of the script that does not fit the part before it.
     #[error("at character {at} there is {found}, and {wanted} should be there")]
     Unexpected {
-        /// Its place in bytes, from 0.
+        /// The place of this part in bytes, from 0.
         at: usize,
-        /// What stands there, cut to the length of a line if it is a value.
+        /// The text at this place. A value is cut to the length of a line.
         found: String,
-        /// What should stand there, in words that an author knows, such as `; or the end`.
+        /// The expected text, in words that an author knows, such as `; or the end`.
         wanted: &'static str,
     },
-    /// The place of an assignment, in bytes, whose left side is no name of an entry.
+    /// The place, in bytes, of an assignment whose left side is no name of an entry.
     #[error("at character {0} something is assigned to what is no entry")]
     NoEntry(usize),
-    /// A name of which the blackboard cannot make an entry.
+    /// A name for which the blackboard cannot create an entry.
     #[error(transparent)]
     Unfit(#[from] Unfit),
 }
 
-/// Why a script could not be executed, as a part of the fault that names its node.
+/// Why a script could not be executed, as a part of the fault of its node.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error("in its script the entry {{{0}}} holds nothing")]
@@ -149,7 +149,7 @@ pub(crate) enum Trouble {
 }
 
 impl Script {
-    /// Parses a script; `slot` looks up the slot of each name, since a tick looks up none.
+    /// Parses a script. `slot` looks up the slot of each name here, so that a tick need not.
     pub(crate) fn parse(text: &str, slot: &mut dyn FnMut(&str) -> Result<Slot, Unfit>) -> Result<Script, ScriptError> {
         if text.len() > LONGEST_SCRIPT {
             return Err(ScriptError::TooLong(text.len()));
@@ -165,14 +165,15 @@ impl Script {
         Ok(last)
     }
 
-    /// Executes it, and returns whether the value of its last statement is true.
+    /// Executes the script, and returns whether the value of its last statement is true.
     pub(crate) fn holds(&self, blackboard: &mut Blackboard) -> Result<bool, Trouble> {
         let value = self.carry_out(blackboard)?;
         truth_of(&value).ok_or_else(|| Trouble::NoTruth(shown(&value)))
     }
 }
 
-/// A value as true or false. BehaviorTree.CPP accepts no texts, only 0 and 1 of whole numbers, and nothing below 0.
+/// A value as true or false; `None` if it is neither. As in BehaviorTree.CPP, texts, whole numbers other than 0 and
+/// 1, and negative numbers are neither.
 fn truth_of(value: &Value) -> Option<bool> {
     match value {
         Value::Bool(truth) => Some(*truth),

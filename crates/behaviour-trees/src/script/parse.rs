@@ -1,6 +1,6 @@
-//! Parses tokens into expressions. Operators bind as in BehaviorTree.CPP, from the loosest: `:= = += -= *= /=`, `? :`,
-//! `&& ||` (alike, from the left), comparisons (in chains), then either `..`, `+ -`, `* /` and `-x`, or `| ^`, `&` and
-//! `!x ~x`: these two groups are mixed with parentheses only.
+//! Parses tokens into expressions. The operators of BehaviorTree.CPP are, from the loosest: `:= = += -= *= /=`, `? :`,
+//! `&& ||` (with equal precedence, from the left), comparisons (in chains), then either `..`, `+ -`, `* /` and `-x`, or
+//! `| ^`, `&` and `!x ~x`. The last two groups can be mixed only with parentheses.
 
 use super::token::{Token, tokens};
 use super::{Assignment, Comparison, DEEPEST_EXPRESSION, Expression, Infix, Prefix, Script, ScriptError};
@@ -26,7 +26,7 @@ const COMPARISONS: Level<Comparison> = &[
     ("<=", Comparison::LessOrEqual),
     (">=", Comparison::GreaterOrEqual),
 ];
-/// From the loosest to the tightest.
+/// Arithmetic operators, from the loosest to the tightest.
 const ARITHMETIC: [Level<Infix>; 3] =
     [&[("..", Infix::Concat)], &[("+", Infix::Plus), ("-", Infix::Minus)], &[("*", Infix::Times), ("/", Infix::Divide)]];
 const BIT_PREFIXES: Level<Prefix> = &[("~", Prefix::Complement), ("!", Prefix::Not)];
@@ -60,7 +60,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// Cannot fail: the list ends with `End`, which is never passed.
+    /// The next token. This cannot fail: the list ends with `End`, which is never passed.
     fn peek(&self) -> &Token {
         &self.tokens[self.next].1
     }
@@ -149,7 +149,7 @@ impl Parser<'_> {
         Ok(if chain.is_empty() { first } else { self.push(Expression::Chain(first, chain)) })
     }
 
-    /// An operand of a comparison: an arithmetic or a bitwise expression, and no mixture of both.
+    /// An operand of a comparison: an arithmetic or a bitwise expression, but no mixture of both.
     fn operand(&mut self) -> Result<usize, ScriptError> {
         let is_bits = self.is_next("~") || self.is_next("!");
         let is_arithmetic = self.is_next("-");
@@ -188,12 +188,12 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    /// A chain of operators is nested to the left, so its length counts as depth.
+    /// Checks a chain of operators. It is nested to the left, so its length counts as depth.
     fn longer(&self, length: usize) -> Result<usize, ScriptError> {
         if self.depth + length >= DEEPEST_EXPRESSION { Err(ScriptError::TooDeep) } else { Ok(length + 1) }
     }
 
-    /// Prefix operators may be repeated; a `+` is allowed only as a part of a number.
+    /// An operand with its prefix operators, which may be repeated. A `+` is allowed only as a part of a number.
     fn number_operand(&mut self) -> Result<usize, ScriptError> {
         let mut minuses = 0;
         while self.take("-") {

@@ -11,13 +11,13 @@ pub(super) enum Token {
     End,
 }
 
-/// All signs; the longer of two with the same beginning stands first.
+/// All signs. Of two signs with the same beginning the longer one stands first.
 const SIGNS: [&str; 29] = [
     ":=", "==", "!=", "<=", ">=", "&&", "||", "+=", "-=", "*=", "/=", "..", "+", "-", "*", "/", "&", "|", "^", "~", "!", "<",
     ">", "=", "?", ":", "(", ")", ";",
 ];
 
-/// All tokens, each with the place of its first character, and an `End` behind them.
+/// All tokens, each with the place of its first character, followed by an `End`.
 pub(super) fn tokens(text: &str) -> Result<Vec<(usize, Token)>, ScriptError> {
     let mut tokens = Vec::new();
     let mut at = 0;

@@ -1,5 +1,5 @@
-//! Nodes with several children. The rules are those of the sources of BehaviorTree.CPP 4, including what is reset when;
-//! comments mark those that surprise.
+//! Nodes with several children. The rules follow the sources of BehaviorTree.CPP 4, including when nodes are reset.
+//! Comments mark surprising rules.
 
 use super::{Faulted, Leaves, Node, Outcome, Status, TreeRun, children};
 use crate::tree::Shape;
@@ -87,7 +87,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// A sequence or a fallback that starts again counts the skipped children from 0.
+    /// Starts a sequence or a fallback again. The skipped children are then counted from 0.
     fn begin(&mut self, at: usize) {
         let live = &mut self.live[at];
         if live.status == Status::Idle {
@@ -96,7 +96,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         live.status = Status::Running;
     }
 
-    /// The reactive ones: every tick begins at the first child, and of the running children only one is left.
+    /// `ReactiveSequence` and `ReactiveFallback`: every tick begins at the first child, and only one of the running
+    /// children goes on.
     pub(super) fn reactive(&mut self, at: usize, node: &Node, end: Status) -> Outcome {
         let shape: &'a Shape = self.shape;
         let mut are_all_skipped = true;
@@ -197,7 +198,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         self.decided(at, node, if has_failed { Status::Failure } else { Status::Success })
     }
 
-    /// The number of children that a threshold means: −1 is all of them, −2 all but one.
+    /// The number of children that a threshold means: −1 is all of them, −2 is all but one.
     fn threshold(&mut self, at: usize, node: &Node, port: usize, count: usize) -> Result<usize, Faulted> {
         let number = self.number(at, node, port)?;
         let all = i64::try_from(count).unwrap_or(i64::MAX);
@@ -242,8 +243,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(said)
     }
 
-    /// The children but the last form a sequence; when one fails, the last follows in the same tick, and its result is
-    /// always a failure. `has_begun`: the node is at the last child.
+    /// All children but the last form a sequence. When one of them fails, the last one follows in the same tick, and
+    /// the result is always a failure. `has_begun`: the node is at the last child.
     pub(super) fn try_catch(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let last = self.last_child(at, node);
@@ -286,7 +287,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// A halt does not wait for a TryCatch: its last child has one tick to clean up.
+    /// Lets a halted TryCatch clean up. A halt does not wait: the last child has only one tick.
     pub(super) fn catch_on_halt(&mut self, at: usize, node: &Node) {
         let is_wanted = self.port(node, 0).and_then(Value::as_bool).unwrap_or(false);
         if !is_wanted || self.live[at].has_begun {
@@ -296,7 +297,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         for child in children(self.shape, at, node).filter(|child| *child < last) {
             self.reset(child);
         }
-        // A fault is reported at the end of the tick; a child that still runs is halted with the others.
+        // A fault is reported at the end of the tick. A child that still runs is halted with the others.
         let _ = self.tick(last);
     }
 
@@ -304,7 +305,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         children(self.shape, at, node).last().unwrap_or(at + 1)
     }
 
-    /// The condition is ticked every time, and the child that it does not choose is halted.
+    /// The condition is ticked every time. The child that is not chosen is halted.
     pub(super) fn while_do_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;
@@ -333,7 +334,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(said)
     }
 
-    /// Ticks the child whose case equals the variable, or the last; another one that was running is halted.
+    /// Ticks the child whose case equals the variable, or the last child if no case does. Another child that was
+    /// running is halted.
     pub(super) fn switch(&mut self, at: usize, node: &Node, cases: usize) -> Outcome {
         let shape: &'a Shape = self.shape;
         let variable = self.port(node, 0);

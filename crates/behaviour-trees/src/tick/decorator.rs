@@ -1,5 +1,5 @@
-//! Nodes with one child, which stands right behind its parent in the row. Their time is the tree's own: the sum of what
-//! its ticks were told.
+//! Nodes with one child, which is the next node in the row. Their time is the tree's own: the sum of the times passed
+//! to its ticks.
 
 use super::{Leaves, Node, Outcome, Status, TreeRun};
 
@@ -29,8 +29,8 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// RetryUntilSuccessful and Repeat: `retried` is the status of the child after which it is ticked again. A child
-    /// that was not running before the tick is not ticked a second time in it, so that a tick always ends.
+    /// RetryUntilSuccessful and Repeat: the child is ticked again after the status `retried`. A child that was not
+    /// running before the tick is ticked only once in it, so that a tick always ends.
     pub(super) fn again(&mut self, at: usize, node: &Node, retried: Status) -> Outcome {
         let child = at + 1;
         let mut most = self.number(at, node, 0)?;
@@ -68,7 +68,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(retried)
     }
 
-    /// Halts the child when it still runs after this many milliseconds; 0 means never.
+    /// Halts the child if it still runs after the time in the port, in milliseconds; 0 means never.
     pub(super) fn timeout(&mut self, at: usize, node: &Node) -> Outcome {
         let limit = self.milliseconds(at, node)?;
         let child = at + 1;
@@ -123,7 +123,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         }
     }
 
-    /// A halt does not reset that it has run, nor the result of its child.
+    /// Ticks the child once. A halt resets neither that it has run nor its result.
     pub(super) fn run_once(&mut self, at: usize, node: &Node) -> Outcome {
         let then_skip = self.port(node, 0).and_then(crate::value::Value::as_bool).unwrap_or(true);
         let live = &mut self.live[at];
@@ -161,7 +161,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// The script is evaluated until it is true, and then again only after the child is done.
+    /// The script is evaluated until it is true. After that it is evaluated again only when the child is done.
     pub(super) fn precondition(&mut self, at: usize) -> Outcome {
         if !self.live[at].has_begun {
             let script = self.script_of(at);

@@ -1,6 +1,6 @@
-//! Nodes that wait for an entry of the blackboard to be written, and loops over a queue. A queue is a text with `;`
-//! between its elements, or behind each; an empty text has no elements. The queues that BehaviorTree.CPP stores in
-//! entries of their own type are not supported.
+//! Nodes that wait until an entry of the blackboard is written, and loops over a queue. A queue is a text with `;`
+//! between its elements, or behind each of them; an empty text has no elements. The queues that BehaviorTree.CPP stores
+//! in entries of a special type are not supported.
 
 use super::{Leaves, Node, Outcome, Status, TreeRun};
 use crate::kind::BuiltIn;
@@ -8,7 +8,7 @@ use crate::leaf::Binding;
 use crate::value::{Value, ValueType};
 
 impl<L: Leaves> TreeRun<'_, L> {
-    /// Ticks the child if the entry was written since the last look; a running child continues without another look.
+    /// Ticks the child if the entry was written since the last check. A running child continues without another check.
     pub(super) fn if_updated(&mut self, at: usize, node: &Node, otherwise: Status) -> Outcome {
         if !self.live[at].has_begun && !self.is_updated(at, node) {
             return Ok(otherwise);
@@ -22,7 +22,8 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(if self.is_updated(at, node) { Status::Success } else { Status::Failure })
     }
 
-    /// `since` is the number of the last write that was seen; a halt does not reset it.
+    /// Whether the entry was written since the last check. `since` is the number of the last write seen; a halt does
+    /// not reset it.
     fn is_updated(&mut self, at: usize, node: &Node) -> bool {
         let Binding::Slot(slot) = self.shape.bindings[node.ports as usize] else { return false };
         let Some(entry) = self.blackboard.entry(slot).filter(|entry| entry.value().is_some()) else { return false };
@@ -37,7 +38,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         let live = &mut self.live[at];
         if live.status == Status::Idle {
             live.has_begun = false;
-            // A queue in the file starts again, that of an entry is used up once.
+            // A queue in the file starts again. A queue in an entry is used up only once.
             live.count = if is_literal { 0 } else { live.count };
         }
         if !live.has_begun {

@@ -1,4 +1,4 @@
-//! Nodes without children: those of the catalogue, which somebody else performs, and the engine's own.
+//! Nodes without children: leaves of the catalogue, which the program performs, and the engine's own.
 
 use std::time::Duration;
 
@@ -57,7 +57,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         (done, leaf.misuse)
     }
 
-    /// Copies an entry, or writes a text. Fails when there is nothing to copy.
+    /// Copies an entry, or writes a text. Fails if there is no value to copy.
     pub(super) fn set_blackboard(&mut self, at: usize, node: &Node) -> Outcome {
         let Some(value) = self.port(node, 0).cloned() else { return Ok(Status::Failure) };
         let Binding::Slot(slot) = self.shape.bindings[node.ports as usize + 1] else {
@@ -105,7 +105,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if self.holds(at, script)? { Status::Success } else { Status::Failure })
     }
 
-    /// The script of a node that has one; the list is in the order of the nodes.
+    /// The script of a node of a kind with scripts. The list is in the order of the nodes.
     pub(super) fn script_of(&self, at: usize) -> &'a Script {
         let shape: &'a Shape = self.shape;
         let number = u32::try_from(at).unwrap_or(u32::MAX);
@@ -113,8 +113,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         &shape.scripts[found.expect("a node of this kind is built with a script")].1
     }
 
-    /// A barrier: a party arrives by its tick, and the barrier opens when all have arrived. The first binding is the
-    /// arriving party, the others are all parties.
+    /// A barrier. A party arrives when it is ticked, and the barrier opens when all have arrived. The first binding is
+    /// the arriving party, and the other bindings are all parties.
     pub(super) fn sync(&mut self, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let first = node.ports as usize;
@@ -123,7 +123,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
             if let Binding::Slot(slot) = binding
                 && self.blackboard.value(*slot) != Some(&Value::Bool(true))
             {
-                // Cannot fail: only barriers write the entry, with this type.
+                // This cannot fail: only barriers write the entry, always with this type.
                 let _ = self.blackboard.put(*slot, Value::Bool(true));
             }
         }

@@ -1,6 +1,6 @@
-//! One tick of a tree, by the rules of BehaviorTree.CPP 4. The parts that all nodes share stand here; the rules of
-//! nodes with several children stand in `control`, of those with one in `decorator`, of leaves in `leaf`, and of nodes
-//! that wait for entries of the blackboard or loop over them in `entries`.
+//! One tick of a tree, by the rules of BehaviorTree.CPP 4. The code shared by all nodes is here. The rules of nodes
+//! with several children stand in `control`, of nodes with one child in `decorator`, of leaves in `leaf`, and of nodes
+//! that wait for entries of the blackboard or loop over a queue in `entries`.
 
 mod control;
 mod decorator;
@@ -21,16 +21,16 @@ use super::status::Status;
 use super::tree::{Live, Node, NodeId, NodeKind, Shape};
 use super::value::Value;
 
-/// Why a tick could not be completed, and at which node. The whole tree has been halted.
+/// Why a tick could not be completed, and at which node. The whole tree was halted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The node that failed first; faults that follow from it are not reported.
+    /// The node that failed first. Faults that follow from this one are not reported.
     pub node: NodeId,
-    /// Its path in the tree, as `NodeView::path` has it.
+    /// Its path in the tree, as in `NodeView::path`.
     pub path: Arc<str>,
     /// Where its element begins in the file.
     pub place: SourcePosition,
-    /// What is wrong with it, in words that follow its path.
+    /// The reason, in words that follow the path.
     pub reason: String,
 }
 
@@ -42,7 +42,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Marks a tick that cannot go on; the reason stands in `TreeRun::fault`.
+/// Marks a tick that cannot continue. The reason stands in `TreeRun::fault`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
@@ -59,7 +59,7 @@ pub(crate) struct TreeRun<'a, L> {
 }
 
 impl<'a, L: Leaves> TreeRun<'a, L> {
-    /// Ticks a node: its conditions, then the node itself, then the scripts that follow.
+    /// Ticks a node: first its conditions, then the node itself, then the scripts that follow its result.
     pub(crate) fn tick(&mut self, at: usize) -> Outcome {
         let shape: &'a Shape = self.shape;
         let node = &shape.nodes[at];
@@ -73,7 +73,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         let live = &mut self.live[at];
         live.returned = said;
         live.ticked = self.number;
-        // A skipped node keeps its state: only its parent is told.
+        // A skipped node keeps its state: SKIPPED is only returned to its parent.
         if said != Status::Skipped {
             live.status = said;
         }
@@ -129,8 +129,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// The status that a node's conditions give it, if any: those for its start when it starts, and `_while` in every
-    /// tick.
+    /// The status that a node's conditions give it, if any. The conditions for its start are checked when it
+    /// starts, and `_while` in every tick.
     fn before(&mut self, at: usize, node: &Node) -> Result<Option<Status>, Faulted> {
         let Some(conditions) = node.conditions else { return Ok(None) };
         let shape: &'a Shape = self.shape;
@@ -175,7 +175,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(())
     }
 
-    /// Halts a node and all that runs below it, and makes it idle.
+    /// Halts a node and all running nodes below it, and makes it idle.
     pub(crate) fn halt(&mut self, at: usize) {
         let shape: &'a Shape = self.shape;
         let node = &shape.nodes[at];
@@ -193,13 +193,13 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         if let Some(conditions) = node.conditions
             && let Some(script) = &shape.conditions[conditions as usize].on_halted
         {
-            // A halt always completes; the fault is reported at the end of the tick.
+            // A halt always completes. The fault is reported at the end of the tick.
             let _ = self.carry_out(at, script);
         }
     }
 
-    /// Resets what a node forgets when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that it has
-    /// run, `Precondition` that its condition held, and a loop its progress in the queue of an entry.
+    /// Resets the state that a node loses when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that
+    /// it has run, `Precondition` that its condition held, and a loop its progress in the queue of an entry.
     fn forget(&mut self, at: usize, kind: BuiltIn) {
         let remembers = matches!(kind, BuiltIn::SequenceWithMemory | BuiltIn::RunOnce | BuiltIn::Precondition);
         if matches!(kind, BuiltIn::Parallel | BuiltIn::ParallelAll) {
@@ -213,7 +213,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// Halts everything that runs, from the root, and then nodes that may run apart from it.
+    /// Halts all running nodes: first from the root, and then nodes that may run apart from it.
     pub(crate) fn halt_all(&mut self) {
         for at in 0..self.live.len() {
             if self.live[at].status == Status::Running {
@@ -275,7 +275,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
     }
 
     fn number(&mut self, at: usize, node: &Node, port: usize) -> Result<i64, Faulted> {
-        // The common case first: a number that stands in the file.
+        // The common case first: the number is a literal in the file.
         if let Some(Value::Int(number)) = self.port(node, port) {
             return Ok(*number);
         }

@@ -1,5 +1,5 @@
-//! Reads the text of a file into a document. What is no XML, or no file of trees, is refused here; the meaning of nodes
-//! is checked in `build`.
+//! Reads the text of a file into a document. A text that is not XML, or not a file of trees, is refused here. The
+//! meaning of nodes is checked in `build`.
 
 use std::cell::Cell;
 
@@ -17,16 +17,16 @@ pub const LONGEST_FILE: usize = 1 << 20;
 /// Most elements of a file, including comments and texts between them: three times as many as a tree may have nodes.
 const MOST_XML_NODES: u32 = 1 << 15;
 
-/// Most trees of a file: each is checked with all that it uses.
+/// Most trees of a file. Each tree is checked with all subtrees that it uses.
 const MOST_TREES: usize = 200;
 
-/// Most models of a file: every element is looked up among them.
+/// Most models of a file. Every element is looked up among them.
 const MOST_MODELS: usize = 500;
 
-/// Maximum number of ports of a model: each use of a leaf binds them all.
+/// Most ports of a model. Each use of a leaf binds them all.
 const MOST_PORTS: usize = 256;
 
-/// Most attributes of an element, more than any node has ports; each is looked up among all.
+/// Most attributes of an element, more than any node has ports. Each attribute is looked up among all.
 const MOST_ATTRIBUTES: usize = 64;
 
 /// Reads the text of a file, of [`LONGEST_FILE`] bytes at most.
@@ -40,7 +40,7 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     Ok(document.expect("a file without a fault is a document"))
 }
 
-/// Reads a file and collects all its faults. A document with faults may be checked further, so that all of them are
+/// Reads a file and collects all its faults. A document with faults can be checked further, so that all faults are
 /// known at once, but neither run nor written. `None` if the rest of the file cannot be read.
 pub fn read_with(text: &str, findings: &mut Findings) -> Option<Document> {
     parsed(text, findings).map_err(|error| findings.fault(error)).ok()
@@ -60,7 +60,7 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
             let what = "elements, comments and texts between them in one file";
             return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
         }
-        // The place stands in front already.
+        // The place is shown in front already, so it is removed from the end of the message.
         let said = error.to_string();
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
         TreeError::at(SourcePosition { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
@@ -68,8 +68,8 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
     XmlReader { xml: &xml, lines, findings }.document()
 }
 
-/// The parser compares each attribute with all others of its element, and each namespace with all in scope: files for
-/// which that would take long are refused before.
+/// Refuses files that would take long to parse: the parser compares each attribute with all others of its element, and
+/// each namespace with all namespaces in scope.
 fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
     let text = lines.text;
     let refuse = |at: usize, reason: Reason| Err(TreeError::at(lines.place(at), reason));
@@ -85,7 +85,7 @@ fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
         let mut attributes = 0;
         at = open + 1;
         while let Some(next) = text[at..].find(['"', '\'', '>']).map(|found| at + found) {
-            // The root may declare prefixes: a schema is named by an attribute with one.
+            // The root may declare prefixes: an attribute with a prefix names the schema.
             let is_refused = |word: &str| word.starts_with("xmlns") && !(is_root && word.starts_with("xmlns:"));
             if text[at..next].split_ascii_whitespace().any(is_refused) {
                 return refuse(open, Reason::Namespace);
@@ -111,8 +111,8 @@ struct Lines<'x> {
     text: &'x str,
     /// Where each line begins, in bytes: searching again for each node would take quadratic time.
     starts: Vec<usize>,
-    /// The latest place that was looked up, in bytes, and its column: most are a little behind it, and a file may be
-    /// one long line.
+    /// The last place that was looked up, in bytes, and its column. The next place is usually a little behind it, and a
+    /// file may be one long line.
     last: Cell<(usize, usize)>,
 }
 
@@ -140,7 +140,7 @@ struct XmlReader<'x, 'f> {
     findings: &'f mut Findings,
 }
 
-/// Faults go to the findings; an `Err` is one after which the file cannot be read on.
+/// Faults go to the findings. An `Err` is a fault after which the file cannot be read any further.
 impl<'x> XmlReader<'x, '_> {
     fn of(&self, node: Node<'_, '_>) -> SourcePosition {
         self.lines.place(node.range().start)
@@ -207,7 +207,7 @@ impl<'x> XmlReader<'x, '_> {
         Ok(document)
     }
 
-    /// A tree without an ID gets the name that BehaviorTree.CPP gives it.
+    /// Reads a tree. A tree without an ID gets the same name as in BehaviorTree.CPP.
     fn tree(&mut self, node: Node<'x, 'x>, nameless: &mut u32) -> Result<TreeDefinition, TreeError> {
         let given = if node.has_attribute("ID") { self.with_id(node) } else { None };
         let (id, notes) = given.unwrap_or_else(|| {
@@ -220,7 +220,7 @@ impl<'x> XmlReader<'x, '_> {
         }
         let root = match children.first() {
             Some(root) => self.element(*root, 0)?,
-            // A stand-in for the missing node, whose fault is reported already.
+            // A stand-in for the missing node. The fault was reported before.
             None => Element { place, ..Element::new("AlwaysSuccess", Vec::new()) },
         };
         Ok(TreeDefinition { id, notes, root, place })
@@ -266,7 +266,7 @@ impl<'x> XmlReader<'x, '_> {
             }
             let (mut ports, mut kept) = (Vec::new(), Vec::new());
             for part in self.elements(child) {
-                // navigation2 has a word of its own for ports that are read and written.
+                // navigation2 uses a different word for ports that are read and written.
                 let word = if name(part) == "bidirectional_port" { Direction::InOut.word() } else { name(part) };
                 match Direction::ALL.into_iter().find(|direction| direction.word() == word) {
                     Some(direction) => ports.extend(self.model_port(part, direction)),
@@ -294,7 +294,7 @@ impl<'x> XmlReader<'x, '_> {
         Some(ModelPort { direction, name: port, notes, text: text(node), place: self.of(node) })
     }
 
-    /// Copies an element with everything in it, whatever it means.
+    /// Copies an element with all its contents, whatever they mean.
     fn kept(&mut self, node: Node<'x, 'x>, depth: usize) -> Result<Kept, TreeError> {
         if depth >= DEEPEST {
             return self.refuse(node, Reason::TooDeep);
@@ -325,7 +325,7 @@ impl<'x> XmlReader<'x, '_> {
         node.attributes().map(attribute).collect()
     }
 
-    /// The elements in an element; comments are ignored, texts are faults.
+    /// The elements in an element. Comments are ignored, and texts are faults.
     fn elements(&mut self, node: Node<'x, 'x>) -> Vec<Node<'x, 'x>> {
         let mut elements = Vec::new();
         for child in node.children() {
