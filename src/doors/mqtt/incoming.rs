@@ -7,10 +7,10 @@ use tokio::io::{AsyncRead, AsyncWrite};
 
 use crate::access::{Access, Caller};
 
-/// The client's input. It is read on the hearing thread.
+/// The client's input, read on the hearing thread.
 pub type ClientReader = Box<dyn AsyncRead + Send + Unpin>;
 
-/// The client's output. It is written on the other threads.
+/// The client's output, written on the other threads.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 pub struct IncomingConnection {

@@ -31,7 +31,7 @@ use hallsweep_core::world::resource::Resource;
 /// Payload on the availability topic while the program runs.
 pub const ONLINE: &str = "online";
 
-/// Payload on that topic when the program does not run: the session's last will, and its last message.
+/// Payload on the availability topic when the program does not run: the session's last will, and its last message.
 pub const OFFLINE: &str = "offline";
 
 /// All times passed in and returned are since the door was made.

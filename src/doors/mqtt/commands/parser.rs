@@ -160,7 +160,7 @@ impl ParsedCommand {
         }
     }
 
-    /// Removes the explanation on the old topics, which a sender who may not give the command does not get.
+    /// Removes the explanation on the old topics: a sender who may not give the command gets none.
     pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }

@@ -26,7 +26,7 @@ struct Topic {
     ours: Publication,
     /// Marks of our messages that have not come back yet, newest first.
     echoes: VecDeque<u64>,
-    /// When our message is to be published again, because another one was received after it.
+    /// When our message is to be published again, because a message of others has replaced it.
     due: Option<Duration>,
     /// Earliest time of the next repetition, by `AGAIN`.
     next: Duration,
