@@ -1,5 +1,5 @@
-//! The driver's handling of the robot's lines: reports for the core, and photos from the bytes that follow a line. What
-//! is sent to the robot stands in `driver`.
+//! The driver's handling of the robot's lines: reports for the core, and photos from the bytes that follow a line. The
+//! lines to the robot stand in `driver`.
 
 use std::time::Duration;
 
@@ -14,10 +14,10 @@ use hallsweep_core::units::{Now, OrderId};
 /// Longest time for which the bytes of an unwanted photo are skipped.
 const UNWANTED: Duration = Duration::from_secs(30);
 
-/// Least time between two reports of readings, so that a sensor that never stops does not fill the journal.
+/// Least time between two reports of readings, so that a sensor that reports all the time does not fill the journal.
 const READINGS: Duration = Duration::from_millis(500);
 
-/// Number of halts in a row that nobody asked for, after which an order has failed.
+/// Number of unrequested halts in a row after which an order fails.
 const UNASKED: u8 = 20;
 
 /// Furthest sight of a camera along a wall and of a sonar ahead, in cells.
@@ -36,7 +36,7 @@ impl LineDriver {
             (_, LinkStage::Down | LinkStage::Greeting(_)) => {}
             (FromRobot::Sonar(cm), LinkStage::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
             (FromRobot::Temperature(celsius), LinkStage::Up(_)) => {
-                // The hottest between two reports is reported.
+                // Of the temperatures between two reports, the highest is reported.
                 if self.has(Part::Thermometer) {
                     self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
                 }
@@ -58,7 +58,7 @@ impl LineDriver {
         (self.sonar.is_some() || self.temperature.is_some()).then_some(self.readings_at)
     }
 
-    /// An answer to any order but the open one is out of date, and ignored.
+    /// Handles an answer to the open order. Any other answer is out of date, and ignored.
     fn answered(&mut self, said: FromRobot) {
         match said {
             FromRobot::Done(seq, ahead) => {
@@ -90,8 +90,8 @@ impl LineDriver {
         }
     }
 
-    /// Counts halts that nobody asked for: a robot that received too little for a moment halts by itself, but after
-    /// `UNASKED` such halts in a row the order fails, since it would never arrive.
+    /// Counts unrequested halts: a robot that received too little for a moment halts by itself. After `UNASKED` such
+    /// halts in a row the order fails, since the robot would never arrive.
     fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
         let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
         let Some(id) = self.close_motion(seq, off_centre) else { return };
@@ -125,8 +125,8 @@ impl LineDriver {
         Some(id)
     }
 
-    /// Begins to receive a photo's bytes. Those of an unwanted one are skipped, so that nothing in them is read as a
-    /// line.
+    /// Begins to receive a photo's bytes. The bytes of an unwanted photo are skipped, so that no part of them is read
+    /// as a line.
     fn expose(&mut self, seq: Seq, length: u32, crc: u32, now: Now) {
         let wanted = self.open.as_ref().filter(|open| seq == self.seq && !open.task.is_motion());
         let until = wanted.map_or(now.since_start + UNWANTED, |open| open.until);

@@ -1,5 +1,5 @@
-//! The checksums of the line protocol: CRC-16 of a line (CCITT, initial value `FFFF`) and CRC-32 of a photo (as in zip
-//! and PNG). Both go bit by bit, without a table, as they do in a microcontroller.
+//! The checksums of the line protocol: CRC-16 of a line (CCITT, initial value `FFFF`) and CRC-32 of a photo (as in
+//! zip and PNG). Both are computed bit by bit, without a table, as in a microcontroller.
 
 /// Checks a line. The exclusive or of NMEA 0183 would not notice the loss of two equal letters, as in `w 77 990`.
 pub(super) fn crc16(bytes: &[u8]) -> u16 {

@@ -1,5 +1,5 @@
 //! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half
-//! second. How robot and program begin stands in `greeting`, the handling of the robot's lines in `answers`.
+//! second. `greeting` begins the link, and `answers` handles the robot's lines.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -16,65 +16,65 @@ use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
-/// Time after which a line without an answer is repeated.
+/// Time after which a line is repeated if it is not answered.
 const REPEATED: Duration = Duration::from_millis(100);
 
-/// Interval of `hello`, which asks the robot who it is: three of them fit into `SILENCE`.
+/// Interval of `hello`, which asks the robot who it is. Three of them fit into `SILENCE`.
 pub(super) const HELLO: Duration = Duration::from_millis(500);
 
-/// Silence after which a robot that was heard counts as gone.
+/// Silence after which a robot whose link is up counts as gone.
 const SILENCE: Duration = Duration::from_millis(1500);
 
-/// Time for the robot's first line. A board that is reset by opening its serial device needs two seconds to start.
+/// Time for the robot's first line. A board that is reset when its serial device is opened needs two seconds to start.
 const AWAKE: Duration = Duration::from_secs(5);
 
 /// Longest pause between two bytes of a photo.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Time for the answer to a halt, after which the connection is given up: a new connection halts the robot too.
+/// Time for the answer to a halt. Then the connection is given up, since a new connection halts the robot too.
 const UNHALTED: Duration = Duration::from_millis(1500);
 
-/// Why a robot that has counted to the last number gets no more orders.
+/// Why a robot that has received the last number gets no more orders.
 pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: switch it off and on";
 
 #[derive(Debug)]
 pub struct LineDriver {
     pub(super) link: LinkStage,
     lines: LineReader,
-    /// An excerpt of a valid line without known meaning, for whoever looks for the reason of a fault.
+    /// An excerpt of a valid line with unknown meaning, to help find the reason of a fault.
     pub(super) not_understood: Option<String>,
     pub(super) picture: Option<Picture>,
     pub(super) open: Option<Open>,
     /// A drawing that is being made in place of a photo, and its deadline.
     drawing: Option<(OrderId, Duration)>,
-    /// The number of the last order, or the one above which orders begin.
+    /// The number of the last order; before the first order, the number above which orders begin.
     pub(super) seq: Seq,
-    /// The last halt line, unless an order was written after it: the number up to which it voids, and its time.
+    /// The last halt line, unless an order was sent after it: the number up to which it voids orders, and its time.
     last_halt: Option<(Seq, Duration)>,
     led: bool,
-    /// Time before which a change of the LED waits for the next `hello`.
+    /// A change of the LED before this time waits for the next `hello`.
     led_at: Duration,
     pub(super) off_centre: OffCentre,
-    /// A distance that was not reported yet; the outer `None` means that there is none.
+    /// A distance that was not reported yet; the outer `None` means that there is no such distance.
     pub(super) sonar: Option<Option<u16>>,
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
     pub(super) unasked: u8,
     pub(super) name: Option<RobotName>,
     pub(super) connected: Duration,
-    /// When the last valid line or piece of a photo came: silence counts from here.
+    /// When the last valid line or piece of a photo came. Silence is counted from this time.
     pub(super) heard: Duration,
     pub(super) hello_at: Duration,
     pub(super) outputs: VecDeque<Output>,
     pub(super) events: VecDeque<RobotEvent>,
-    /// The reason for the missing link that was last reported.
+    /// The last reported reason why there is no link.
     pub(super) told: Option<String>,
 }
 
 #[derive(Debug)]
 pub(super) enum LinkStage {
     Down,
-    /// Connected. Once the robot has said who it is, it is told the number above which orders begin.
+    /// Connected. Once the robot has said who it is, it is sent the number above which orders begin.
     Greeting(Option<Seq>),
     Up(Robot),
 }
@@ -83,7 +83,8 @@ pub(super) enum LinkStage {
 pub(super) struct Robot {
     pub(super) name: RobotName,
     pub(super) parts: Parts,
-    /// The number above which orders begin: a robot that knows it is the same one, and was not switched off.
+    /// The number above which orders begin. A robot that still knows this number is the same one, and was not switched
+    /// off.
     pub(super) from: Seq,
     pub(super) pose: Pose,
 }
@@ -94,7 +95,7 @@ pub(super) struct Open {
     pub(super) task: RobotTask,
     pub(super) until: Duration,
     repeat_at: Duration,
-    /// The order is to be void: the halt is repeated in place of it.
+    /// Whether the order is to be void. The halt is then repeated instead of the order.
     pub(super) is_halted: bool,
     pub(super) is_late: bool,
 }
@@ -196,7 +197,7 @@ impl LineDriver {
         Ok(())
     }
 
-    /// Drops the open order, which will not be answered: nobody knows what became of it.
+    /// Drops the open order, which will not be answered: its outcome is unknown.
     pub(super) fn drop_order(&mut self) {
         let open = self.open.take();
         self.off_centre |= open.is_some_and(|open| open.task.is_motion());
@@ -204,7 +205,7 @@ impl LineDriver {
         self.picture = None;
     }
 
-    /// Ends an order whose deadline has passed: a motion must not begin so late, and a photo is not waited for.
+    /// Ends an order whose deadline has passed: a motion must not begin so late, and a photo is no longer waited for.
     fn expire(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
         if open.task.is_motion() && !open.is_halted {
@@ -244,8 +245,8 @@ impl LineDriver {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }
 
-    /// No `hello` is sent while the bytes of a photo come, so that nothing else is sent between them. Missing bytes are
-    /// noticed by `PAUSE`.
+    /// When to send the next `hello`. None is sent while a photo's bytes arrive, so that the robot need not send
+    /// anything between them. Missing bytes are noticed by `PAUSE`.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
             (LinkStage::Down, _) | (_, Some(_)) => None,
@@ -270,7 +271,7 @@ impl Driver for LineDriver {
         self.link = LinkStage::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
-        // Ends a line of the last program that may have arrived in part.
+        // Ends a line of the last program, of which only a part may have arrived.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);
     }
@@ -316,11 +317,11 @@ impl Driver for LineDriver {
                 self.seq
             }
             _ if matches!(self.link, LinkStage::Down) => return,
-            // A photo goes on: its order has the last number, so only the orders before it are void.
+            // A photo goes on. Its order has the last number, so only the orders before it are void.
             Some(_) => self.seq.before(),
             None => self.voided(),
         };
-        // A flood of STOPs must not fill a slow wire, on which the next order would wait behind its lines.
+        // Many STOPs must not fill a slow wire, since the next order would wait behind their lines.
         let serves = |(voided, said)| voided == voids && now.since_start.saturating_sub(said) < REPEATED;
         if self.last_halt.is_some_and(serves) {
             return;

@@ -1,12 +1,12 @@
-//! A line on the wire: a text, `*`, four capital hex digits of its CRC-16, and a line feed. What the texts mean stands
-//! in `to_robot` and `from_robot`.
+//! A line on the wire: a text, `*`, four capital hex digits of its CRC-16, and a line feed. The meaning of the texts
+//! stands in `to_robot` and `from_robot`.
 
 use super::crc::crc16;
 
-/// Longest line that is read, in bytes, with the check and without the line feed.
+/// Longest line that is read, in bytes, including the check and without the line feed.
 pub const LONGEST: usize = 160;
 
-/// Longest line for the robot without its star and check, in bytes: with them it is 40 bytes.
+/// Longest line for the robot without its star and check, in bytes. Together with them it has 40 bytes.
 pub(super) const LONGEST_FOR_ROBOT: usize = 35;
 
 #[must_use]
@@ -23,7 +23,7 @@ pub struct LineReader {
 }
 
 impl LineReader {
-    /// Takes the next byte. Returns the text of a valid line when the byte ends one.
+    /// Takes the next byte. If the byte ends a valid line, returns the text of the line.
     pub fn take(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' => self.end(),
@@ -51,7 +51,7 @@ impl LineReader {
 
     fn end(&mut self) -> Option<String> {
         let text = if self.is_too_long { None } else { text_of(&self.line) };
-        // Both ends send an empty line to make sure that what follows begins a new one, so it is not counted.
+        // Both ends send an empty line so that the next text begins a new line. Such an empty line is not counted.
         self.passed_over += u64::from(text.is_none() && !self.line.is_empty());
         self.clear();
         text
@@ -60,7 +60,7 @@ impl LineReader {
 
 fn text_of(line: &[u8]) -> Option<String> {
     let line = std::str::from_utf8(line).ok().filter(|line| line.bytes().all(|byte| (b' '..=b'~').contains(&byte)))?;
-    // The first star counts, so that two lines whose line feed was lost never form a valid one.
+    // The first star counts. So two lines with a lost line feed between them never form a valid line.
     let (text, check) = line.split_once('*')?;
     (check == format!("{:04X}", crc16(text.as_bytes()))).then(|| text.to_owned())
 }

@@ -1,5 +1,4 @@
-//! What the robot says to the program: the texts of its lines, written and read. What follows from them is decided in
-//! `driver`.
+//! The lines of the robot to the program: their texts, written and read. `driver` decides what follows from them.
 
 use std::fmt;
 use std::time::Duration;
@@ -12,17 +11,17 @@ use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRobot {
     Hello(Hello),
-    /// A motion is complete, with what the sonar sees of the cells ahead, if it looks so far.
+    /// A motion is complete. The sonar's view of the cells ahead is included if it reaches so far.
     Done(Seq, Option<Ahead>),
     /// A motion met an obstacle at this distance in centimetres.
     Blocked(Seq, Option<u16>, Obstacle),
-    /// A motion was cut short by a halt, or not begun.
+    /// A motion was cut short by a halt, or did not begin.
     Halted(Seq, OffCentre),
     Failed(Seq, Words),
     NoPhoto(Seq, Words),
-    /// A photo with this length in bytes, which follow at once, and this CRC-32.
+    /// A photo of this length in bytes, with this CRC-32. The bytes follow at once.
     Photo(Seq, u32, u32),
-    /// Centimetres to what is ahead.
+    /// Distance to the next obstacle ahead, in centimetres.
     Sonar(Option<u16>),
     Temperature(Celsius),
 }
@@ -32,14 +31,14 @@ pub struct Hello {
     pub name: RobotName,
     pub parts: Parts,
     pub step: Duration,
-    /// How long a turn of 90° takes.
+    /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// How long a photo takes, its bytes included.
+    /// Duration of a photo, including the sending of its bytes.
     pub photo: Duration,
-    /// Where it stands by its own reckoning.
+    /// Where the robot stands by its own reckoning.
     pub stands: Whereabouts,
-    /// The greatest number that it has begun or that was voided; `None`: it was switched on, and has received no
-    /// `from`.
+    /// The greatest number of an order that has begun or was voided; `None` if the robot has received no `from` since
+    /// it was switched on.
     pub last: Option<Seq>,
 }
 
@@ -47,7 +46,7 @@ pub struct Hello {
 pub struct RobotName(String);
 
 impl RobotName {
-    /// Longest name, in bytes: the line has room for no more.
+    /// Longest name, in bytes. A line has no room for more.
     pub const MOST: usize = 24;
 
     #[must_use]
@@ -63,7 +62,7 @@ impl fmt::Display for RobotName {
     }
 }
 
-/// A reason, cut to the room of a line.
+/// A reason, cut to fit into a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Words(String);
 
@@ -193,8 +192,8 @@ fn centimetres(text: &str) -> Option<Option<u16>> {
     if text == "none" { Some(None) } else { number(text).map(Some) }
 }
 
-/// To a tenth of a degree. Accepts digits with a point among them only, and no other form that the standard library
-/// reads.
+/// Parses a temperature, to a tenth of a degree. Only digits, a point and a sign are accepted, and no other form that
+/// the standard library can parse.
 fn temperature(text: &str) -> Option<Celsius> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"-.".contains(&byte));
     let degrees: f64 = is_plain.then(|| text.parse().ok()).flatten()?;
@@ -219,7 +218,7 @@ fn obstacle(words: &[&str]) -> Option<Obstacle> {
         ["wall"] => Some(Obstacle::Wall { left: 0, right: 0 }),
         ["wall", left, right] => Some(Obstacle::Wall { left: number(left)?, right: number(right)? }),
         ["luggage", piece] => Some(Obstacle::Luggage(Piece(number(piece)?))),
-        // A piece that cannot be recognised later is no better than something unknown.
+        // A piece of luggage that cannot be recognised later is no better than an unknown obstacle.
         ["luggage" | "unknown"] => Some(Obstacle::Unknown),
         _ => None,
     }

@@ -1,12 +1,11 @@
-//! The beginning of a link. The robot says who it is and up to which number it has received orders; the program tells
-//! it to halt and to accept orders above the next number; when the robot confirms that number, the link is up.
+//! The beginning of a link. The robot says who it is and up to which number it has received orders. The program tells
+//! it to halt and to accept orders above the next number. When the robot confirms that number, the link is up.
 //!
 //! ```text
 //!   hello ──► ◄── hello ada … last=41
 //!   from 42 ──► ◄── hello ada … last=42     the link is up; the first order is 43
 //! ```
-//! A robot that is switched on knows no number and obeys no order, so that it never goes on with one that it had begun
-//! before.
+//! A robot that is switched on knows no number and obeys no order. So it never continues an order from before.
 
 use std::time::Duration;
 
@@ -18,13 +17,13 @@ use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::Now;
 
-/// Longest time for a cell or a turn; a slower robot counts as standing still.
+/// Longest time for a cell or a turn. A longer time is cut to this one.
 const SLOWEST: Duration = Duration::from_secs(60);
 
-/// Time for the robot to confirm the number above which orders begin; a long photo may be under way.
+/// Time for the robot to confirm the number above which orders begin. A long photo may be under way.
 const GREETED: Duration = Duration::from_secs(60);
 
-/// Furthest coordinate of a robot: no hall has more cells on a side.
+/// Furthest coordinate of a robot. No hall has more cells on a side.
 const FURTHEST: i32 = 2048;
 
 impl LineDriver {
@@ -32,12 +31,12 @@ impl LineDriver {
         self.hello_at = now.since_start + HELLO;
         let words = if let LinkStage::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
         self.say(words);
-        // The LED is repeated as often, since nothing confirms it.
+        // The LED is sent again each time, since the robot does not confirm it.
         self.say_led();
     }
 
-    /// The number up to which a halt voids orders. A robot that is being greeted obeys none up to the number above
-    /// which they begin.
+    /// The number up to which a halt voids orders. A robot that is being greeted obeys no order up to the number above
+    /// which orders begin.
     pub(super) const fn voided(&self) -> Seq {
         match self.link {
             LinkStage::Greeting(Some(from)) => from,
@@ -63,13 +62,13 @@ impl LineDriver {
         }
     }
 
-    /// Why a robot that says this is not the one of the link, or not where that one stood. With a new connection it
-    /// begins anew, wherever it stands then.
+    /// Why this `hello` cannot come from the robot of the link at its known place; `None` if it can. With a new
+    /// connection the robot begins anew, wherever it stands then.
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
-        // The answer to the open order may be lost or still to come, so the robot may already stand where that order
-        // leads.
+        // The answer to the open order may be lost or not have arrived yet. So the robot may already stand at the end
+        // of that order.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
             Some(format!("{name} answers instead of {}: check where it stands", robot.name))
@@ -96,14 +95,14 @@ impl LineDriver {
     }
 
     /// Sends the number above which orders begin. A robot that has received the last number must be switched off and
-    /// on; until then it is asked again.
+    /// on. Until then it is asked again.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
         let is_first = matches!(self.link, LinkStage::Greeting(None));
         self.link = LinkStage::Greeting(from);
         match from {
-            // Only the first time: each answer of the robot leads here, and greeting it again at once would never
-            // pause.
+            // This is done only the first time. Each answer of the robot leads here, and greeting it again at once
+            // would never pause.
             Some(_) if is_first => self.greet(now),
             Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),

@@ -1,5 +1,5 @@
-//! The line protocol, for robots that somebody builds, over TCP or a serial device. `docs/robot-line-protocol.md`
-//! describes it for whoever programs the robot.
+//! The line protocol, for robots that people build themselves, over TCP or a serial device.
+//! `docs/robot-line-protocol.md` describes it for the authors of a robot's program.
 //!
 //! ```text
 //!   Driver of the program             wire              end of the robot
@@ -7,7 +7,8 @@
 //!   driver ◄── from_robot ◄─ frame ◄═════════════ frame ◄── from_robot ◄── robot
 //!          ◄── crc of the bytes of a photo
 //! ```
-//! Both ends are sans-IO. The robot's end knows no simulator: it passes on what it is asked, and sends what it is told.
+//! Both ends are sans-IO. The robot's end knows no simulator: it passes on requests to the robot's body, and sends its
+//! reports.
 
 mod answers;
 mod crc;

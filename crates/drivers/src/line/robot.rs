@@ -1,5 +1,6 @@
-//! The robot's end of the line protocol: which orders begin, what is answered, and when it halts by itself. It reckons
-//! where it stands. It does not know its body, which it asks to move and which reports back.
+//! The robot's end of the line protocol: which orders begin, how they are answered, and when the robot halts by itself.
+//! It reckons where the robot stands. It does not know the robot's body: it asks the body to move, and the body reports
+//! back.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,13 +19,13 @@ use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
 /// Time without a valid line after which a moving robot halts by itself (safety S5).
 const WATCHDOG: Duration = Duration::from_millis(400);
 
-/// Lines and photos that wait for the wire. More are dropped; the important ones are sent again on request.
+/// Lines and photos that wait for the wire. Further ones are dropped; the important lines are sent again on request.
 const WAITING: usize = 32;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyRequest {
     Order(Order),
-    /// Halt, and answer what was under way.
+    /// Halt, and answer the order under way.
     Halt,
     Led(bool),
 }
@@ -33,19 +34,19 @@ pub enum BodyRequest {
 pub struct LineRobot {
     name: RobotName,
     lines: LineReader,
-    /// `None` until the body has reported it: until then nothing is sent.
+    /// The capabilities that the body has reported; `None` until then, and nothing is sent before.
     capabilities: Option<Capabilities>,
     stands: Whereabouts,
-    /// The greatest number that it has begun or that was voided; without one it obeys no order.
+    /// The greatest number of an order that has begun or was voided; without a number the robot obeys no order.
     last: Option<Seq>,
     under_way: Option<UnderWay>,
-    /// The last answer, for repetitions of the order.
+    /// The last answer, which is sent again if the order is repeated.
     answer: Option<(Seq, FromRobot)>,
-    /// The number above which orders are to begin, as soon as nothing is under way.
+    /// The number above which orders are to begin, once no order is under way.
     from: Option<Seq>,
     sonar_cm: Option<u16>,
     ahead: Option<Ahead>,
-    /// When the last valid line came: the watchdog counts from here.
+    /// When the last valid line came. The watchdog counts from this time.
     heard: Duration,
     asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
@@ -59,8 +60,7 @@ struct UnderWay {
 }
 
 impl LineRobot {
-    /// A robot that was just switched on. It sends nothing before its body has reported where it stands and what it can
-    /// do.
+    /// A robot that was just switched on. It sends nothing until its body has reported its place and its capabilities.
     #[must_use]
     pub fn new(name: RobotName) -> LineRobot {
         LineRobot {
@@ -80,7 +80,8 @@ impl LineRobot {
         }
     }
 
-    /// The program is gone, or another takes its place: the robot halts, and reports nothing more about earlier orders.
+    /// The program is gone, or another one takes its place. The robot halts, and reports nothing more about earlier
+    /// orders.
     pub fn handle_lost(&mut self) {
         self.lines = LineReader::default();
         self.outputs.clear();
@@ -89,7 +90,7 @@ impl LineRobot {
 
     pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
         for byte in bytes {
-            // A line that is too long is none of this protocol, and does not let a motion go on.
+            // A line that is too long is not of this protocol, and does not keep a motion going.
             let Some(text) = self.lines.take(*byte).filter(|text| text.len() <= LONGEST_FOR_ROBOT) else { continue };
             self.heard = now.since_start;
             if let Some(said) = ToRobot::parse(&text) {
@@ -136,12 +137,12 @@ impl LineRobot {
         self.asked.pop_front()
     }
 
-    /// The next line or photo to send. The program's lines must be read meanwhile, so that no halt waits for it.
+    /// The next line or photo to send. Read the program's lines meanwhile, so that no halt waits for it.
     pub fn poll_output(&mut self) -> Option<Arc<[u8]>> {
         self.outputs.pop_front()
     }
 
-    /// When it halts by itself unless a line comes, since the start of the run.
+    /// When the robot halts by itself unless a line arrives, since the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.motion().filter(|motion| !motion.is_halted).map(|_| self.heard + WATCHDOG)
@@ -160,7 +161,8 @@ impl LineRobot {
                 self.from = Some(seq);
                 self.begin_above();
                 if self.from.is_some() {
-                    // It stops only later, or a photo goes on: the program must not take it for gone.
+                    // The robot stops only later, or a photo goes on. Meanwhile the program must not think that it is
+                    // gone.
                     self.say_hello();
                 }
             }
@@ -170,7 +172,7 @@ impl LineRobot {
         }
     }
 
-    /// Begins an order, if it is new and nothing else is under way. The program repeats it until it is answered.
+    /// Begins an order if it is new and no other is under way. The program repeats the order until it is answered.
     fn order(&mut self, task: RobotTask, seq: Seq, deadline: Duration, now: Now) {
         if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
             return;
@@ -192,7 +194,7 @@ impl LineRobot {
         self.asked.push_back(BodyRequest::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
-    /// Handles a halt: a motion is answered when the robot stands, and orders up to this number never begin.
+    /// Handles a halt. A motion is answered once the robot stands, and no order up to this number begins any more.
     fn void(&mut self, seq: Seq) {
         if self.motion().is_some() {
             self.halt();
@@ -240,7 +242,7 @@ impl LineRobot {
         }
     }
 
-    /// Sends a photo, which is not stored: the answer to a repeated order says so.
+    /// Sends a photo, which is not stored. If the order is repeated, the answer says so.
     fn send_photo(&mut self, photo: &Photo) {
         let Some(UnderWay { seq, .. }) = self.under_way.take() else { return };
         self.answer = Some((seq, FromRobot::NoPhoto(seq, Words::new("it was sent already, and is lost: order another"))));

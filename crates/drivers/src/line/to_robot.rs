@@ -1,5 +1,4 @@
-//! What the program says to the robot: the texts of its lines, written and read. When each is sent is decided in
-//! `driver`.
+//! The lines of the program to the robot: their texts, written and read. `driver` decides when they are sent.
 
 use std::fmt;
 
@@ -9,11 +8,11 @@ use hallsweep_core::units::Pose;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToRobot {
     Hello,
-    /// Halt; all orders up to this number are void, and new ones begin above it.
+    /// Halt. All orders up to this number are void, and new orders begin above it.
     From(Seq),
     /// An order with its number, and the milliseconds after which the robot halts by itself.
     Order(RobotTask, Seq, u32),
-    /// Halt; all orders up to this number are void.
+    /// Halt. All orders up to this number are void.
     Halt(Seq),
     Led(bool),
 }
@@ -26,7 +25,7 @@ pub enum RobotTask {
     Left,
     /// 90° to the right.
     Right,
-    /// Back to the centre of the cell and the heading of the last completed order.
+    /// Back to the centre of the cell, with the heading of the last completed order.
     Recentre,
     Photo,
 }

@@ -1,5 +1,5 @@
-//! Measures how long a cell takes, by the distances in the page's scene file. That happens once, with the first motion
-//! that is ordered: ahead until something is met, and back.
+//! Measures the time for a cell, with the distances in the page's scene file. This happens once, at the first motion
+//! that is ordered: the robot drives ahead until it meets something, and back.
 
 use std::time::Duration;
 
@@ -8,31 +8,31 @@ use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
 
-/// Shortest way that is measured, in cells: over a shorter one, a single frame of the page matters too much.
+/// Shortest way that is measured, in cells. Over a shorter way, a single frame of the page matters too much.
 const SHORTEST: f64 = 2.0;
 
-/// A page may be slower than it was made for by this factor; one that is even slower, or meets nothing, has another
-/// scene.
+/// Factor by which a page may be slower than it was made for. A page that is even slower, or where nothing is met, has
+/// another scene.
 const SLOWER: f64 = 4.0;
 
-/// Factor by which a step with its first contact (there, back, and there again) takes longer; an order has the time of
-/// three steps at least.
+/// Factor by which a step takes longer at the first contact (there, back, and there again). An order has at least the
+/// time of three steps.
 const CONTACT: f64 = 1.3;
 
-/// Factor by which a motion may take longer because the robot finds out first where it is.
+/// Factor by which a motion may take longer because the robot first finds out where it is.
 const FINDING_OUT: f64 = 1.8;
 
 /// Longest leg, in cells.
 const LEG: f64 = 1.0;
 
 impl VirtualRobot {
-    /// Begins to measure by what stands this many cells ahead of its start.
+    /// Plans a measurement with a thing that stands this many cells ahead of the robot's start.
     pub(super) fn gauge_by(&mut self, ahead: f64) {
         self.gauge = Some(ahead).filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
     }
 
-    /// The longest time of an order of one cell: the first contact is made twice, and measuring comes with the first
-    /// motion.
+    /// The longest time of an order of one cell. The first contact is made twice, and the first motion includes the
+    /// measurement.
     pub(super) fn longest_step(&self) -> Duration {
         let step = self.step + self.margin() * legs(self.step);
         let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
@@ -57,7 +57,7 @@ impl VirtualRobot {
         self.gauge.is_some() && !self.off_centre && self.reckoning.pose() == Pose::START
     }
 
-    /// Whether lengths are counted by a step that is not measured yet.
+    /// Whether lengths are counted with a step that is not measured yet.
     pub(super) fn is_gauging(&self) -> bool {
         let aim = self.task.as_ref().map(|task| task.aim);
         matches!(aim, Some(Aim::Gauge | Aim::Gauged | Aim::Retreat(Then::Gauged) | Aim::Measure(Then::Gauged)))
@@ -77,11 +77,11 @@ impl VirtualRobot {
         self.drive(Heading::South, LEG, false);
     }
 
-    /// Something was met, after this time of driving since the last leg began.
+    /// Handles a contact after this time of driving since the last leg began.
     pub(super) fn gauge_ends(&mut self, driven: Duration) {
         self.gauged += driven;
         if !self.is_met_as_it_should_be() {
-            // Nobody knows that distance; the way back is counted by the assumed length of a step.
+            // The distance is unknown, so the way back is counted with the assumed length of a step.
             self.gauge = Some(self.gauged.div_duration_f64(self.step));
         }
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);
@@ -99,7 +99,7 @@ impl VirtualRobot {
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();
         self.events.push_back(RobotEvent::LinkUp(self.can()));
-        // An order to go back to the centre is complete here.
+        // An order to go back to the centre is now complete.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

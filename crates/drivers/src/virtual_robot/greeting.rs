@@ -1,6 +1,6 @@
-//! Whether a page is open in which the virtual robot stands: the server of the first version greets whoever connects,
-//! when there is one. A page that is closed and opened again has the robot at its start. The later versions do not say
-//! whether there is a page.
+//! Whether a page with the virtual robot is open. If so, the server of the first version greets each new client. When a
+//! page is closed and opened again, the robot is at its start. The later versions do not report whether there is a
+//! page.
 
 use std::time::Duration;
 
@@ -11,17 +11,19 @@ use hallsweep_core::event::{RobotEvent, Whereabouts};
 /// Longest wait for the server's greeting on a new connection.
 pub(super) const GREETING: Duration = Duration::from_secs(1);
 
-/// Connections in a row without a greeting that mean that there is no page: one may be due to a busy server.
+/// Number of connections in a row without a greeting that mean that there is no page. A single one may be due to a busy
+/// server.
 const UNGREETED: u8 = 2;
 
 /// How often to check whether the page is still open, while the robot stands.
 const LOOK: Duration = Duration::from_secs(1);
 
 impl VirtualRobot {
-    /// A page is open. The server says so to all clients when anybody connects, so it need not be news.
+    /// Handles a greeting: a page is open. The server greets all clients whenever one connects, so this need not be
+    /// news.
     pub(super) fn greeted(&mut self) {
         if !self.is_connected {
-            // It came over a connection that is given up.
+            // The greeting came over a connection that was given up.
             return;
         }
         if !self.is_greeted {
@@ -47,25 +49,27 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// The fault asks somebody to open the page anew, and this server does not report whether that was done: the first
-    /// order after the fault is taken as a sign that it was.
+    /// Handles the first order after a fault that asked for the page to be opened anew. This server does not report
+    /// whether this was done, so the order is taken as a sign that it was.
     pub(super) fn is_put_home(&mut self) {
         self.page_opened_anew();
-        // The server may still wait for the end of a move in the closed page, and begin no other.
+        // The server may still wait for the end of a move in the closed page, and begin no other move.
         self.send(Command::Alarm);
         let pose = self.reckoning.pose();
         self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: false }));
         self.answer(|order| RobotEvent::Halted(order, false));
     }
 
-    /// Without a greeting, there is no page or the server is busy: whether it closes the connection tells which.
+    /// Handles a missing greeting. There is no page, or the server is busy: it closes the connection in the former case
+    /// only.
     pub(super) fn not_greeted(&mut self) {
-        // The next connection is made at once.
+        // The next connection is made immediately.
         (self.greeting, self.looked) = (None, self.now.saturating_sub(LOOK));
         self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
     }
 
-    /// A server that works, and closes two connections in a row without a greeting, has no page.
+    /// Handles a closed connection. A server that works, and closes two connections in a row without a greeting, has no
+    /// page.
     pub(super) fn closed(&mut self, by_both: bool) {
         if by_both && !self.is_greeted && !self.is_up {
             self.ungreeted = self.ungreeted.saturating_add(1);
@@ -74,13 +78,13 @@ impl VirtualRobot {
     }
 
     pub(super) fn reconnect(&mut self) {
-        // An alarm on another connection does not count.
+        // An alarm on another connection no longer counts.
         (self.is_connected, self.greeting, self.alarmed) = (false, None, None);
         self.outputs.push_back(Output::Reconnect);
     }
 
-    /// When to check the page although no order is open: it may be closed or opened anew, or another client may have
-    /// taken over the server's messages.
+    /// When to check the page although no order is open. It may have been closed or opened anew, or another client may
+    /// now receive the server's messages.
     pub(super) fn look(&self) -> Option<Duration> {
         let is_idle = self.is_connected && self.task.is_none() && self.greeting.is_none();
         (self.dialect == Dialect::Semicolons && is_idle).then_some(self.looked + LOOK)

@@ -1,5 +1,5 @@
-//! One motion of the virtual robot, from its request to its end. The server does not report the end, or too early, so
-//! each has a time after which it has ended if nothing was met.
+//! One motion of the virtual robot, from its request to its end. The server does not report the end, or reports it too
+//! early. So each motion has a time after which it has ended if nothing was met.
 
 use std::time::Duration;
 
@@ -11,17 +11,17 @@ pub(super) struct Leg {
     pub(super) way: Way,
     pub(super) stage: LegStage,
     pub(super) is_acknowledged: bool,
-    /// Whether a halt has come that it cannot obey: a turn ends by itself, and is not begun again.
+    /// Whether a halt has come that the motion cannot obey. A turn ends by itself, and is not begun again.
     pub(super) is_halted: bool,
-    /// When the server first refused it, and whether an alarm has been sent since to end what the server believes to be
-    /// under way.
+    /// When the server first refused the motion, and whether an alarm was sent since then to end the motion that the
+    /// server believes to be under way.
     pub(super) refused: Option<(Duration, bool)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
-    /// Straight ahead or backwards: its direction, its length in cells and its duration; then the cells left for
-    /// further legs, and the duration of the legs before it.
+    /// Straight ahead or backwards: the direction, the length in cells and the duration; then the cells left for
+    /// further legs, and the duration of the legs before this one.
     Straight { towards: Heading, cells: f64, backward: bool, lasts: Duration, rest: f64, before: Duration },
     /// A quarter turn.
     Turn { left: bool, lasts: Duration },
@@ -29,15 +29,16 @@ pub(super) enum Way {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LegStage {
-    /// It waits for a new connection, which shows that a page is open and that the server's messages come to us.
+    /// The motion waits for a new connection, which shows that a page is open and that the server's messages come to
+    /// us.
     Fresh,
-    /// It was refused because another one was under way, and is tried again at this time.
+    /// The motion was refused because another one was under way. It is tried again at this time.
     Refused(Duration),
-    /// It was handed over, and is not confirmed as sent.
+    /// The motion was handed over for sending, and is not confirmed as sent.
     Queued,
-    /// It was confirmed as sent at this time, since the start of the run.
+    /// The motion was confirmed as sent at this time, since the start of the run.
     Sent(Duration),
-    /// It was cut short after `lasted`; until `until` the report of an earlier contact may come.
+    /// The motion was cut short after `lasted`. Until `until` the report of an earlier contact may come.
     Halting { lasted: Duration, until: Duration },
 }
 
@@ -61,7 +62,7 @@ impl Leg {
         }
     }
 
-    /// Whether the robot may be moving by it.
+    /// Whether the robot may be in this motion.
     pub(super) const fn is_sent(&self) -> bool {
         matches!(self.stage, LegStage::Sent(_) | LegStage::Halting { .. })
     }

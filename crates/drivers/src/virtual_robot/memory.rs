@@ -1,4 +1,5 @@
-//! What the next program must know of the virtual robot, which itself knows nothing: a line of JSON, for a small file.
+//! The state of the virtual robot that the next program needs, since the robot itself stores nothing: a line of JSON,
+//! for a small file.
 
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ use hallsweep_core::units::Heading;
 
 const VERSION: u32 = 1;
 
-/// Longest text that is stored, in characters; longer ones are cut.
+/// Longest text that is stored, in characters. Longer texts are cut.
 const MOST: usize = 300;
 
 #[derive(Serialize, Deserialize)]
@@ -19,7 +20,7 @@ struct Remembered {
     version: u32,
     reckoning: Reckoning,
     step_s: f64,
-    /// The step as the settings or the scene file had it.
+    /// The time of a step in the settings or the scene file.
     step_set_s: f64,
     is_gauged: bool,
     latency_s: Option<f64>,
@@ -30,11 +31,11 @@ struct Remembered {
 }
 
 impl VirtualRobot {
-    /// The robot as the last program, which wrote this, left it. What was under way then has ended by itself, without a
-    /// report.
+    /// The robot as the last program left it, from the line that this program wrote. A motion that was under way then
+    /// has ended by itself, without a report.
     ///
     /// # Errors
-    /// Why what was written cannot be used, in words.
+    /// Why the line cannot be used, in words.
     pub fn remembering(dialect: Dialect, step: Duration, written: &str) -> Result<VirtualRobot, String> {
         let remembered: Remembered = serde_json::from_str(written).map_err(|error| error.to_string())?;
         if remembered.version != VERSION {
@@ -55,7 +56,7 @@ impl VirtualRobot {
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("it says that the robot stands where none can be".to_owned());
         }
-        // A step that was set anew is better knowledge than what was measured.
+        // A step that was set anew is more reliable than a measured one.
         let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
@@ -70,8 +71,8 @@ impl VirtualRobot {
         })
     }
 
-    /// The line to store. A motion under way is stored as one without a report of its end, since it will be that when
-    /// this is read; and nobody will know whether commands on their way have arrived.
+    /// The line to store. A motion under way is stored as one whose end was not reported, which it will be when the
+    /// line is read. It will also be unknown then whether commands on their way have arrived.
     pub(super) fn remembered(&self) -> String {
         let mut left = VirtualRobot {
             reckoning: self.reckoning.clone(),
@@ -79,7 +80,7 @@ impl VirtualRobot {
             off_centre: self.off_centre,
             unheard: self.unheard,
             lost: self.lost.clone(),
-            // So late that a command under way counts as sent long ago.
+            // This time is so late that a command under way counts as sent long ago.
             now: Duration::MAX,
             ..VirtualRobot::new(self.dialect, self.step)
         };

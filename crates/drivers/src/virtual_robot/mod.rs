@@ -1,16 +1,17 @@
-//! The virtual robot of the Bologna laboratory: a page in a browser shows it in a room, and a server joins the page
-//! with programs, over TCP in its first version, over WebSocket in that of 2021. Its protocols stand in `words`, where
-//! it is taken to stand in `reckoning`.
+//! The virtual robot of the Bologna laboratory. A page in a browser shows it in a room, and a server joins the page
+//! with programs, over TCP in its first version, over WebSocket in the version of 2021. The protocols stand in
+//! `words`, and the robot's assumed position in `reckoning`.
 //!
-//! It measures nothing, and of a move it reports at most that it has met something. So its driver counts the time:
+//! The robot measures nothing, and of a move it reports at most that it has met something. So its driver counts the
+//! time:
 //!
 //! ```text
 //!   order ─► [TCP: a new connection] ─► moveForward 330 ─┬─ nothing is heard for 330 ms and a margin ─► done
 //!                                                        └─ collision wallDown ─► blocked; recentred by the time it drove
 //! ```
-//! Over TCP the server sends everything to the client of this machine that connected last, and without a page commands
-//! vanish. Each motion therefore begins with a new connection: the server greets it when a page is open, and its
-//! messages come to us from then on.
+//! Over TCP the server sends all messages to the client of this machine that connected last, and without a page it
+//! drops commands. Each motion therefore begins with a new connection. The server greets it when a page is open, and
+//! its messages come to us from then on.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -41,18 +42,18 @@ pub use room::{Extent, Room, Thing};
 use task::{Aim, OrderTask, Then};
 use words::{Command, Heard, Stream};
 
-/// Duration of a turn: it cannot be halted, so it has to be short (safety S5), and a shorter one looks wrong on the
-/// page.
+/// Duration of a turn. A turn cannot be halted, so it has to be short (safety S5). An even shorter one looks wrong on
+/// the page.
 const TURN: Duration = Duration::from_millis(400);
 
-/// Longest time for a photo: drawing it takes some hundredths of a second, on a machine that may have much else to do.
+/// Longest time for a photo. Drawing takes some hundredths of a second, on a machine that may be busy otherwise.
 const DRAWING: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
-    /// JSON between semicolons over TCP: it reports contacts, and nothing else.
+    /// JSON between semicolons over TCP. The server reports contacts, and nothing else.
     Semicolons,
-    /// JSON messages over WebSocket: it reports the ends of moves, too.
+    /// JSON messages over WebSocket. The server also reports the ends of moves.
     Messages,
 }
 
@@ -60,16 +61,16 @@ pub enum Dialect {
 pub struct VirtualRobot {
     dialect: Dialect,
     reckoning: Reckoning,
-    /// Time for one cell as measured, and as the settings or the scene file have it.
+    /// Time for one cell: the present one, which may be measured, and the one in the settings or the scene file.
     step: Duration,
     step_set: Duration,
-    /// Time from the sending of a move to the report of a contact, without the time of driving; `None` before it was
-    /// measured.
+    /// Time from the sending of a move to the report of a contact, without the time of driving; `None` if it was not
+    /// measured yet.
     latency: Option<Duration>,
     stream: Stream,
     is_connected: bool,
     is_greeted: bool,
-    /// Until when the greeting is waited for.
+    /// The end of the wait for the greeting.
     greeting: Option<Duration>,
     /// When it was last checked whether the server greets.
     looked: Duration,
@@ -78,41 +79,41 @@ pub struct VirtualRobot {
     connected: Duration,
     /// Number of connections in a row without a greeting.
     ungreeted: u8,
-    /// Whether the server works and has no page; when the server has ended, its page may still be there.
+    /// Whether the server works but has no page. When the server has ended, its page may still be there.
     is_page_closed: bool,
     has_server_ended: bool,
-    /// The state of the link as it was reported to the core, with the reason.
+    /// The state of the link that was last reported to the core, with the reason.
     is_up: bool,
     said: Option<String>,
     task: Option<OrderTask>,
-    /// An alarm for a STOP is still to be sent: there is no connection, or a turn is under way, which an alarm would
-    /// leave askew.
+    /// Whether an alarm for a STOP is still to be sent: there is no connection, or a turn is under way, which an alarm
+    /// would leave askew.
     owes_alarm: bool,
-    /// When the last alarm was handed over, if nothing has been sent since.
+    /// When the last alarm was handed over for sending, if nothing was sent after it.
     alarmed: Option<Duration>,
     off_centre: OffCentre,
-    /// Whether the light of the search would be on.
+    /// Whether the LED of the search would blink.
     led: bool,
     unheard: Option<Unheard>,
-    /// Why nobody knows where it stands, until its page is opened anew, and whether the sender of an order was told.
+    /// Why the position is unknown until the page is opened anew, and whether the sender of an order was told.
     lost: Option<String>,
     is_told_lost: bool,
-    /// The name of what it last met from where it stands, if it was reported.
+    /// The name of the last thing that the robot met from its present place, if it was reported.
     met: Option<String>,
-    /// How long it had driven when it met something before the latency was known.
+    /// How long the robot had driven when it met something before the latency was known.
     first_contact: Option<Duration>,
     room: Option<Room>,
-    /// Distance from its start to what stands ahead, in cells, until its step is measured by that.
+    /// Distance in cells from the robot's start to the thing ahead, until the step is measured with it.
     gauge: Option<f64>,
     is_gauged: bool,
     /// Time driven ahead so far while the step is measured.
     gauged: Duration,
-    /// Counter of corrections: each correction adds `FOUND`, each completed step or turn subtracts 1, and beyond
-    /// `ASTRAY` the room is taken to be another one.
+    /// Counter of corrections. Each correction adds `FOUND`, and each completed step or turn subtracts 1. Beyond
+    /// `ASTRAY`, the scene file is taken to be of another room.
     astray: u8,
-    /// Corrections of position since it last entered a new cell.
+    /// Corrections of the position since the robot last entered a new cell.
     wandered: u8,
-    /// When it last came to the end of a step without having met anything.
+    /// When the robot last came to the end of a step without a contact.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
     events: VecDeque<RobotEvent>,
@@ -121,7 +122,7 @@ pub struct VirtualRobot {
 }
 
 impl VirtualRobot {
-    /// A robot that was just put down at home, with an assumed time for a cell.
+    /// A robot at its start, with an assumed time for a cell.
     #[must_use]
     pub fn new(dialect: Dialect, step: Duration) -> VirtualRobot {
         VirtualRobot {
@@ -267,7 +268,7 @@ impl Driver for VirtualRobot {
         }
         match self.dialect {
             Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
-            // This server does not greet; whether a page is open shows when a move ends.
+            // This server does not greet. Whether a page is open shows only when a move ends.
             Dialect::Messages => self.greeted(),
         }
     }
@@ -336,7 +337,7 @@ impl Driver for VirtualRobot {
         self.halt();
     }
 
-    /// It has no LED, but a blinking one means the start of a search, whose map is empty.
+    /// The robot has no LED, but a blinking one means the start of a search with an empty map.
     fn handle_led(&mut self, blinks: bool, _: Now) {
         if blinks && !self.led {
             self.reckoning.begin_search();

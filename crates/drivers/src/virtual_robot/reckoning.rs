@@ -1,12 +1,12 @@
-//! Where the virtual robot is taken to stand. It does not report that: its driver counts the time that it moved, and
-//! corrects itself by the things that it meets, which have names and do not move.
+//! The assumed position of the virtual robot, which does not report its position. Its driver counts the time that it
+//! moved, and corrects the position by the things that the robot meets, which have names and do not move.
 //!
 //! ```text
 //!    cell 6      cell 7      cell 8            a face: where the robot's centre is when it touches this thing, coming this way;
 //!  ┌───────────┬───────────┬─────▓▓▓▓▓▓        met once, its place is known, and the next time it tells how far the reckoning
 //!  │     ·     │     ·  ───┼──►  ▓ wallDown    has drifted
 //! ```
-//! Lengths are in cells, and along a direction they grow that way.
+//! Lengths are in cells. Along a direction, coordinates grow in that direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,23 +14,22 @@ use serde::{Deserialize, Serialize};
 
 use hallsweep_core::units::{Cell, Heading, Pose};
 
-/// Greatest error of the reckoning, in cells: a greater one would put things into the wrong cells.
+/// Greatest error of the reckoning, in cells. A greater error would put things into the wrong cells.
 pub(super) const DRIFT: f64 = 0.45;
 
-/// Most faces that are remembered; a scene has some dozens.
+/// Most faces that are stored; a scene has some dozens.
 const FACES: usize = 4096;
 
-/// Most cells of which it is remembered that the robot stood there: a page of a hundred on a side is a large one.
+/// Most cells that are stored as cells where the robot has stood. A page of a hundred cells on a side is a large one.
 const CELLS: usize = 16_384;
 
 /// Furthest extent of a room, in cells.
 const FURTHEST: i32 = 100_000;
 
-/// Shortest way that tells how fast the robot is, in cells: a frame of its page is a twentieth of a cell.
+/// Shortest way that shows how fast the robot is, in cells. A frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
 
-/// Greatest difference between the way there and back and the way in all, in cells, at which the robot has driven
-/// straight.
+/// Greatest difference in cells between the whole way driven and the net way for the robot to have driven straight.
 const STRAIGHT: f64 = 0.1;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,26 +37,27 @@ pub(super) struct Reckoning {
     /// The cell and heading of the last completed order.
     cell: (i32, i32),
     heading: String,
-    /// Where its centre is: columns to the east and rows to the south of home's.
+    /// Position of the robot's centre, in columns to the east and rows to the south of home.
     at: [f64; 2],
     faces: BTreeMap<String, f64>,
-    /// The name of the face that it has met from each cell and heading.
+    /// The name of the face that the robot has met from each cell and heading.
     contacts: BTreeMap<String, String>,
     stood: BTreeSet<(i32, i32)>,
-    /// The names of things that move, or exist more than once.
+    /// The names of things that move, or that exist more than once.
     #[serde(skip)]
     unfixed: BTreeSet<String>,
-    /// The faces whose places come from the scene file.
+    /// The faces with places from the scene file.
     #[serde(skip)]
     placed: BTreeSet<String>,
-    /// For each axis, whether something was reported since the last known face whose cell is wrong if the reckoning is.
+    /// For each axis, whether a thing was reported since the last known face. If the reckoning is wrong, so is the cell
+    /// of that thing.
     has_news: [bool; 2],
-    /// On each axis, the driving since the robot last met something whose place is known.
+    /// For each axis, the driving since the robot last met a thing whose place is known.
     since: [Option<Since>; 2],
 }
 
-/// Where the robot last met a thing whose place is known, and the way counted since then: `ahead` is net, `driven` the
-/// total, both in cells.
+/// Where the robot last met a thing whose place is known, and the way counted since then, in cells: the net way
+/// `ahead`, and the total way `driven`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Since {
     at: f64,
@@ -70,7 +70,7 @@ struct Since {
 pub(super) struct Drift {
     /// Error in cells.
     pub(super) cells: f64,
-    /// Whether nothing was reported in the meantime that would be wrong.
+    /// Whether nothing was reported since the last known face, so that no report is wrong.
     pub(super) is_harmless: bool,
 }
 
@@ -90,7 +90,8 @@ impl Reckoning {
         }
     }
 
-    /// Back at home in the same room: only the position and the drift begin anew, what is known of the room stays.
+    /// Notes that the robot is back at home in the same room. Only the position and the drift begin anew. The knowledge
+    /// of the room stays.
     pub(super) fn put_home(&mut self) {
         let known = std::mem::replace(self, Reckoning::at_home());
         *self = Reckoning {
@@ -132,7 +133,7 @@ impl Reckoning {
         (self.at[0], self.at[1])
     }
 
-    /// How far ahead of it the centre of this cell is, in this direction; negative when it is behind.
+    /// How far ahead of the robot the centre of this cell is in this direction. Negative if it is behind.
     pub(super) fn way_to(&self, cell: Cell, towards: Heading) -> f64 {
         along([f64::from(cell.x), f64::from(cell.y)], towards) - along(self.at, towards)
     }
@@ -146,8 +147,8 @@ impl Reckoning {
         }
     }
 
-    /// The robot has met this thing, coming this way: that corrects the reckoning, or makes the thing's place known.
-    /// Returns the counted way in proportion to the real one, when that was long enough to tell.
+    /// Notes that the robot has met this thing while it drove in this direction. This corrects the reckoning, or makes
+    /// the thing's place known. Returns the ratio of the counted way to the real way if it was long enough.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
         let Some(name) = name.filter(|name| !self.unfixed.contains(*name)) else { return Ok(None) };
         let key = key(name, towards);
@@ -169,13 +170,13 @@ impl Reckoning {
         if drift.abs() > DRIFT { Err(Drift { cells: drift, is_harmless }) } else { Ok(ratio) }
     }
 
-    /// Forgets what the robot has found out by itself: it may be wrong, or no longer there.
+    /// Forgets the robot's own findings: they may be wrong, or no longer true.
     pub(super) fn doubt(&mut self) {
         self.faces.retain(|face, _| self.placed.contains(face));
         self.contacts.clear();
     }
 
-    /// From here on every cell is news again.
+    /// Notes the start of a search, from which on every cell is new again.
     pub(super) fn begin_search(&mut self) {
         self.stood = BTreeSet::from([self.cell]);
     }
@@ -189,13 +190,13 @@ impl Reckoning {
         self.stood.contains(&(cell.x, cell.y))
     }
 
-    /// How far it drives forward until it touches what it has met from this cell and in this heading before, or, if
-    /// there is no such thing, a wall that is known from elsewhere and may be as long; and whether that is certain.
+    /// Distance to the thing that the robot met before from this cell and in this heading. If there is none, distance
+    /// to a wall that is known from elsewhere and may extend to here. The flag says whether the contact is certain.
     pub(super) fn contact_ahead(&self) -> Option<(f64, bool)> {
         let heading = self.pose().heading;
         let way = |face: &f64| face - along(self.at, heading);
         if let Some(key) = self.contacts.get(&self.contact_key()) {
-            // Where nothing was met although it might have been, nothing is met again.
+            // If nothing was met here although a wall might have been, none will be met again.
             return self.faces.get(key).map(|face| (way(face), true)).filter(|(way, _)| (0.0..1.5).contains(way));
         }
         let begins = format!("{} wall", heading.name());
@@ -203,7 +204,7 @@ impl Reckoning {
         walls.map(|(_, face)| (way(face), false)).find(|(way, _)| (0.0..1.0).contains(way))
     }
 
-    /// Notes that nothing was met in this cell and heading, where a wall might have been.
+    /// Notes that no wall was met from this cell and in this heading, where one might have been.
     pub(super) fn nothing_ahead(&mut self) {
         if self.contacts.len() < FACES {
             self.contacts.insert(self.contact_key(), String::new());
@@ -211,7 +212,7 @@ impl Reckoning {
     }
 
     /// Cells driven to and fro along this axis since the robot last met a thing whose place is known; infinite before
-    /// the first.
+    /// the first contact.
     pub(super) fn driven(&self, heading: Heading) -> f64 {
         self.since[axis(heading)].map_or(f64::INFINITY, |since| since.driven)
     }
@@ -235,7 +236,7 @@ impl Reckoning {
         }
     }
 
-    /// Bounds the coordinate across the direction of travel, in cells.
+    /// Limits the coordinate across the direction of travel to this range, in cells.
     pub(super) fn stand_across(&mut self, towards: Heading, from: f64, to: f64) {
         let across = 1 - axis(towards);
         self.at[across] = self.at[across].clamp(from, to);
@@ -247,12 +248,12 @@ impl Reckoning {
         self.at[across] = self.at[across].clamp(centre - 0.5, centre + 0.5);
     }
 
-    /// Notes that this thing is not met twice in the same place.
+    /// Notes that this thing says nothing about the position, because it moves or exists more than once.
     pub(super) fn pass_over(&mut self, name: &str) {
         self.unfixed.insert(name.to_owned());
     }
 
-    /// After the measurement of a step the robot is back at home, and its position is exact.
+    /// Sets the exact position at home, to which the robot returns after the measurement of a step.
     pub(super) fn set_out_from_home(&mut self) {
         (self.at, self.since) = ([0.0; 2], [None; 2]);
     }
@@ -270,7 +271,7 @@ impl Reckoning {
 }
 
 impl Since {
-    /// The counted way in proportion to the real one, if the robot drove straight from there.
+    /// The ratio of the counted way to the real way, if the robot drove straight from the last contact and far enough.
     fn ratio(self, to: f64) -> Option<f64> {
         let between = (to - self.at).abs();
         let is_straight = self.driven - self.ahead.abs() < STRAIGHT;

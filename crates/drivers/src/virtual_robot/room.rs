@@ -1,8 +1,8 @@
-//! The room as the scene file of the page describes it: where everything stands, and so in which cells the robot can
-//! stand at all. A drift is then found out: nothing is reported that contradicts the room.
+//! The room as the scene file of the page describes it: where everything stands, and thus in which cells the robot can
+//! stand. With it a drift is noticed before anything is reported that contradicts the room.
 //!
-//! Lengths are in cells from the centre of the robot's start, columns to the east and rows to the south, and concern
-//! the robot's centre: it is a point, and things are larger by half of it on each side.
+//! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south. They are
+//! those of the robot's centre: the robot counts as a point, and all things are larger by half the robot on each side.
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
@@ -11,16 +11,16 @@ use hallsweep_core::units::{Cell, Heading};
 /// A thing that stops the robot within this distance of a cell's centre, in cells, does not stand in that cell.
 pub(super) const REACHED: f64 = 0.15;
 
-/// Distance before a thing that the robot meets, at which its centre is free, in cells.
+/// Distance before a thing that the robot meets, in cells, at which the robot's centre must still be free.
 const BEFORE: f64 = 0.2;
 
-/// Greatest distance beside a thing, in cells, at which the robot can meet it, given the error of its place.
+/// Greatest distance to the side of a thing, in cells, at which the robot can meet it, given the error of its position.
 const BESIDE: f64 = 0.2;
 
-/// How many cells to each side are searched for one in which the robot can stand.
+/// Number of cells to each side in which a cell where the robot can stand is searched.
 const ASIDE: i32 = 3;
 
-/// How many cells back are searched for one in which the robot can stand.
+/// Number of cells back in which a cell where the robot can stand is searched.
 const FURTHEST_BACK: u8 = 8;
 
 /// The page's name for the border of the floor.
@@ -28,17 +28,17 @@ pub(super) const BORDER: &str = "floor-border";
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Room {
-    /// Where the robot's centre can be.
+    /// The area in which the robot's centre can be.
     pub floor: Extent,
     pub things: Vec<Thing>,
-    /// The names of things that move, and thus say nothing about the robot's place.
+    /// The names of things that move, and thus do not show the robot's place.
     pub moving: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thing {
     pub name: String,
-    /// Where the robot's centre touches it.
+    /// The area in which the robot's centre would touch the thing.
     pub extent: Extent,
 }
 
@@ -49,7 +49,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Distance of a point within it from the nearest side; negative outside.
+    /// Distance of a point inside the area from the nearest side; negative outside.
     fn depth(&self, (x, y): (f64, f64)) -> f64 {
         (x - self.x.0).min(self.x.1 - x).min(y - self.y.0).min(self.y.1 - y)
     }
@@ -61,7 +61,7 @@ impl Extent {
         }
     }
 
-    /// Coordinate along the direction of travel at which the robot's centre touches it.
+    /// Coordinate along the direction of travel at which the robot's centre touches the thing.
     fn face(&self, towards: Heading) -> f64 {
         match towards {
             Heading::North => -self.y.1,
@@ -73,7 +73,7 @@ impl Extent {
 }
 
 impl Room {
-    /// Whether the name alone says where the thing is.
+    /// Whether the name alone shows where the thing is: it does not move, and no other thing has this name.
     fn is_one(&self, name: &str) -> bool {
         self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
     }
@@ -94,8 +94,8 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
-    /// Whether a robot here has met this thing on the way into a cell in whose centre there is room, or nearly: the
-    /// line on which the robot drives does not tell how far the thing reaches.
+    /// Whether a robot here may have met this thing on the way into a cell with room, or almost room, in its centre:
+    /// the line of the robot's way does not show how far the thing extends.
     fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
@@ -106,15 +106,15 @@ impl Room {
         self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
     }
 
-    /// What a robot that goes this way has met here, when its server does not say it; `None` where it may be a thing
-    /// that moves.
+    /// The thing that a robot driving in this direction has met here, if its server does not name it; `None` if it may
+    /// be a moving thing.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
             return None;
         }
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let along = dx.mul_add(at.0, dy * at.1);
-        // Distance to a thing ahead that can be met at all: the robot has come past everything else.
+        // Distance to a thing ahead that can be met. The robot has already passed all other things.
         let far = |face: f64| {
             let ahead = face - along;
             let before = ahead - BEFORE;
@@ -133,7 +133,7 @@ impl Room {
         near.min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
     }
 
-    /// Distance in cells from the start to the first thing to the south, the direction in which the robot starts.
+    /// Distance in cells from the start to the first thing to the south, where the robot faces at the start.
     pub(super) fn ahead(&self) -> f64 {
         let is_ahead = |extent: &Extent| extent.x.0 <= 0.0 && extent.x.1 >= 0.0 && extent.y.0 > 0.0;
         let faces = self.things.iter().map(|thing| &thing.extent).filter(|extent| is_ahead(extent)).map(|extent| extent.y.0);
@@ -175,12 +175,12 @@ impl VirtualRobot {
         met == BORDER || room.things.iter().any(is_there)
     }
 
-    /// What it has met after this many cells, where its server does not say it.
+    /// The thing that the robot has met after this many cells, if its server does not name it.
     pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
         let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
         let at = match towards {
-            // The counted way means nothing before the step is measured: going north the robot has met what is behind
-            // its start, going south what is ahead of it.
+            // The counted way means nothing before the step is measured. Going north, the robot has met the thing
+            // behind its start; going south, the thing ahead of it.
             Heading::North if self.is_gauging() => (0.0, 0.0),
             Heading::South if self.is_gauging() => (0.0, room.ahead()),
             Heading::North | Heading::East | Heading::South | Heading::West => {
@@ -194,22 +194,23 @@ impl VirtualRobot {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }
 
-    /// Whether what it has met is known to stand elsewhere, so that it cannot be what bars this cell. A thing that
-    /// moves, or was not there when the file was written, may stand anywhere.
+    /// Whether the thing that the robot has met is known to stand elsewhere, so that it cannot bar this cell. A thing
+    /// that moves, or was not there when the file was written, may stand anywhere.
     pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
         room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
-    /// It was counted into a cell in which it cannot stand, and has met nothing: it goes on, for some cells, until it
-    /// does.
+    /// Lets the robot drive on until it meets something, for some cells at most. It was counted, without a contact, into
+    /// a cell in which it cannot stand.
     pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
         self.off_centre = true;
         self.aim(Aim::Touch { is_certain: true, further: 0 });
         self.drive(towards, 1.0, backward);
     }
 
-    /// It has gone on for long, and not met what stands there: it is taken to stand in the last cell before that.
+    /// Takes the robot to stand in the last cell before the thing that it should have met: it has driven on for long
+    /// without a contact.
     pub(super) fn stands_before_it(&mut self) {
         let (back, mut cell) = (self.moves_towards().opposite(), self.reckoning.cell());
         let mut left = FURTHEST_BACK;
@@ -220,7 +221,7 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// Whether it has met a thing beyond the next cell, although by the scene file another thing bars that cell.
+    /// Whether the robot has met a thing beyond the next cell, although another thing bars that cell by the scene file.
     pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
         let next = self.reckoning.pose().cell.ahead(towards);
         let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };
@@ -229,7 +230,7 @@ impl VirtualRobot {
         room.floor.depth(centre) >= -REACHED && room.things.iter().find(is_met).is_none()
     }
 
-    /// The cell to the right or left where it stands now, if one of these columns is free all the way.
+    /// The cell to the right or left in which the robot now stands, if one of these columns is free all the way.
     pub(super) fn column_beside(&mut self, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let (back, right) = (towards.opposite(), towards.right().vector());
@@ -247,8 +248,8 @@ impl VirtualRobot {
         Some(cell)
     }
 
-    /// The cell in which it really stands, after it has met this: where the reckoning has it, or right before or beside
-    /// that; `None` where nobody knows.
+    /// The cell in which the robot really stands after it has met this thing: the reckoned cell, or one right before or
+    /// beside it; `None` if it is unknown.
     pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
@@ -257,7 +258,7 @@ impl VirtualRobot {
             self.reckoning.stand_across(towards, from, to);
         }
         let (cell, back, aside) = (self.reckoning.cell(), towards.opposite(), towards.right().vector());
-        // What it has met may begin before the centre of a cell, so that the robot did not reach that.
+        // The thing may begin before the centre of a cell, so the robot did not reach that centre.
         let is_before = self.reckoning.way_to(cell, towards) > REACHED;
         let cell = if is_before { cell.ahead(back) } else { cell };
         let before = [cell, cell.ahead(back)];

@@ -1,4 +1,5 @@
-//! The steps of an order for the virtual robot, which may have to drive some way of its own before and after it.
+//! The steps of an order for the virtual robot, which may have to drive additional ways before and after the order
+//! itself.
 
 use std::time::Duration;
 
@@ -13,7 +14,7 @@ pub(super) struct OrderTask {
     pub(super) deadline: Duration,
     pub(super) aim: Aim,
     pub(super) leg: Option<Leg>,
-    /// How often something unexpected was met on the way back to the centre.
+    /// Number of unexpected contacts on the way back to the centre.
     pub(super) hindered: u8,
 }
 
@@ -22,22 +23,24 @@ pub(super) enum Aim {
     Step(Pose),
     Turn(Pose),
     Back,
-    /// Back to the centre of its cell, beside which it stands: it turns towards it first, and then faces this way.
+    /// Back to the centre of its cell, beside which the robot stands. It first turns towards the centre, and keeps that
+    /// heading.
     Aside(Pose),
-    /// Forward against what stands there, certainly or maybe, to find out where it is; then back to the centre.
+    /// Forward against a thing that certainly or possibly stands there, to find out where the robot is; then back to
+    /// the centre.
     Touch {
         is_certain: bool,
         further: u8,
     },
     Return,
-    /// Back from the first contact of a step, for as long as it drove, and forward against it again: the time that this
-    /// takes too long is the latency.
+    /// Back from the first contact of a step, for as long as the robot drove, and forward against the same thing again.
+    /// The time by which this takes too long is the latency.
     Retreat(Then),
     Measure(Then),
-    /// Ahead until it meets what the scene has there, and back to its start.
+    /// Ahead until the robot meets the thing of the scene file, and back to its start.
     Gauge,
     Gauged,
-    /// A little ahead, to find out whether a step without a report of its end is complete.
+    /// A little ahead, to find out whether a step is complete whose end was not reported.
     Feel,
     Draw,
 }

@@ -1,22 +1,22 @@
-//! Touching a known thing before an order: a robot that has driven far and faces something whose place is known touches
-//! it to find out where it is.
+//! Touching a known thing before an order. A robot that has driven far and faces a thing whose place is known touches
+//! the thing to find out its own position.
 
 use std::time::Duration;
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 
-/// Cells driven on an axis since the last contact on it, from which on the robot touches what it can.
+/// After this many cells driven on an axis since the last contact on it, the robot touches a thing if it can.
 const FAR: f64 = 3.0;
 
-/// Cells that it goes on, one after the other, when a thing that certainly stands there is not met.
+/// Additional cells that the robot drives, one by one, if a thing that certainly stands there is not met.
 const FURTHER: u8 = 2;
 
-/// Share of the order's time that touching may take, there and back.
+/// Share of the order's time that may be used for touching, there and back.
 const SHARE: f64 = 0.5;
 
 impl VirtualRobot {
-    /// Distance to what it should touch now, if anything, and whether that certainly stands there.
+    /// Distance to the thing that the robot should touch now, if any, and whether the thing certainly stands there.
     pub(super) fn is_to_touch(&self, has: Duration) -> Option<(f64, bool)> {
         let heading = self.reckoning.pose().heading;
         let is_due = !self.off_centre && self.latency.is_some() && self.reckoning.driven(heading) >= FAR;
@@ -38,7 +38,7 @@ impl VirtualRobot {
             return self.go_back();
         }
         if further == FURTHER && self.room.is_some() {
-            // It is not as far as was counted, and no report contradicts the room.
+            // The robot has not come as far as was counted, and no report contradicts the room.
             return self.stands_before_it();
         }
         if further == FURTHER {
@@ -51,7 +51,7 @@ impl VirtualRobot {
 
     pub(super) fn came_back_touched(&mut self) {
         self.off_centre = false;
-        // An order to go back to the centre is complete here.
+        // An order to go back to the centre is now complete.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

@@ -1,7 +1,8 @@
 //! The messages of the virtual robot's server, in both versions: JSON between semicolons over TCP, and JSON messages
-//! over WebSocket. What follows from them is not decided here.
+//! over WebSocket. The reactions to them are not decided here.
 //!
-//! The server ends when a message comes in two pieces or is no JSON, so each is written whole, by `serde_json`.
+//! The server ends if a message comes in two pieces or is not valid JSON. So each message is written whole, by
+//! `serde_json`.
 
 use std::time::Duration;
 
@@ -10,11 +11,11 @@ use serde_json::{Value, json};
 
 use hallsweep_core::words::is_visible;
 
-/// Most bytes stored of a message whose end has not come; nothing that the server sends is nearly as long.
+/// Most bytes stored of an incomplete message. No message of the server is nearly as long.
 const LONGEST: usize = 4096;
 
-/// Longest name of a thing, in letters; the rest is cut, since it stands in a log line, on a drawing and in a small
-/// file.
+/// Longest name of a thing, in letters. The rest is cut, since the name is written in a log line, on a drawing and in a
+/// small file.
 const LONGEST_NAME: usize = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,17 +30,17 @@ pub(super) enum Command {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Heard {
-    /// A page is open, in which the robot stands.
+    /// A page with the robot is open.
     Page,
-    /// It has met something, whose name follows if the server tells it.
+    /// The robot has met something, whose name follows if the server reports it.
     Contact(Option<String>),
-    /// A move has ended, with or without a contact; its name follows if the server tells it.
+    /// A move has ended, with or without a contact. Its name follows if the server reports it.
     Ended(Option<&'static str>),
-    /// A move was refused because another one was under way; its name follows if the server tells it.
+    /// A move was refused because another one was under way. Its name follows if the server reports it.
     Refused(Option<&'static str>),
 }
 
-/// The names of moves. The servers write more behind them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed
+/// The names of moves. The servers append more to them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed
 /// (asynch)`.
 const MOVES: [&str; 4] = ["moveForward", "moveBackward", "turnLeft", "turnRight"];
 
@@ -63,7 +64,7 @@ impl Command {
         }
     }
 
-    /// The form for the server of the first version.
+    /// The message for the server of the first version.
     pub(super) fn between_semicolons(self) -> Vec<u8> {
         let message = match self.ms() {
             Some(ms) => json!({"type": self.word(), "arg": ms}),
@@ -72,7 +73,7 @@ impl Command {
         format!(";{message};").into_bytes()
     }
 
-    /// The form for the server of 2021.
+    /// The message for the server of 2021.
     pub(super) fn as_message(self) -> Vec<u8> {
         json!({"robotmove": self.word(), "time": self.ms().unwrap_or(0)}).to_string().into_bytes()
     }
@@ -103,7 +104,7 @@ impl Stream {
         heard
     }
 
-    /// Drops an incomplete message, since another connection begins.
+    /// Drops an incomplete message, since a new connection begins.
     pub(super) fn begin(&mut self) {
         *self = Stream::default();
     }
@@ -121,13 +122,13 @@ fn typed(message: &[u8]) -> Option<Heard> {
     match r#type.as_str() {
         "webpage-ready" => Some(Heard::Page),
         "collision" => Some(Heard::Contact(arg.get("objectName").and_then(name))),
-        // The sonars stand in the hall and see the robot; it has none of its own.
+        // The sonars stand in the hall and see the robot, which has no sonar of its own.
         _ => None,
     }
 }
 
-/// Reads a message of the server of 2021 and those after it, which differ: a collision has a target or has none, a move
-/// ends with `true` or with `"true"`, a refusal is `"notallowed"` or has that somewhere behind its name.
+/// Reads a message of the server of 2021 or later. The versions differ: a collision may have a target, a move ends with
+/// `true` or with `"true"`, and a refusal is `"notallowed"` or has this word somewhere behind its name.
 pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     let said: Value = serde_json::from_slice(bytes.get(..bytes.len().min(LONGEST))?).ok()?;
     if said.get("collision").is_some_and(|collision| *collision != Value::Bool(false)) {
@@ -145,8 +146,8 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
         return None;
     }
     let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
-    // `false` means a collision, which has a message of its own, or is the result of another move that the server
-    // ascribes to this one.
+    // `false` means a collision, which has a message of its own; or it is the result of another move, which the server
+    // assigns to this one.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 

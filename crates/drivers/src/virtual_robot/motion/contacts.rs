@@ -1,5 +1,5 @@
-//! Contacts of the virtual robot: how far it had driven until then, what that tells about its position, and what is reported to
-//! the core.
+//! Contacts of the virtual robot: how far it had driven before, what the contact shows about its position, and what is
+//! reported to the core.
 
 use std::time::Duration;
 
@@ -10,23 +10,23 @@ use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// Way up to which a contact while feeling is with something that the robot was touching before, in cells.
+/// Longest way in cells after which a contact while feeling is with a thing that the robot touched before.
 const TOUCHED: f64 = 0.12;
 
-/// Time after the end of a step in which a contact is taken to be one of that step, when nothing was met since.
+/// Time after the end of a step in which a contact is taken to belong to that step, if nothing was met since.
 const LATE: Duration = Duration::from_secs(3);
 
 /// Number of contacts allowed on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// Limit of the counter of corrections: after more than four in a row the room is taken to be another one. A completed
-/// step or turn makes good a third of a correction.
+/// Limit of the counter of corrections. After more than four corrections in a row, the scene file is taken to be of
+/// another room. A completed step or turn makes good a third of a correction.
 const ASTRAY: u8 = 4 * FOUND;
-/// What one correction of the position adds to that counter; each completed step or turn subtracts 1.
+/// The amount that one correction of the position adds to that counter; each completed step or turn subtracts 1.
 const FOUND: u8 = 3;
 
-/// Corrections of the position allowed before the robot enters a new cell, so that it does not wander between two places for
-/// ever.
+/// Corrections of the position allowed before the robot enters a new cell. Without this limit it could wander between
+/// two places for ever.
 const WANDERED: u8 = 12;
 
 /// Largest change of the time of a step by one measurement, as a share.
@@ -39,7 +39,7 @@ impl VirtualRobot {
     pub(in super::super) fn contact(&mut self, name: Option<String>) {
         let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
         let (Way::Straight { towards, cells, before, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
-            // Nothing is met in a turn.
+            // The robot meets nothing in a turn.
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
@@ -67,7 +67,7 @@ impl VirtualRobot {
             return self.gauge_ends(driven);
         }
         if aim == Aim::Gauged && is_known {
-            // The way back to the start was longer than was counted.
+            // The way back to the start was longer than counted.
             let _ = self.reckoning.meet(name.as_deref(), towards);
         }
         if !self.is_gauging() && !self.set_right(name.as_deref(), towards) {
@@ -85,7 +85,7 @@ impl VirtualRobot {
             Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
-            // These aims have ended above, or nothing moves.
+            // For these aims the contact was handled above, or nothing moves.
             Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
         }
     }
@@ -111,13 +111,14 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
     }
 
-    /// Whether a step into a cell where the robot has stood before was stopped near its centre by something whose place is
-    /// unknown. Nothing new is there: the robot has come further than was counted, and is taken to stand in the centre.
+    /// Whether a step into a cell where the robot has stood before was stopped near the cell's centre by a thing whose
+    /// place is unknown. Nothing new is there. The robot has come further than counted, and is taken to stand in the
+    /// centre.
     fn has_drifted_into(&mut self, to: Pose, towards: Heading) -> bool {
         let left = self.reckoning.way_to(to.cell, towards);
         let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
         if has {
-            // What was met just now for the first time stands further by the same way.
+            // The place of a thing that was just met for the first time is corrected by the same way.
             let name = self.met.clone();
             self.reckoning.correct(name.as_deref(), towards, left);
             self.off_centre = false;
@@ -125,8 +126,8 @@ impl VirtualRobot {
         has
     }
 
-    /// Begins the measurement of the latency, once, at the first contact: drives back for as long as it drove, and then against
-    /// the thing again.
+    /// Begins the measurement of the latency, once, at the first contact. The robot drives back for as long as it
+    /// drove, and then against the same thing again.
     pub(in super::super) fn retreat(&mut self, driven: Duration, then: Then) {
         self.first_contact = Some(driven);
         self.aim(Aim::Retreat(then));
@@ -142,14 +143,14 @@ impl VirtualRobot {
         self.drive(towards, driven.div_duration_f64(self.step) + FURTHER, backward);
     }
 
-    /// Measures the latency at the second contact with the same thing: its message comes later than the way takes by just this
-    /// time.
+    /// Measures the latency at the second contact with the same thing: the time by which its message comes later than
+    /// the end of the way.
     fn measured(&mut self, before: Duration, since_sent: Duration, towards: Heading, then: Then) {
         let Some(driven) = self.first_contact.take() else { return self.go_back() };
         let latency = (before + since_sent).saturating_sub(driven).min(SLOWEST);
         self.latency = Some(latency);
         self.reckoning.advance(towards, driven.saturating_sub(before).div_duration_f64(self.step));
-        // The way counted at the first contact, with the assumed latency, was wrong by the difference.
+        // The way counted at the first contact, with the assumed latency, was wrong by this difference.
         let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
         match then {
             Then::Met(to) => {
@@ -181,12 +182,12 @@ impl VirtualRobot {
         self.go_back();
     }
 
-    /// Corrects the reckoning by what was met; `false` when it was so wrong that the task has ended.
+    /// Corrects the reckoning after a contact; `false` if the error was so great that the task has ended.
     fn set_right(&mut self, name: Option<&str>, towards: Heading) -> bool {
         match self.reckoning.meet(name, towards) {
             Ok(ratio) => {
                 if let Some(ratio) = ratio {
-                    // Half of the change: the page may have been busy during a single way.
+                    // Only half of the change is made, since the page may have been busy during a single way.
                     let change = 1.0 + (ratio - 1.0).clamp(-STEP_CHANGE, STEP_CHANGE) / 2.0;
                     self.step = self.step.mul_f64(change).clamp(STEPS[0], STEPS[1]);
                 }
@@ -208,7 +209,7 @@ impl VirtualRobot {
         }
     }
 
-    /// The robot has drifted, and nothing was reported that the room contradicts: the room tells where it stands.
+    /// Handles a drift while nothing wrong was reported: the scene file shows where the robot stands.
     fn stand_where_room_says(&mut self, towards: Heading) {
         let met = self.met.clone();
         match self.truly_in(met.as_deref(), towards) {
@@ -217,7 +218,7 @@ impl VirtualRobot {
         }
     }
 
-    /// The robot has passed something that bars its way, so it stands in a column beside the one that was counted.
+    /// Takes the robot to stand in a column beside the counted one, since it has passed a thing that bars the latter.
     fn stand_beside(&mut self, towards: Heading) {
         match self.column_beside(towards) {
             Some(cell) => self.stand_elsewhere(cell),
@@ -226,7 +227,7 @@ impl VirtualRobot {
     }
 
     /// Sets the position to the cell after a large drift. The map stays, because the robot reported nothing wrong
-    /// meanwhile. When this happens too often, the position is given up as lost.
+    /// meanwhile. If this happens too often, the position is given up as lost.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
@@ -267,8 +268,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a contact without a motion: a moving thing has touched the robot, or the message came after a step was taken to be
-    /// complete.
+    /// Handles a contact without a motion: a moving thing has touched the robot, or the message came after a step had
+    /// been taken to be complete.
     fn contact_at_rest(&mut self) {
         if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
             self.lose(LATE_WORD);

@@ -1,5 +1,6 @@
-//! How the virtual robot's motions begin and end, the way back to the centre of its cell, and where the robot stands after a
-//! motion whose end nobody observed, because the link was lost or the program has ended. `contacts` handles what it meets.
+//! How the virtual robot's motions begin and end, the way back to the centre of its cell, and the robot's position
+//! after a motion whose end was not observed, because the link was lost or the program has ended. `contacts` handles
+//! contacts.
 
 use std::time::Duration;
 
@@ -11,16 +12,18 @@ use hallsweep_core::units::{Heading, Pose};
 
 mod contacts;
 
-/// Assumed delay of the message of a contact until it is measured: a frame of the page, and the way to here.
+/// Assumed delay of the message of a contact until it is measured: a frame of the page, and the way of the message to
+/// this program.
 const LATENCY: Duration = Duration::from_millis(30);
 
-/// Distance from the centre of the cell at which the robot counts as centred, in cells: less than a frame of the page moves it.
+/// Distance from the centre of the cell within which the robot counts as centred, in cells: less than it moves in one
+/// frame of the page.
 const CENTRED: f64 = 0.04;
 
 /// Distance that the robot drives ahead to feel whether a step is complete, in cells.
 const FEELS: f64 = 0.3;
 
-/// Upper bound of the measured latency; with a longer one the page has hung.
+/// Upper bound of the measured latency. If it is longer, the page has hung.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 const LATE_WORD: &str = "the word that it had met something came too late";
@@ -31,44 +34,44 @@ pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::fr
 /// Wait after the end of a move for the message of a contact at its very end, in addition to twice the latency.
 const MARGIN: Duration = Duration::from_millis(60);
 
-/// Additional wait after a turn, for a page that is busy: a turn that is not over swallows the next command.
+/// Additional wait after a turn, for a page that is busy. A command that arrives before the end of a turn is lost.
 pub(super) const TURNS_LATE: Duration = Duration::from_millis(120);
 
 /// Wait after the end of a move before the latency is measured: the message of the first contact may take this long.
 const FIRST_MARGIN: Duration = Duration::from_millis(400);
 
-/// Longest leg, so that a robot whose program has died stops within half a second (safety S5). A longer way is driven in several
-/// legs.
+/// Longest leg, so that the robot stops within half a second if its program has died (safety S5). A longer way is
+/// driven in several legs.
 const LONGEST: Duration = Duration::from_millis(450);
 
-/// Longest way that an order moves the robot at once, in cells.
+/// Longest way of one order, in cells.
 const FURTHEST: f64 = 1.5;
 
-/// Delay before a motion is tried again that the server refused because another was under way.
+/// Delay before a motion is tried again that the server refused because another one was under way.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// Time after the first refusal by which no motion of ours is under way any more. Then an alarm ends what the server takes to be
-/// under way.
+/// Time after the first refusal, after which no motion of ours can be under way any more. Then an alarm ends the motion
+/// that the server believes to be under way.
 const FREED: Duration = Duration::from_millis(700);
 
-/// Longest wait for a server that refuses a move, the alarm included.
+/// Longest time in which a server may refuse a move, including the time after the alarm.
 const REFUSED: Duration = Duration::from_millis(1500);
 
 /// Time for which one alarm serves every STOP, unless something was sent after it.
 const ALARM_SERVES: Duration = Duration::from_millis(100);
 
-/// Time after the end of a move within which its acknowledgement must arrive; without one the move was never made.
+/// Time after the end of a move within which its acknowledgement must arrive. Without one the move was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
-/// Distance beside the centre of the cell that is not corrected, in cells: within it the robot meets nothing that is not in its
-/// way.
+/// Distance beside the centre of the cell that is not corrected, in cells. Within this distance the robot meets only
+/// things that are in its way.
 const BESIDE: f64 = 0.15;
 
-/// Time after sending a move within which a lost link may have been lost before the robot received the move. It is longer where
-/// the server is slow.
+/// Time after sending a move in which the link may have been lost before the robot received the move. The time is
+/// longer for a slow server.
 const BEGUN: Duration = Duration::from_millis(10);
 
-/// Advice when only the position is lost, and the map is right.
+/// Advice when only the position is lost, but the map is right.
 const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
 
 /// Advice when the map may be wrong as well.
@@ -78,8 +81,8 @@ const BEGIN_ANEW: &str =
 /// Advice added where a scene file would have helped.
 const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
 
-/// A step of which the end was not observed: its direction, its length in cells, and how far the robot has felt ahead since, in
-/// cells.
+/// A step whose end was not observed: its direction, its length in cells, and how far the robot has felt ahead since,
+/// in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unheard {
     pub(super) towards: Heading,
@@ -131,7 +134,7 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// When the leg ends, or the next thing about it is due, if nothing is received before.
+    /// When the leg ends, or its next action is due, if nothing is received before.
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
@@ -198,7 +201,7 @@ impl VirtualRobot {
         self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
     }
 
-    /// Whether the leg was handed over for sending, and is not confirmed as sent.
+    /// Whether the leg was handed over for sending, but is not confirmed as sent.
     fn is_on_its_way(&self) -> bool {
         let is_queued = self.leg().is_some_and(|leg| leg.stage == LegStage::Queued);
         is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
@@ -247,7 +250,8 @@ impl VirtualRobot {
                 self.go_back();
             }
             Aim::Measure(Then::Met(_)) if self.room.is_some() => self.stands_before_it(),
-            // The thing that was met from here is not met again: the robot stands elsewhere, or met it elsewhere.
+            // A thing that was met from here is not met again. So the robot stands elsewhere, or met the thing from
+            // elsewhere.
             Aim::Measure(Then::Met(_)) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
@@ -269,12 +273,14 @@ impl VirtualRobot {
     pub(super) fn acknowledged(&mut self, name: Option<&str>) {
         let Some(leg) = self.leg_mut().filter(|leg| leg.is_sent()) else { return };
         let word = leg.command().word();
-        // The acknowledgement of an earlier move that a contact cut short comes late, under the name of that move.
+        // A contact may have cut an earlier move short. The acknowledgement of that move comes late, under its own
+        // name.
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    /// Handles a refusal. Every client receives all refusals: this one is ours when it names our command and comes soon after
-    /// that was sent. The move that the server takes to be under way ends soon, or by an alarm, or the order fails.
+    /// Handles a refusal. Every client receives all refusals: this one is ours if it names our command and comes soon
+    /// after the command. The move that the server believes to be under way ends soon, or by an alarm; otherwise the
+    /// order fails.
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
@@ -306,8 +312,9 @@ impl VirtualRobot {
         }
     }
 
-    /// Sends an alarm whatever the robot is thought to do, except in a turn: in some versions of the page no alarm halts a turn,
-    /// and in others it leaves the robot askew. Then the alarm is sent when the turn is over. A drawing is no motion.
+    /// Sends an alarm whatever the robot is thought to do, except in a turn. In some versions of the page no alarm
+    /// halts a turn, and in others an alarm leaves the robot askew. So the alarm is sent after the turn. A drawing is
+    /// no motion.
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
@@ -315,7 +322,7 @@ impl VirtualRobot {
             (LegStage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
-                // The memory for the next program changes with it.
+                // This changes the memory for the next program.
                 self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = LegStage::Halting { lasted, until };
@@ -350,7 +357,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Adds this way, in cells, to the reckoning, or to what was felt ahead when the end of the last step was not observed.
+    /// Adds this way, in cells, to the reckoning. If the end of the last step was not observed, adds it to the way that
+    /// was felt ahead.
     pub(super) fn moved(&mut self, towards: Heading, cells: f64) {
         self.first_contact = None;
         match &mut self.unheard {
@@ -392,8 +400,8 @@ impl VirtualRobot {
         if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
     }
 
-    /// A scene file may show that the robot stands beside the centre as well. The robot must not meet what lies there, so it
-    /// turns towards the centre, and keeps that heading.
+    /// A scene file may show that the robot also stands to the side of the centre. The robot must not meet things
+    /// there, so it turns towards the centre, and keeps that heading.
     fn turn_aside(&mut self) {
         let Pose { cell, heading } = self.reckoning.pose();
         let right = self.reckoning.way_to(cell, heading.right());
@@ -426,14 +434,14 @@ impl VirtualRobot {
         self.answer(RobotEvent::Done);
     }
 
-    /// Gives up the position, and the map: things may have been reported of the wrong cells.
+    /// Gives up the position and the map: things may have been reported for the wrong cells.
     pub(super) fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
         let advice = if self.room.is_none() { WITH_SCENE } else { "" };
         self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
     }
 
-    /// Gives up the position. The map is right.
+    /// Gives up only the position: the map is right.
     pub(super) fn lose_sight(&mut self, words: &str) {
         self.fail_lost(format!("{words}. {PUT_HOME}"));
     }
@@ -452,8 +460,8 @@ impl VirtualRobot {
         self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
     }
 
-    /// Handles a motion against a thing that ended unobserved. Forward, the robot stops at that thing, whose place is known; what
-    /// is behind the robot is unknown.
+    /// Handles a motion against a thing when its end was not observed. Forward, the robot stops at that thing, whose
+    /// place is known. The space behind the robot is unknown.
     fn left_against_something(&mut self, backward: bool) {
         let heading = self.reckoning.pose().heading;
         match self.reckoning.contact_ahead() {
@@ -462,8 +470,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a motion under way when the link is lost or the program has ended: the motion ends by itself, and nobody observes
-    /// how. On the way back and in a turn nothing is met.
+    /// Handles a motion under way when the link is lost or the program has ended. The motion ends by itself,
+    /// unobserved. On the way back and in a turn nothing is met.
     pub(super) fn leave_unheard(&mut self) {
         let is_on_its_way = self.is_on_its_way();
         self.forget_unsent();
