@@ -54,7 +54,7 @@ impl Family {
 /// Most luggage that can be asked for, in percent; with more, hardly any cell can be reached.
 const MOST_LUGGAGE: u8 = 30;
 
-/// The families that are one word; the others are luggage in a percentage of the cells, such as `luggage-10`.
+/// The families that are one word. All others are luggage in a percentage of the cells, such as `luggage-10`.
 const NAMED: [(&str, Family); 6] = [
     ("empty", Family::Luggage(0.0)),
     ("walls", Family::Walls),

@@ -1,5 +1,5 @@
-//! How often a forecast of the remaining search time holds. It is tested at every moment of a search, each moment
-//! weighed by its duration, on random halls that were not used to set its bounds.
+//! How often a forecast of the remaining search time holds. The forecast is tested at every moment of a search, each
+//! moment weighed by its duration, on random halls that were not used to set its bounds.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;

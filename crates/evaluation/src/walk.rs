@@ -31,11 +31,12 @@ pub struct Walk {
     pub moves: Moves,
     pub visited: usize,
     pub found: usize,
-    /// Sum over all luggage found of the moves before it.
+    /// Sum over all pieces of luggage found: the number of moves before each was found.
     pub found_after: u64,
     /// Number of cells and pieces whose content is known.
     pub known: usize,
-    /// Sum over these cells of the moves before each was known: a piece that stood there would have been found then.
+    /// Sum over these cells: the number of moves before each was known, since a piece that stood there would have been
+    /// found then.
     pub known_after: u64,
     /// Every cell in which the robot stood, one after the other, if the caller wants it.
     pub trail: Option<Vec<Cell>>,
@@ -234,7 +235,7 @@ impl Walk {
         }
     }
 
-    /// Looks along the front sonar; a robot without one has 0 cells of sight.
+    /// Looks along the front sonar; a robot without a sonar sees 0 cells.
     fn look_ahead(&mut self, ground: &Ground) {
         let mut cell = self.pose.cell;
         for _ in 0..self.terms.sonar_cells {

@@ -13,7 +13,7 @@ use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// A piece that is lifted stands nowhere; one that is set down stands where it was held.
+    /// A lifted piece stands nowhere; a piece that is set down stands where it was held.
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         let before = std::mem::replace(&mut known.arm, arm);

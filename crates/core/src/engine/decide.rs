@@ -106,8 +106,8 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    // The piece may be in front of another robot than the one that photographed it, so the pose is
-                    // compared.
+                    // The robot that photographed the piece may have been replaced by another robot, which stands
+                    // elsewhere.
                     let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
                     let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
                     forbids(!is_before || !is_open, Refused::NotInspected(id))

@@ -1,6 +1,6 @@
-//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out,
-//! and a snapshot can be taken at any time. No clock, no I/O: `now` is an argument, and whoever polls the effects
-//! performs them.
+//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out; a
+//! snapshot can be taken at any time. The engine has no clock and no I/O: `now` is an argument, and whoever polls the
+//! effects performs them.
 //!
 //! ```text
 //!   handle_command ─┐                      ┌─ acts ── world, holds, records
@@ -143,7 +143,7 @@ impl Engine {
         self.handle_many(request, 1, now)
     }
 
-    /// Handles `count` stops of one sender at once; `last` is the last of them, and they get one answer.
+    /// Handles `count` stops of one sender at once. `last` is the last of these stops; all of them get one answer.
     ///
     /// # Errors
     /// As for any command; a stop is never refused.

@@ -3,7 +3,7 @@
 //! adds them.
 //!
 //! ```text
-//!   the state after each input ─► StateView, with the last entry written so far ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
+//!   the state after each input ─► StateView and last written entry ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
 //! ```
 
 use std::collections::VecDeque;
@@ -57,7 +57,7 @@ pub(super) struct OnRecord {
     ahead: VecDeque<(Seq, StateView)>,
     /// The revision and the entry at the last look. If both are the same now, nothing has changed since.
     looked: (Revision, Seq),
-    /// Nothing is shown before this entry is in the store, because something before it was lost.
+    /// Nothing is shown before this entry is in the store, because an earlier entry was lost.
     floor: Seq,
     emptied: u64,
     /// The map before it was emptied, until the emptying is on record.

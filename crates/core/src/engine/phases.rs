@@ -1,4 +1,4 @@
-//! Transitions between phases, and the data that each phase takes from the one before.
+//! Transitions between phases, and the data that each phase takes from the phase before.
 
 use super::Engine;
 use super::decide::Step;

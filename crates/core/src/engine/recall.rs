@@ -54,7 +54,7 @@ impl Engine {
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
-        // A clock that was set back while the program was off is noticed; one that was set forward is not.
+        // A clock that was set back while the program was off is noticed; a clock that was set forward is not.
         let back_ms = now.wall.unix_ms.saturating_sub(told);
         if back_ms <= -CLOCK_SET_MS {
             engine.record(Fact::ClockSet(back_ms));

@@ -75,8 +75,8 @@ impl Engine {
         self.robots.searching_id() == robot
     }
 
-    /// The robot's name as a source of readings. It contains a blank, which no sensor's name does, so the two cannot be
-    /// confused.
+    /// The robot's name as a source of readings. The name contains a blank, and no sensor's name does, so the two
+    /// cannot be confused.
     fn thermometer_of(&self, robot: &RobotId) -> String {
         if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") }
     }
@@ -147,8 +147,8 @@ impl Engine {
         self.note_outside(robot, steps);
     }
 
-    /// A robot that was carried away from the piece in front of it can take no photo of it: a piece without a record
-    /// stays a target of the search, and one with a record stays with the photo it has.
+    /// A robot that was carried away from the piece in front of it can take no photo of the piece. A piece without a
+    /// record stays a target of the search; a piece with a record stays with the photo that it has.
     fn leave_inspection(&mut self) {
         match self.stage() {
             Some(Stage::BackingUp | Stage::TakingPhoto) => {

@@ -1,6 +1,6 @@
 //! Actions on a simulated hall and simulated robots, and what they mean for the mission. Each action goes on record
-//! with the person who took it. The robots are put down in another hall only if nothing is lost by that. How anything
-//! is simulated is not known here.
+//! with the person who took it. The robots are put down in another hall only if nothing is lost by that. The simulation
+//! itself is not known here.
 
 use std::sync::Arc;
 

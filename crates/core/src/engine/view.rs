@@ -71,7 +71,7 @@ impl Engine {
         Hold::ALL.into_iter().filter(|hold| of_all(hold) || robot.holds.contains(*hold)).collect()
     }
 
-    /// The snapshot; long lists that have not changed since the last one are shared with it.
+    /// The snapshot; it shares long lists that have not changed with the snapshot before.
     pub(super) fn view(&self, shown: Shown) -> Snapshot {
         let revisions = self.world.revisions();
         let same =
@@ -97,7 +97,7 @@ impl Engine {
         let shown = &self.on_record.shown;
         let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
         let route = if as_it_is { cells_along(self.state.pose, self.mission.route.iter().copied()) } else { Vec::new() };
-        // A fault is a warning, so it is shown at once; the phase that it interrupts is the one that was shown before.
+        // A fault is a warning, so it is shown at once. It interrupts the phase that was shown before.
         let (phase, interrupted, fault) = match self.state.phase.fault() {
             Some(cause) => (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.clone())),
             None => (shown.phase, shown.interrupted, shown.fault.clone()),

@@ -1,5 +1,5 @@
-//! The watch over the configured temperature sensors: how long each may be silent. What silence means for the mission
-//! stands in the table.
+//! The watch over the configured temperature sensors: how long each may be silent. The table defines what silence means
+//! for the mission.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -65,7 +65,7 @@ impl Input {
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
 }
 
-/// The details of an input. Which fields matter depends on the input; the rest stays empty.
+/// The details of an input. The input decides which fields matter; the other fields stay empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputContext {
     pub(crate) issuer: Option<Issuer>,

@@ -26,7 +26,7 @@ pub(crate) struct Mission {
     /// Whether the move by hand that the phase names has been ordered.
     pub(crate) is_driven: bool,
     pub(crate) recording: Vec<Recording>,
-    /// At most one per piece.
+    /// At most one verdict per piece.
     pub(crate) deciding: Vec<Deciding>,
 }
 

@@ -1,12 +1,12 @@
 //! The team: the trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order, and what follows when
-//! one of them ends. It moves nothing and calls nobody: whoever ticks it passes its proposals through a gate and
-//! announces its sayings.
+//! one of them ends. The team moves nothing and calls nobody: the engine ticks it, announces its sayings, and passes
+//! its proposals through a gate.
 //!
 //! ```text
 //!   view ─► SRM1 ─► SRM2 ─► Supervisor ─► proposals, sayings
 //!             └───────┴── blackboard ┘        │
 //!   SUCCESS of the Supervisor: it runs again while anything is left to fetch (phase 8), else Done
-//!   FAILURE: a named fault, or the parcel is lost: a call; once it is acknowledged, the Supervisor runs again where the parcel lies
+//!   FAILURE: a named fault, or the parcel is lost: after an acknowledged call the Supervisor runs again where it lies
 //! ```
 //! Nobody ticks the team while anything holds the robots, so its time stands still.
 
@@ -32,8 +32,8 @@ pub const FILES: [(&str, &str); 3] = [
     ("scenario1-Supervisor", include_str!("../../../../config/behaviours/scenario1-Supervisor.xml")),
 ];
 
-/// The entry with the parcel's place. It is updated while the parcel is carried, so that a parcel that falls as the
-/// program ends is found again.
+/// The entry with the parcel's place. The entry is updated while the parcel is carried, so that a parcel that falls as
+/// the program ends is found again.
 const PARCEL: &str = "parcel";
 
 const SUPERVISOR: usize = 2;
@@ -98,7 +98,7 @@ impl Team {
 
     pub fn handle_found(&mut self, found: Option<Parcel>, wanted: Option<Piece>) {
         let (entry, value) = seen(found.filter(|parcel| wanted.is_none_or(|wanted| wanted == parcel.piece)));
-        // Cannot fail: the entry is one for texts, and the text is short.
+        // Cannot fail: the entry is for texts, and the text is short.
         let _ = self.blackboard.set(entry, value);
     }
 

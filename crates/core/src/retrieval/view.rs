@@ -1,6 +1,6 @@
 //! What the leaves of the trees read, and what they return: proposals to the two robots, and calls to the operator. A
-//! proposal moves nothing: the engine passes it through the gate, or not. It is repeated at each tick while it is
-//! wanted.
+//! proposal by itself moves nothing: the engine passes it through the gate, or not. A proposal is repeated at each tick
+//! while it is wanted.
 
 use std::collections::BTreeSet;
 
@@ -60,7 +60,7 @@ pub struct BasePose {
 pub struct BaseView {
     /// Where the last completed order left the robot.
     pub stands: BasePose,
-    /// Whether the robot stands away from there, and has to be recentred first.
+    /// Whether the robot stands away from `stands`, and has to be recentred first.
     pub off_centre: bool,
     /// The order that the robot has not answered.
     pub open: Option<Action>,

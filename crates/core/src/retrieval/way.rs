@@ -1,5 +1,5 @@
 //! Ways for the pair: of one base alone, of both with a parcel between them, and the places from which they lift it.
-//! What happens when there is no way is decided elsewhere, and how a base turns stands in `steer`.
+//! The turns of a base are in `steer`; what happens when there is no way is decided elsewhere.
 //!
 //! ```text
 //!   a train is led by one of its bases; the others follow, each to where the one before it was:

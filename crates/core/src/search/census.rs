@@ -2,7 +2,7 @@
 //! draws its expectations about the rest of the hall.
 
 /// Counts of visited cells and of cells with luggage. A cell is along a wall when one of the eight cells round it is
-/// known to be wall; all others are inside.
+/// known to be wall; all other cells are inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Census {
     pub(super) visited_along: u32,
@@ -24,7 +24,8 @@ pub enum Terrain {
 /// Cells added to every count, a tenth of them luggage: the assumption before anything is known.
 const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 
-/// In percent: a hall with less luggage than `OPEN` inside is open, and one with more than `DENSE` in all is dense.
+/// In percent: a hall with less luggage than `OPEN` inside is open; a hall with more luggage than `DENSE` in all is
+/// dense.
 const OPEN: u64 = 7;
 const DENSE: u64 = 15;
 

@@ -1,4 +1,4 @@
-//! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the one beside it.
+//! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the column beside it.
 //! Cells left behind an obstacle are visited when nothing is nearer.
 
 use super::entries::{CellEntry, Visit, best_entry};

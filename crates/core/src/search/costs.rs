@@ -11,8 +11,8 @@ pub struct Costs {
     pub bump: u32,
 }
 
-/// The cost of one step forward, in the same unit. The score adds the cost of a way, converted to thousandths of a
-/// step.
+/// The cost of one step forward, in the same unit. The score has tables over the cost of a way in this unit, so another
+/// unit would make another score.
 pub const STEP: u32 = 4;
 
 /// Greatest cost of a turn: it bounds the memory of a search.
@@ -37,7 +37,7 @@ impl Costs {
         are_sound.then(|| Costs { turn: units(in_steps[0]), bump: units(in_steps[1]) })
     }
 
-    /// Parses `STEP,TURN,BUMP`, such as `1,1.5,1`; `None` where it is not three valid weights.
+    /// Parses `STEP,TURN,BUMP`, such as `1,1.5,1`; `None` unless the text is three valid weights.
     #[must_use]
     pub fn read(written: &str) -> Option<Costs> {
         let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();

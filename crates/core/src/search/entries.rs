@@ -24,7 +24,7 @@ pub(crate) struct Visit {
 }
 
 /// The entry with the least sum of the way there, in thousandths of a step, and its worth. `worth` is lower for cells
-/// that should come sooner. It is never below `least`, so the search can end where no later entry could be better.
+/// that should come sooner. `worth` is never below `least`, so the search ends once no later entry can be better.
 pub(crate) fn best_entry(
     view: &View<'_>,
     ways: &mut Ways,

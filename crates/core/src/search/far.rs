@@ -35,7 +35,7 @@ impl Steps {
         Some(self.trace(grid, start, end))
     }
 
-    /// Spreads in waves, so that the first wanted cell is a nearest one.
+    /// Spreads in waves, so that the first wanted cell that is reached is among the nearest.
     fn flood(
         &mut self,
         grid: &Grid,

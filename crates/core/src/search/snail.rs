@@ -30,7 +30,7 @@ enum SnailStage {
     Done,
 }
 
-/// The stages by their numbers in notes: new ones go to the end.
+/// The stages by their numbers in notes. New stages go to the end.
 const STAGES: [SnailStage; 5] =
     [SnailStage::Corner, SnailStage::Fill, SnailStage::NextRing, SnailStage::Finish, SnailStage::Done];
 

@@ -1,5 +1,5 @@
-//! The parts of a score: the numbers of its linear part, and its tables, by their names in files of weights. How an
-//! outlook becomes a number or a row stands in `outlook`.
+//! The parts of a score: the numbers of its linear part, and its tables, by their names in files of weights. `outlook`
+//! turns an outlook into these numbers and rows.
 
 /// Number of values in the linear part of a score.
 pub const LINEAR: usize = 28;

@@ -23,7 +23,7 @@ pub struct Ways {
     pub(super) steps: Steps,
 }
 
-/// States settled before a search counts as one that leads far: about a millisecond.
+/// Number of states that a search settles before it counts as a search that leads far: about a millisecond.
 const MOST: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug)]

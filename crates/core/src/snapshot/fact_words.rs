@@ -1,5 +1,5 @@
-//! Facts as English sentences, for a person who reads the journal line by line. The form for programs, which can be read back, is
-//! not here.
+//! Facts as English sentences, for a person who reads the journal line by line. The form for programs, which can be
+//! read back, is not here.
 
 use std::fmt::Display;
 
@@ -139,9 +139,9 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 }
 
 impl Fact {
-    /// The command as it was finally answered. Entries are never changed, and a verdict *safe* is accepted before it is durable.
-    /// When a *danger* for the same piece arrives before that, the safe is refused after all (safety V1). `was_dangerous` says of
-    /// each piece whether it was found dangerous.
+    /// The command as it was finally answered. Entries are never changed, and a verdict *safe* is accepted before it is
+    /// durable. When a *danger* for the same piece arrives before that, the safe is refused after all (safety V1).
+    /// `was_dangerous` says of each piece whether it was found dangerous.
     #[must_use]
     pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
         let Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused: None } = self else { return self };

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use crate::snapshot::said::Said;
 use crate::units::{Seq, WallTime};
 
-/// Number of lines: as many as a person scrolls through; older ones are in the journal.
+/// Number of lines: as many as a person scrolls through. Older lines are in the journal.
 pub const LOG_LINES: usize = 256;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
-    /// Its number, from 1 without gaps.
+    /// The number of the line, from 1 without gaps.
     pub number: u64,
     pub wall: WallTime,
     pub tone: Tone,

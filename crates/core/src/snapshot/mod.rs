@@ -142,7 +142,7 @@ impl Progress {
     }
 }
 
-/// Why each of the operator's buttons would be refused just now; `None` where it would not.
+/// Why each of the operator's buttons would be refused now; `None` for a button that would be accepted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
     pub start: Option<Refused>,

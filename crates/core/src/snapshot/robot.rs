@@ -1,5 +1,5 @@
-//! The view of a robot: where it stands, what it does, what it last sensed. All of this is as last reported while the
-//! robot cannot be reached.
+//! The view of a robot: where it stands, what it does, what it last sensed. While the robot cannot be reached, this is
+//! its last report.
 
 use std::sync::Arc;
 

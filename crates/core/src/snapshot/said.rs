@@ -1,5 +1,5 @@
 //! The lines of the log as values, from which other languages make their sentences. `Display` is the English sentence,
-//! as programs read it. When a line is shown, and how many there are, is decided in `log`.
+//! as programs read it. `log` decides when a line is shown, and how many lines there are.
 
 use std::fmt;
 use std::sync::Arc;

@@ -15,7 +15,8 @@ pub struct Conditions {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
-    /// The name of the hall; for a foreign place, what is known of it, such as the address of the robot in it.
+    /// The name of the hall. For a foreign place it is what is known of the place, such as the address of the robot
+    /// there.
     pub name: Arc<str>,
     /// The side of a cell, in metres, where it is known.
     pub cell_m: Option<f64>,
@@ -43,7 +44,7 @@ pub struct Participant {
 pub struct Reach {
     /// Free cells that can be reached, the start included.
     pub reachable: u32,
-    /// All free cells, those that cannot be reached included.
+    /// All free cells, including the cells that cannot be reached.
     pub free: u32,
 }
 

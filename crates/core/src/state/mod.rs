@@ -1,6 +1,6 @@
-//! The state that outlives the program, and how it follows from the facts, one by one (safety R1): live and when a
-//! journal is read back, by the same code. Nothing else changes it, except that some parts have to be reported anew
-//! after a restart (`after_restart`). How facts are written and read back stands in the store.
+//! The state that outlives the program, and how it follows from the facts, one by one (safety R1): the same code is
+//! used live and when a journal is read back. Nothing else changes the state, except that some parts have to be
+//! reported anew after a restart (`after_restart`). The store writes facts and reads them back.
 
 mod conditions;
 mod phase;
@@ -29,7 +29,7 @@ use crate::robot::RobotId;
 use crate::search::Goal;
 use crate::units::Piece;
 
-/// Number of map cells that take as much on record as an entry. It is large, because rows are written in runs.
+/// Number of map cells that take as much on record as an entry; many do, because rows are written in runs.
 const CELLS_AN_ENTRY: usize = 64;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub struct PersistentState {
     pub under_way: bool,
     pub phase: Phase,
     pub holds: Holds,
-    /// Raised by every stop.
+    /// The epoch, raised by every stop.
     pub epoch: Epoch,
     pub strategy: Strategy,
     pub search: Search,

@@ -65,7 +65,7 @@ impl Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// The phase below this many interruptions, or the innermost one where there are fewer.
+    /// The phase below this many interruptions; the innermost phase if there are fewer interruptions.
     pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
         if depth == 0 || self.interrupted().is_none() {
             return self;

@@ -1,4 +1,4 @@
-//! Readings of thermometers, as the journal has them. What follows from a reading is decided in `world::temperature`.
+//! Readings of thermometers, as the journal has them. `world::temperature` decides what follows from a reading.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! Requests as the log and the journal record them: one command, many STOPs in one entry, a change of the simulator, the last of
-//! many refused requests, or the words of a door. The journal's form is not here.
+//! Requests as the log and the journal record them: one command, many STOPs in one entry, a change of the simulator,
+//! the last of many refused requests, or the words of a door. The journal's form is not here.
 
 use std::fmt;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! What can be asked of hallsweep, and by whom. Why it may be refused stands in `refused`. The doors decide how a
-//! command is written on a wire.
+//! What can be asked of hallsweep, and by whom. `refused` has the reasons for which a command may be refused. The doors
+//! decide how a command is written on a wire.
 
 use std::sync::Arc;
 
@@ -283,7 +283,7 @@ impl std::fmt::Display for Note {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LuggageRef {
     Id(LuggageId),
-    /// The one piece whose verdict is pending, as old clients mean it that send a bare word.
+    /// The one piece whose verdict is pending: the meaning of a bare word from an old client.
     Pending,
 }
 
@@ -344,7 +344,7 @@ impl std::fmt::Display for Issuer {
     }
 }
 
-/// A way in, by its word in records. Which ways there are is known outside the core.
+/// A way in, by its word in records. The list of all ways in is not in the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Door(pub &'static str);
 
@@ -371,7 +371,7 @@ named! {
         Auto = "auto",
         /// The cell with the least tuned score, which adds the way there and the worth of its surroundings.
         Scored = "scored",
-        /// The nearest unknown cell, lone ones first.
+        /// The nearest unknown cell; lone cells come first.
         Frontier = "frontier",
         /// To and fro, column after column.
         Columns = "columns",

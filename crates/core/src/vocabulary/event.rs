@@ -1,5 +1,5 @@
-//! What reaches the core from outside: robots' reports, sensors' readings, the store's reports. What the core sends out
-//! stands in `effect`.
+//! What reaches the core from outside: robots' reports, sensors' readings, the store's reports. `effect` has what the
+//! core sends out.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,8 +20,8 @@ pub enum Event {
     StoreRestored,
 }
 
-/// A robot's report. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed`,
-/// `Found` or `Failed`; the others may come at any time.
+/// A robot's report. A robot answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`,
+/// `PhotoFailed`, `Found` or `Failed`; the other reports may come at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
     /// Where the robot stands by its own reckoning. A robot that knows its place reports it just before `LinkUp`.

@@ -1,4 +1,4 @@
-//! The holds on the robot: a set beside the phase. While it is not empty nothing moves (mission §4).
+//! The holds on the robot: a set in addition to the phase. While the set is not empty nothing moves (mission §4).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Who fetches a piece, and why it was not fetched. What ends a run of the pair stands in `pair`.
+//! Who fetches a piece, and why it was not fetched. `pair` has the reasons that end a run of the pair.
 
 use std::fmt;
 
@@ -24,7 +24,8 @@ pub enum NotFetched {
     /// The pair could not go on. The text is the error of a tree, if that is the cause.
     Pair(RetrievalFault, Option<String>),
     Alone(AloneFault),
-    /// The settings name another fetcher than the one that began, which may stand anywhere with the piece in the grip.
+    /// The settings name another fetcher than the fetcher that began, which may stand anywhere with the piece in the
+    /// grip.
     OtherFetcher {
         began: Fetcher,
         /// The present setting.

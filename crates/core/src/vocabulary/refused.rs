@@ -27,7 +27,8 @@ pub enum RefusalKind {
 /// Why a command was refused. `Display` is the sentence for an operator.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    /// Holds that a movement command does not clear, with the reason of the store when it is one of them and the reason is known.
+    /// Holds that a movement command does not clear. If the hold of the store is among them, the store's reason is
+    /// added, if it is known.
     #[error("not possible while held: {}", holds_in_words(.0, .1.as_deref()))]
     Held(Vec<Hold>, Option<String>),
     #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]
@@ -178,7 +179,7 @@ impl Refused {
         }
     }
 
-    /// A short fixed word for programs. It never changes; the sentence may.
+    /// A short fixed word for programs. The code never changes; the sentence may.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {

@@ -1,4 +1,5 @@
-//! What can be done to the hall and the robots while both are simulated, for log and journal. How anything is simulated is not known here.
+//! What can be done to the hall and the robots while both are simulated, for log and journal. The simulation itself is
+//! not known here.
 
 use std::collections::BTreeSet;
 use std::fmt;

@@ -202,7 +202,8 @@ numbers! {
     OrderId;
     /// How often the state has changed; each resource remembers the revision of its last change.
     Revision;
-    /// Raised by every stop, so that a movement command sent before it can be told from one sent after.
+    /// The epoch: raised by every stop, so that movement commands sent before the stop can be told from commands sent
+    /// after it.
     Epoch;
     /// The place of an entry in the journal; counted from 1.
     Seq;
@@ -210,7 +211,7 @@ numbers! {
     Ticket;
 }
 
-/// The number by which the camera recognises a piece of luggage. It says nothing about records.
+/// The number by which the camera recognises a piece of luggage. The number says nothing about records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Piece(pub u32);
 

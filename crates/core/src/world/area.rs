@@ -13,7 +13,7 @@ named! {
         /// The robot was there, so the cell is free.
         Visited = "visited",
         Wall = "wall",
-        /// An inspected piece of luggage, or an obstacle that could not be told from one.
+        /// An inspected piece of luggage, or an inspected obstacle that may be luggage.
         Luggage = "luggage",
         NotInspected = "notInspected",
     }

@@ -1,5 +1,4 @@
-//! The resource model: hall map, luggage, temperature and alarms. What changes them, and when, is decided in the
-//! engine.
+//! The resource model: hall map, luggage, temperature and alarms. The engine decides what changes them, and when.
 
 pub mod alarm;
 mod area;

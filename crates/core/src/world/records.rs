@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::luggage::Luggage;
 use crate::units::LuggageId;
 
-/// Records per part: a change copies as many pointers, and a snapshot one for each part.
+/// Number of records in a part: a change copies this many pointers, a snapshot one pointer for each part.
 pub const PART: usize = 128;
 
 type LuggagePart = Arc<Vec<Arc<Luggage>>>;

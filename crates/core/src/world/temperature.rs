@@ -1,5 +1,5 @@
-//! The temperature of the hall: the last reading of every source, compared with the threshold. Which hold follows from
-//! it is decided in the mission.
+//! The temperature of the hall: the last reading of every source, compared with the threshold. The mission decides
+//! which hold follows from it.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,8 +23,8 @@ fn is_robot(source: &str) -> bool {
     source == ROBOT || source.strip_prefix(ROBOT).is_some_and(|rest| rest.starts_with(' '))
 }
 
-/// The last reading of every source. A source is hot from a reading above the threshold until one at or below threshold
-/// − hysteresis; the hall is hot while any source is.
+/// The last reading of every source. A source is hot from a reading above the threshold until a reading at or below
+/// threshold − hysteresis. The hall is hot while any source is hot.
 #[derive(Clone, Debug)]
 pub(crate) struct Thermometer {
     threshold: Celsius,

@@ -1,5 +1,5 @@
-//! Squares of the hall in shared memory: a snapshot copies none of them, and a change copies only those that it
-//! touches. What the marks mean stands in `hall_map`.
+//! Squares of the hall in shared memory: a snapshot copies no square, and a change copies only the squares that it
+//! touches. `hall_map` defines what the marks mean.
 //!
 //! ```text
 //!   a block of 8 × 8 tiles, a tile of 32 × 32 cells; a map of a thousand cells a side has sixteen blocks
@@ -110,7 +110,7 @@ impl Tiles {
         Arc::make_mut(tile)
     }
 
-    /// With the cell of each tile's north-west corner.
+    /// All stored tiles, each with the cell of its north-west corner.
     pub(super) fn iter(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.blocks().flat_map(|(at, block)| tiles_of(at, block))
     }

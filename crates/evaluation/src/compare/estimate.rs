@@ -31,7 +31,7 @@ impl Estimate {
     }
 }
 
-/// The mean, and the interval if there is one, with three digits behind the point, or none from a hundred up.
+/// The mean, and the interval if there is one. Both have three decimals if the mean is below a hundred, else none.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };

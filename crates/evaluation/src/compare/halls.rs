@@ -1,4 +1,4 @@
-//! The halls of a comparison: random ones of a family, or one that somebody drew.
+//! The halls of a comparison: random halls of a family, or a hall that somebody drew.
 
 use std::borrow::Cow;
 use std::fmt;

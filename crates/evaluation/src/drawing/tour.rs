@@ -64,7 +64,7 @@ pub fn tour(hall: &Hall, way: &[Cell], caption: &str) -> String {
     out
 }
 
-/// Equally long parts of the way, each of which begins where the one before ends.
+/// Equally long parts of the way. Each part begins where the part before ends.
 fn parts(way: &[Cell]) -> impl Iterator<Item = &[Cell]> {
     let steps = way.len().saturating_sub(1);
     let each = steps.div_ceil(COLOURS).max(1);

@@ -3,9 +3,9 @@
 //!
 //! ```text
 //!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
-//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; `rest` estimates the cost
-//!                    of what is left of the hall then. Ridge regression explains the difference of costs, less that of the
-//!                    scores, by the differences of the outlooks ─► a better policy ─► again
+//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; `rest` estimates
+//!                    the cost of what is left of the hall then. Ridge regression explains the difference of costs, less that
+//!                    of the scores, by the differences of the outlooks ─► a better policy ─► again
 //! ```
 
 mod counterfactual;

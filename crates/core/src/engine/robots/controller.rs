@@ -1,4 +1,4 @@
-//! The engine's knowledge of one robot: the one open order, its capabilities, and how it got off centre.
+//! The engine's knowledge of one robot: its open order, its capabilities, and how it got off centre.
 
 use std::time::Duration;
 

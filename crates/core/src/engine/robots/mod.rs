@@ -75,7 +75,7 @@ impl Robots {
         if *id == self.searching.0 { Some(&mut self.searching.1) } else { self.others.get_mut(id) }
     }
 
-    /// The one that searches, then the others by their names.
+    /// The robot that searches, then the other robots by their names.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&RobotId, &Robot)> {
         std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }

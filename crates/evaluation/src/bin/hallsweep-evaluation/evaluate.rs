@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation evaluate`: compares strategies on the same halls. `hallsweep_evaluation::compare` makes the walks; this file reads
-//! the flags, shows the progress and writes the results.
+//! `hallsweep-evaluation evaluate`: compares strategies on the same halls. `hallsweep_evaluation::compare` makes the
+//! walks; this file reads the flags, shows the progress and writes the results.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

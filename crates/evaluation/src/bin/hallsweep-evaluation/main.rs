@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation`: compares strategies of search over many halls, and finds weights for the search. The library walks and
-//! counts; this program reads flags, prints results and writes files.
+//! `hallsweep-evaluation`: compares strategies of search over many halls, and finds weights for the search. The library
+//! walks and counts; this program reads flags, prints results and writes files.
 
 mod evaluate;
 mod output_file;

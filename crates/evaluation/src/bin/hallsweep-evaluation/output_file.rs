@@ -1,6 +1,6 @@
-//! A file for a result that takes long to compute. It is opened before the work, so that a place that cannot be written is
-//! reported at once. It replaces an older file when the result is complete and flushed; after any failure before that, the older
-//! file is unchanged.
+//! A file for a result that takes long to compute. The file is opened before the work, so that a place that cannot be
+//! written is reported at once. It replaces an older file when the result is complete and flushed. After any failure
+//! before that, the older file is unchanged.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
@@ -18,7 +18,7 @@ pub(crate) struct OutputFile {
 
 enum To {
     StandardOutput,
-    /// A pipe or a terminal, where no file is replaced.
+    /// A pipe or a terminal: here no file is replaced.
     Through(File),
     /// A temporary file in the folder of the result, so that a rename can put it in place.
     Beside(NamedTempFile),

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file. `hallsweep_evaluation::tune` finds
-//! them; this file reads the flags and shows the progress.
+//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file.
+//! `hallsweep_evaluation::tune` finds them; this file reads the flags and shows the progress.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -93,7 +93,7 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     };
     let mut lessons = Lessons::new(&task, &weights, halls);
     for number in 0..flags.rounds {
-        // The first fit is far from the initial weights; later ones only correct it.
+        // The first fit is far from the initial weights; later fits only correct it.
         let taken = if number == 0 { 0.9 } else { 0.7 };
         let round = Round { number, halls, horizon: f64::from(flags.horizon), tried: TRIED, ridge: RIDGE, taken };
         let learnt = lessons.learn(&weights, &round);

@@ -23,7 +23,8 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// The table of `docs/search.md`: a line per comparison, a column per entrant, and one for `auto` minus `frontier`, hall by hall.
+/// The table of `docs/search.md`: a line per comparison, a column per entrant, and a column for `auto` minus
+/// `frontier`, hall by hall.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
