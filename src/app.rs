@@ -1,5 +1,5 @@
 //! The only file that names every door: binds the ports, joins core, robots, store and doors, and ends them in order. The parts
-//! are in their own rooms; `robots` knows which robots there are, `threads` which threads.
+//! are in their own rooms; `robots` decides which robots there are, and `threads` which threads.
 //!
 //! ```text
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
@@ -228,7 +228,7 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
             engine
         }
     };
-    // A stop that is missing in the record takes effect now; a recorded one changes nothing.
+    // A stop that is missing in the record takes effect now; a recorded stop changes nothing.
     engine.handle_halt(epoch, now);
     for sensor in &settings.sensors {
         engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);

@@ -1,5 +1,5 @@
-//! The command line: what can be typed after `hallsweep`, and the settings that follow from it. The commands are in `crate::app`
-//! and in the files beside this one; only the command line writes to standard output.
+//! The command line: the commands and flags of `hallsweep`, and the settings that follow from them. The commands are in
+//! `crate::app` and in the files beside this one; only the command line writes to standard output.
 
 use std::io::Write;
 use std::net::SocketAddr;

@@ -1,5 +1,5 @@
-//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags. A setting
-//! takes effect where it is used; here it is only parsed, and refused when it is wrong.
+//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags. Here
+//! settings are only parsed, and refused when they are wrong; they take effect elsewhere.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub struct Settings {
     pub hall: String,
     /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
     pub hall_start: Option<(u32, u32)>,
-    /// Where the hall's name was set, such as `flag --hall`, for the error when it cannot be read.
+    /// Where the hall's name was set, such as `flag --hall`, for the error when the hall cannot be read.
     pub hall_origin: String,
     pub http: HttpSettings,
     /// Address of the CoAP resources, over UDP; `None` for no CoAP door.

@@ -24,7 +24,7 @@ const RUMQTTD: &str = "rumqttd";
 /// Prefix of the names of the MQTT router's threads; a number follows.
 const ROUTER: &str = "router-";
 
-/// How long the end of the program waits for lines that are not written yet.
+/// Maximum wait at the end of the program for lines that are not written yet.
 const LAST_LINES: Duration = Duration::from_secs(1);
 
 /// The queue for standard error in a program that must not wait for it; without one, lines are written at once.
@@ -37,7 +37,7 @@ pub fn queue_lines() {
     // limit for files. Where these signals are blocked, as in all threads that start from here on, the write succeeds or fails
     // instead.
     let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
-    // A system without a thread for this has none for the doors either, and the start fails there.
+    // A system that cannot start this thread cannot start the threads of the doors either, and the start fails there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };
     if QUEUE.set(queue).is_ok() {
         panic::set_hook(Box::new(note_panic));
@@ -63,8 +63,8 @@ fn put(text: &[u8]) {
     }
 }
 
-/// The writer for the lines of the log. It never fails, because the formatter would report that on standard error itself, and
-/// panic.
+/// The writer for the lines of the log. It never returns an error, because the formatter would report an error on standard
+/// error itself, and panic.
 struct Lines;
 
 impl Write for Lines {
@@ -89,7 +89,7 @@ pub fn start(filter: &str) {
     }
 }
 
-/// The time of day in the format of the rest of the program: in the zone of this machine, or that of `TZ`.
+/// The time of day in the format of the rest of the program: in the zone of this machine, or in the zone that `TZ` sets.
 struct WallClock(Clock);
 
 impl FormatTime for WallClock {
@@ -108,20 +108,20 @@ fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
         return;
     }
     say(format_args!("thread '{name}' {panicked}"));
-    // Only where `RUST_BACKTRACE` asks for it.
+    // The backtrace is captured only if `RUST_BACKTRACE` asks for it.
     let backtrace = Backtrace::capture();
     if backtrace.status() == BacktraceStatus::Captured {
         say(backtrace);
     }
 }
 
-/// The filter without the lines of the MQTT router, unless it names them: they refer to connections by numbers of their own, and
-/// cost time with every message. The gate logs what matters of them.
+/// The filter without the lines of the MQTT router, unless it names them: they refer to connections by numbers of their
+/// own, and cost time with every message. The gate logs the important events.
 fn without_router(filter: &str) -> String {
     if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }
 
-/// Only a warning, since others give variables such names too: see `Sources::ignored`.
+/// Logs only a warning, since other software sets such variables too: see `Sources::ignored`.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");

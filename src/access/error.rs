@@ -8,14 +8,14 @@ pub enum AccessError {
     Chance(String),
     #[error("the keys cannot be read from {}: {error}; make it a file that the user who runs hallsweep can read", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
-    /// Others than the owner can read or write the file, and may know the keys.
+    /// Not only the owner can read or write the file, so others may know the keys.
     #[error(
         "the keys in {} can be read or written by others (mode {mode:03o}): make it private with `chmod 600`, \
          then replace each key with `hallsweep token rotate NAME`", .path.display()
     )]
     Exposed {
         path: PathBuf,
-        /// Its mode, as in `chmod`.
+        /// Mode of the file, as in `chmod`.
         mode: u32,
     },
     #[error("{} does not hold keys: {problem}; mend it, or move it away and let hallsweep make a new one", .path.display())]

@@ -1,5 +1,5 @@
-//! The contents of the key file: TOML that a person can read. Who may read it, and how it is replaced, is in
-//! `storage::private_file`; keys are in `keys`.
+//! The contents of the key file: TOML that a person can read. `storage::private_file` decides who may read the file and how it
+//! is replaced; keys are in `keys`.
 
 use std::fs;
 use std::io;

@@ -35,7 +35,7 @@ pub struct SignedIn {
     pub person: Option<Arc<str>>,
     /// Digest of the key's token, which differs after each rotation.
     pub(super) print: [u8; 32],
-    /// When the session ends; a token sent with each request does not end.
+    /// When the session ends; `None` for a token that is sent with each request.
     pub(super) end: Option<End>,
 }
 
@@ -101,7 +101,7 @@ impl Keys {
         self.named(name)
     }
 
-    /// Gives a key a new token; the old one, and the sessions signed with it, become invalid.
+    /// Gives a key a new token; the old token, and the sessions signed with it, become invalid.
     pub fn rotate(&mut self, name: &str) -> Result<&Key, AccessError> {
         let place = self.place(name)?;
         self.0[place] = Key::new(name, self.0[place].role, Token::draw()?)?;

@@ -1,4 +1,5 @@
-//! A secret of 256 bits, as text that can be part of a link. Where it is stored, and whom it identifies, is not here.
+//! A secret of 256 bits, as text that can be part of a link. Where the secret is stored, and whom it identifies, is decided
+//! elsewhere.
 
 use std::fmt;
 
@@ -11,7 +12,7 @@ const BYTES: usize = 32;
 pub struct Token(Box<str>);
 
 impl Token {
-    /// A new one, from the system's random source.
+    /// Draws a new token from the system's random source.
     pub fn draw() -> Result<Token, AccessError> {
         Ok(Token(hexadecimal(&chance()?).into()))
     }

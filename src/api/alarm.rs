@@ -1,4 +1,4 @@
-//! Alarms in JSON. The core raises and acknowledges them.
+//! Alarms in JSON. The core raises and acknowledges alarms.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -258,7 +258,7 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     Ok(Note::new(text))
 }
 
-/// Why a command id cannot be used, or was sent more than once; `place` says where the door reads it.
+/// The error for a command id that cannot be used or was sent more than once; `place` says where the door reads the id.
 pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }

@@ -1,6 +1,6 @@
 //! THE TABLE of commands, from which every door derives its own: HTTP its routes, CoAP its paths, MQTT its topics, and their
-//! pages. A new command is one row here, and its effect in the core. The fields are in `command`; each door reads payloads in its
-//! own way.
+//! pages. A new command needs one row here, and its effect in the core. The fields are in `command`; each door reads payloads
+//! in its own way.
 
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
@@ -36,7 +36,7 @@ pub enum Subject {
 /// The body of a command at doors with paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
-    /// Its body is not read.
+    /// The body is not read.
     Nothing,
     /// The body may be missing.
     Epoch,

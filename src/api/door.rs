@@ -1,4 +1,4 @@
-//! The doors of hallsweep, by their names in records.
+//! The doors of hallsweep, with their names in records.
 
 use hallsweep_core::command::Door;
 

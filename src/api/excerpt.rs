@@ -36,7 +36,7 @@ struct LuggageExcerpt {
     dangerous: usize,
     /// Address of all pieces at the HTTP door.
     all: &'static str,
-    /// The dangerous pieces, the pending ones and the newest, by number.
+    /// The dangerous, the pending and the newest pieces, sorted by number.
     luggage: Vec<LuggageJson>,
 }
 
@@ -83,7 +83,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
     })
 }
 
-/// Upper bound of a piece's size in JSON, in bytes. Each quote and backslash of the note takes one more.
+/// Upper bound of a piece's size in JSON, in bytes. Each quote and backslash of the note takes one more byte.
 fn bytes(piece: &Luggage) -> usize {
     let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
     PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()

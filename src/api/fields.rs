@@ -26,7 +26,7 @@ impl Unusable {
 pub enum Unread {
     /// The body is not valid in its format.
     Malformed(String),
-    /// The body is valid, but not what this command accepts.
+    /// The body is valid in its format, but this command does not accept it.
     Unusable(Unusable),
 }
 
@@ -48,7 +48,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields(bytes)?.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a JSON body, for doors where it carries more than the command's own fields.
+/// Reads the fields of a JSON body, for doors where a body has more than the command's own fields.
 pub fn fields(bytes: &[u8]) -> Result<BodyFields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;

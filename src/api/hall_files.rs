@@ -1,5 +1,5 @@
-//! Uploaded hall files of every format, read in memory: the resulting hall as our own hall file, and what a search could not
-//! reach in it. An image follows the YAML that describes it, after YAML's own end of a document, a line `...`.
+//! Uploaded hall files of every format, read in memory: the result is the hall as our own hall file, and a list of what a
+//! search could not reach. An image follows the YAML that describes it, after YAML's own end of a document, a line `...`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -117,7 +117,7 @@ fn text(export: &Export) -> String {
     String::from_utf8_lossy(&export.file(Format::Toml, "hall")).into_owned()
 }
 
-/// Pieces come first: one that nobody finds may be a bomb.
+/// Pieces come first: a piece that nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
     let at = |cell: Cell, found| {

@@ -41,7 +41,7 @@ pub fn says_halt(body: &[u8]) -> bool {
         || body.contains(&b'\\') && looks_like_halt(&unescaped(body), true)
 }
 
-/// Whether the field and its word are in a body from this byte on, whatever the body is. Takes linear time.
+/// Whether the field and its word are in any part of a body from this byte on. Takes linear time.
 pub fn says_halt_from(body: &[u8], start: usize) -> bool {
     let rest = body.get(start..).unwrap_or_default();
     looks_like_halt_in_cbor(rest) || looks_like_halt(rest, start == 0)

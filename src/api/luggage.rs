@@ -1,4 +1,4 @@
-//! Luggage records in JSON. They do not contain the picture: `photo.url` says where it is.
+//! Luggage records in JSON. The records do not contain the picture: `photo.url` says where it is.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -61,7 +61,7 @@ pub struct DecisionJson {
     pub note: Option<String>,
 }
 
-/// Address of a piece's photo; it changes with every photo, so that nobody is shown the previous one.
+/// Address of a piece's photo; it changes with every photo, so that nobody is shown the previous photo.
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
         PhotoState::Taken { take, .. } => Some(take_url(luggage.id, take)),

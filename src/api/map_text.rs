@@ -29,7 +29,7 @@ fn written(plan: Plan<'_>, open: &str, after_cell: &str, after_row: &str) -> Str
     text
 }
 
-/// The visited rectangle, with the east and the south border where any of their cells is known.
+/// The visited rectangle, with the east border and the south border if any of their cells is known.
 fn shown(plan: Plan<'_>) -> Bounds {
     let visited = plan.hall.visited_bounds();
     let most = Cell::new(visited.most.x + 1, visited.most.y + 1);

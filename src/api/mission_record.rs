@@ -1,5 +1,5 @@
-//! Stored missions in JSON: their list, one of them with luggage and map, and its entries. The door bounds the length of a
-//! list and says where the next part begins.
+//! Stored missions in JSON: the list of missions, one mission with luggage and map, and the entries of a mission. The door
+//! bounds the length of a list and says where the next part begins.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,5 +1,5 @@
 //! The ticks of behaviour trees, to be replayed at any moment: as JSON with the changes of each tick, and as the state at a
-//! moment. `static/trees.js` shows them; the subject of a run is stored beside them.
+//! moment. `static/trees.js` shows the ticks. What a run is about is stored beside its ticks.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

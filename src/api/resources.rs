@@ -1,6 +1,6 @@
 //! THE TABLE of resources, from which every door derives its own: HTTP its routes, CoAP its paths and discovery, MQTT its state
-//! topics, and their pages. What a new resource needs beside its row is in `docs/architecture.md`, *How to add*. Resources that
-//! only one door has (the past, the list of links, the items of old clients) are in that door.
+//! topics, and their pages. `docs/architecture.md`, *How to add*, lists what a new resource needs beside its row. Resources
+//! that only one door has (the past, the list of links, the items of old clients) are in that door.
 
 use serde::Serialize;
 
@@ -87,7 +87,7 @@ impl ResourceKind {
         const { &RESOURCES }.iter().find(|row| row.kind == self).expect("every resource has its row, as a test shows")
     }
 
-    /// When it last changed. A map changes with the robot, too.
+    /// When the resource last changed. A map changes with the robot, too.
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
             ResourceKind::State => snapshot.revision,
@@ -98,8 +98,8 @@ impl ResourceKind {
         }
     }
 
-    /// The resource in this form. `number` selects one of several; `located` adapts the photo's address to the door. Empty when
-    /// there is nothing to show, or nothing in this form.
+    /// The resource in this form. `number` selects the piece of luggage; `located` adapts the photo's address to the door.
+    /// Empty when there is nothing to show, or nothing in this form.
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
         match form {
             Form::Json | Form::Cbor => self.shaped(number, form, snapshot, located),

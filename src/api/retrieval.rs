@@ -1,4 +1,4 @@
-//! A retrieval in JSON: the piece, the stage, the trees at work. What its robots do is in `robot`.
+//! A retrieval in JSON: the piece, the stage, the trees at work. The robots of a retrieval are in `robot`.
 
 use std::collections::BTreeMap;
 

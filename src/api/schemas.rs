@@ -1,5 +1,5 @@
-//! JSON Schemas (2020-12) of the wire's shapes, derived from the shapes themselves, for a door that describes itself to programs.
-//! The schema of each row of a table is chosen here; the door decides what to do with it.
+//! JSON Schemas (2020-12) of the wire's shapes, derived from the shapes themselves, for a door that describes itself to
+//! programs. The schema of each row of a table is chosen here; the door decides what to do with the schema.
 
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use schemars::{JsonSchema, Schema};

@@ -1,4 +1,5 @@
-//! Temperature and position as sensor measurements in SenML JSON (RFC 8428). They carry no time: a pack shows the present values.
+//! Temperature and position as sensor measurements in SenML JSON (RFC 8428). The measurements carry no time: a pack shows the
+//! present values.
 
 use serde::Serialize;
 

@@ -15,8 +15,8 @@ pub fn mission(mission: &MissionView) -> String {
     format!("{phase}, held by {}", holds.join(", "))
 }
 
-/// Examples: `21.4 °C, ok`; `no reading, ok` before the first one; `not known since 2026-02-03T10:00:00.000+01:00, last 21.4 °C,
-/// ok`.
+/// Examples: `21.4 °C, ok`; `no reading, ok` before the first reading; `not known since 2026-02-03T10:00:00.000+01:00, last
+/// 21.4 °C, ok`.
 pub fn temperature(view: &TemperatureView) -> String {
     let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
     let silent = view.silent_since.map_or_else(String::new, |since| format!("not known since {}, last ", rfc3339(since)));

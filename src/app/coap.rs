@@ -11,8 +11,8 @@ use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Opens the door, which closes when `ending` says so; returns a future that ends with the door. A panic in it does not close
-/// the other doors.
+/// Opens the door, which closes when `ending` says so; returns a future that ends with the door. A panic in this door does not
+/// close the other doors.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,

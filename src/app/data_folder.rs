@@ -31,8 +31,8 @@ pub(super) struct DataFolder {
 }
 
 impl DataFolder {
-    /// Opens the folder of the settings, in which the robots also find where they were left. A file that cannot be read or
-    /// written is no error: the store reports it, and the robots are held (safety R5). The robots are held likewise when the
+    /// Opens the folder of the settings, where the robots also find the places where they were left. A file that cannot be read
+    /// or written is no error: the store reports it, and the robots are held (safety R5). The robots are held likewise when the
     /// keys cannot be read, for the reason in `keys`, or when a mission is under way in another hall. Only two things are
     /// errors: a folder in use, and a folder that this user may not enter.
     pub(super) fn open(

@@ -1,4 +1,4 @@
-//! Who may enter a door: everybody on this machine, or whoever has a key. The command line tells users about it.
+//! Who may enter a door: everybody on this machine, or whoever has a key. The command line shows users how to enter.
 
 use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
@@ -24,7 +24,7 @@ pub(super) struct Opened {
     pub(super) entry: FirstAccess,
 }
 
-/// Who is admitted by these settings; creates a first key when one is needed and there is none.
+/// Who is admitted by these settings; creates a first key when a key is needed and none exists.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {

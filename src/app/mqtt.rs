@@ -1,4 +1,5 @@
-//! The MQTT door, assembled: our own session, and its broker, which is ours or another one. The messages are in the door.
+//! The MQTT door, assembled: our own session, and its broker, which is our own or somebody else's. The messages are in the
+//! door.
 
 use std::sync::Arc;
 
@@ -42,7 +43,8 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is one: our own broker at these ports. Packets of its clients are read on a thread of their own.
+    /// Opens the door, if there is one: our own broker at these ports. Packets of the broker's clients are read on a separate
+    /// thread.
     pub(super) fn open(
         settings: &Settings,
         listeners: Listeners,

@@ -35,7 +35,7 @@ pub struct Doors {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundPort {
     pub at: SocketAddr,
-    /// The port it would have had, if another program did not have it.
+    /// The default port, if another program uses it and this port replaces it.
     pub instead_of: Option<u16>,
 }
 
@@ -52,7 +52,7 @@ type NotHad = (SocketAddr, io::Error);
 /// tries again after a second, which is too late for a STOP.
 const WAITING: i32 = 4096;
 
-/// Number of ports tried: one that is free at one loopback address may be taken at the other.
+/// Number of ports tried: a port that is free at one loopback address may be taken at the other.
 const TRIES: usize = 16;
 
 impl Ports {
@@ -70,7 +70,7 @@ impl Ports {
     }
 }
 
-/// Binds a door's port at all its addresses. A default port that is taken is replaced by a free one.
+/// Binds a door's port at all its addresses. A default port that is taken is replaced by a free port.
 fn open<P>(
     port: Port,
     bind: Bind,
@@ -139,8 +139,8 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
-/// At a port that others reach, packets of this machine get sockets of their own, which no flood from elsewhere can fill (safety
-/// S7). The system delivers to the socket bound to exactly the destination address.
+/// At a port that other machines reach, packets of this machine get separate sockets, which no flood from elsewhere can fill
+/// (safety S7). The system delivers to the socket bound to exactly the destination address.
 fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     if at.ip().to_canonical().is_loopback() {
         return ports;

@@ -25,7 +25,7 @@ pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     })
 }
 
-/// Whether the program was started with SIGHUP ignored, as by `nohup`. Only Linux reports it.
+/// Whether the program was started with SIGHUP ignored, as by `nohup`. Only Linux reports this.
 #[cfg(unix)]
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -34,7 +34,7 @@ fn ignores_hang_up() -> bool {
     ignored.is_some_and(|ignored| ignored & 1 == 1)
 }
 
-/// On systems that have only Ctrl-C.
+/// The same for systems that have only Ctrl-C.
 #[cfg(not(unix))]
 pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     Ok(async {

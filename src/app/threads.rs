@@ -43,8 +43,8 @@ pub(super) fn ordinary() -> io::Result<Runtime> {
     Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
 }
 
-/// Lowers the priority of this thread behind those that a STOP needs. Only on Linux, since on other systems priorities apply to
-/// whole programs.
+/// Lowers the priority of this thread below that of the threads that a STOP needs. Does so only on Linux, since on other
+/// systems priorities apply to whole programs.
 fn stand_back() {
     #[cfg(target_os = "linux")]
     {

@@ -1,5 +1,5 @@
-//! `hallsweep hall convert`: writes a hall from any file or a built-in one in another format; and `hall import`: makes a hall
-//! from a scene of the virtual robot's page. The formats are in `hallsweep_sim`, writing the file is in `map_file`.
+//! `hallsweep hall convert`: writes a hall from any file, or a built-in hall, in another format; and `hall import`: makes a
+//! hall from a scene of the virtual robot's page. The formats are in `hallsweep_sim`, writing the file is in `map_file`.
 
 use std::path::Path;
 

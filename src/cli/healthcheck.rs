@@ -42,13 +42,13 @@ pub fn run(address: SocketAddr) -> Result<(), Failure> {
     Err(Failure::Run(format!("{at} answers `{status}`, not 200: see the log of the program there")))
 }
 
-/// The beginning of the answer, over the connection that `through` makes of the socket.
+/// The beginning of the answer. `through` turns the socket into the connection that is used.
 fn ask<S: Read + Write>(address: SocketAddr, through: impl Fn(TcpStream) -> std::io::Result<S>) -> std::io::Result<Vec<u8>> {
     let stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let mut stream = through(stream)?;
-    // In one write: an answer to the first part of a request could cut off the rest.
+    // The request is sent in one write: an answer to its first part could cut off the rest.
     stream.write_all(format!("GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes())?;
     stream.flush()?;
     let mut answer = Vec::new();

@@ -126,7 +126,7 @@ fn list(
         written.is_ok()
     })?;
     match written.and_then(|()| out.flush()) {
-        // A reader such as `head`, which takes only the first lines, has what it wanted.
+        // A reader that takes only the first lines, such as `head`, has read all it needs.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
         written => written.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))?,
     }
@@ -160,7 +160,7 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     ))
 }
 
-/// Whether the archives and the journal follow each other, and are unchanged since they were written.
+/// Whether the archives and the journal follow each other, and whether both are unchanged since they were written.
 fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), Failure> {
     let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;

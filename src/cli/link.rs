@@ -1,4 +1,4 @@
-//! Links for signing in. Whether their address can be reached from elsewhere depends on the network.
+//! Links for signing in. The network decides whether the address of a link can be reached from elsewhere.
 
 use std::net::SocketAddr;
 

@@ -83,7 +83,7 @@ fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Creates a file under a temporary name, which has the process id: an existing one was left by a killed process.
+/// Creates a file under a temporary name, which has the process id: an existing file of this name was left by a killed process.
 pub(super) fn begin(fresh: &Path) -> io::Result<File> {
     let _ = fs::remove_file(fresh);
     File::create_new(fresh)

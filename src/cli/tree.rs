@@ -191,7 +191,7 @@ fn read(file: &Path) -> Result<Document, String> {
 
 fn text(file: &Path) -> Result<String, String> {
     let unreadable = |error: std::io::Error| format!("{} cannot be read: {error}", file.display());
-    // One byte more than allowed, so that the reader reports a file that is too long.
+    // One byte more than allowed is read, so that the parser reports a file that is too long.
     let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
     let mut bytes = Vec::new();
     let read = if file == Path::new(STANDARD_INPUT) {

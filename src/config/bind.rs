@@ -1,4 +1,4 @@
-//! The address of a door: one address, or both addresses of `localhost`. Whether the ports are free shows when they are bound.
+//! The address of a door: one address, or both addresses of `localhost`. Only binding the ports shows whether they are free.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -15,7 +15,7 @@ pub struct Bind {
 /// Addresses and port; port 0 takes a free one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindAddress {
-    /// `127.0.0.1` and `::1`: clients that say `localhost` may mean either.
+    /// `127.0.0.1` and `::1`: clients that connect to `localhost` may use either address.
     Localhost(u16),
     Address(SocketAddr),
 }
@@ -59,9 +59,9 @@ impl BindAddress {
     }
 }
 
-/// Address of a door as seen from this machine. A door that listens on all addresses is also at this one, even in a container
-/// whose port is published; other machines use another address. It is always written in the same way, since a browser signed in
-/// at `127.0.0.1` is not signed in at `localhost`.
+/// Address of a door as seen from this machine. A door that listens on all addresses can also be reached at this address, even
+/// in a container whose port is published; other machines need another address. It is always written in the same way, since a
+/// browser signed in at `127.0.0.1` is not signed in at `localhost`.
 pub fn from_here(address: SocketAddr) -> SocketAddr {
     let ip = match address.ip() {
         ip if !ip.is_unspecified() => ip,

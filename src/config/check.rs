@@ -1,5 +1,5 @@
-//! Turns written settings into usable ones, or says which one is wrong. Whether a hall file can be opened shows when it is
-//! opened.
+//! Turns written settings into usable settings, or says which setting is wrong. Whether a hall file can be opened shows when it
+//! is opened.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     Ok(settings)
 }
 
-/// Checks that every value has the type of its setting; reports the first wrong one in the order of the names.
+/// Checks that every value has the type of its setting; reports the first wrong setting, in the order of the names.
 fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     let mut keys = KEYS;
     keys.sort_by_key(|key| key.name);
@@ -157,7 +157,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
     })
 }
 
-/// The simulated pair stands in the simulator's hall, so it cannot fetch where another robot searches.
+/// The simulated pair stands in the simulator's hall, so the pair cannot fetch if the searching robot is not simulated.
 fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     let key = "mission.retrieval";
     let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?;

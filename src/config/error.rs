@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-/// A setting with which the program does not start. `Display` is the message for whoever starts it.
+/// A setting with which the program does not start. `Display` is the message for whoever starts the program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SettingsError {
     #[error("there is no setting `{key}` (from {origin}): {advice}")]
     Unknown {
-        /// The name that was given, such as `http.bnid`.
+        /// The wrong name, such as `http.bnid`.
         key: String,
         origin: String,
         advice: String,
@@ -15,7 +15,7 @@ pub enum SettingsError {
     #[error("setting {key} = {value} (from {origin}): {problem}; {advice}")]
     Wrong {
         key: String,
-        /// Its value, as written in a settings file.
+        /// Value of the setting, as written in a settings file.
         value: String,
         origin: String,
         problem: String,

@@ -159,8 +159,8 @@ impl Key {
         Key { flag: Some(flag), ..self }
     }
 
-    /// The setting of this name. For a setting of a further robot, such as `robots.porter.seed`, it is the setting of
-    /// `[robot]`: `robot.seed`.
+    /// The setting of this name. A setting of a further robot, such as `robots.porter.seed`, is described by that of `[robot]`,
+    /// here `robot.seed`.
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
@@ -181,7 +181,7 @@ impl Key {
         }
     }
 
-    /// Every section once; the one for further robots last.
+    /// Every section once; the section for further robots last.
     pub fn sections() -> Vec<&'static str> {
         let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
         sections.dedup();

@@ -6,8 +6,8 @@
 //!   the file of --config     [robot] speed = "max"
 //!   config/default.toml      [robot] speed = 1            always complete
 //! ```
-//! `[robots.discovery]` is another name of `[robot]`, and is renamed to it first; every other `[robots.NAME]` is a further robot,
-//! merged with the defaults of `[robot]`.
+//! `[robots.discovery]` is another name of `[robot]`, and is renamed to `[robot]` first. Every other `[robots.NAME]` is a
+//! further robot, merged with the defaults of `[robot]`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,7 +48,7 @@ impl Flag {
 pub(super) struct Layers {
     merged: Figment,
     further: BTreeMap<String, String>,
-    /// Settings of the searching robot given under its own name: where, and which setting of `[robot]` each one is.
+    /// Settings of the searching robot given under its own name: the place of each, and the setting of `[robot]` that it means.
     by_name: Vec<(String, String)>,
 }
 
@@ -150,7 +150,7 @@ impl Layers {
     }
 }
 
-/// Refuses a setting of the searching robot that is given under both names in one place.
+/// Refuses a setting of the searching robot that is given under both names in one layer.
 fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
     for layer in layers {
         for (own, value) in layer.discovery().into_iter().flatten() {
@@ -231,7 +231,7 @@ impl Layer {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }
 
-    /// Renames the settings in `[robots.discovery]` to `[robot]`; returns where they were given, and which ones.
+    /// Renames the settings in `[robots.discovery]` to `[robot]`; returns these settings with their places.
     fn bring_to_robot(&mut self) -> Vec<(String, String)> {
         let Some(Value::Dict(_, robots)) = self.values.get_mut(ROBOTS) else { return Vec::new() };
         let Some(said) = robots.remove(RobotId::discovery().name()).and_then(Value::into_dict) else { return Vec::new() };

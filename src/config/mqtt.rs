@@ -1,4 +1,4 @@
-//! The settings of the MQTT door: our own broker or another one, and the names of the topics.
+//! The settings of the MQTT door: our own broker or somebody else's, and the names of the topics.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ pub struct OtherBroker {
     pub is_five: bool,
     pub is_encrypted: bool,
     pub login: Option<Login>,
-    /// A PEM file of trusted certificates; `None` for those of the system.
+    /// A PEM file of trusted certificates; `None` for the certificates that the system trusts.
     pub certificates: Option<PathBuf>,
 }
 
@@ -165,7 +165,7 @@ fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsErr
     Ok(written)
 }
 
-/// The old topics must not lie within the new ones, nor the new ones within the old.
+/// The old topics must not be below the prefix of the new topics, nor the new topics below the old prefix.
 fn old_prefix(layers: &Layers, prefix: &str) -> Result<String, SettingsError> {
     let old = name(layers, "mqtt.old_prefix", true)?;
     let (ours, theirs) = (format!("{prefix}/"), format!("{old}/"));

@@ -1,4 +1,4 @@
-//! Parses single settings, or says what is wrong with them.
+//! Parses single settings, or reports what is wrong with a setting.
 
 use figment::value::{Num, Value};
 use serde::Deserialize;

@@ -58,7 +58,7 @@ impl RobotAddress {
         (*self != RobotAddress::Here).then(|| self.to_string())
     }
 
-    /// Like `written`, with a single name for this machine, which has several.
+    /// Like `written`, with one fixed name for this machine, which has several names.
     pub fn place(&self) -> Option<String> {
         match self {
             RobotAddress::Network { host, port } => {
@@ -105,7 +105,7 @@ pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Resu
     }
 }
 
-/// With the usual port when the text names none.
+/// Parses an address on the network; a missing port becomes the usual port.
 fn network(written: &str, usual: Option<u16>) -> Option<RobotAddress> {
     let written = if written.is_empty() { "localhost" } else { written };
     let (host, port) = host::host_and_port(written)?;

@@ -15,8 +15,8 @@ use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
 use hallsweep_core::search::Sensing;
 
-/// Maximum number of robots, including the searching one: their links share one thread, over which a STOP goes to each before
-/// anything else (safety S7), and each simulated one may have a photo drawn at any moment.
+/// Maximum number of robots, including the searching one: their links share one thread, on which a STOP reaches each robot
+/// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
 pub const MOST_ROBOTS: usize = 8;
 
 impl Settings {
@@ -46,7 +46,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     names.map(one).collect()
 }
 
-/// Two robots with one address, or one page, would disturb each other.
+/// Two robots with one address, or one page, would disturb each other, so they are refused.
 pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), SettingsError> {
     let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
     for (robot, settings) in settings.robots() {
@@ -81,7 +81,7 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
     })
 }
 
-/// Number of cells that the sonar of this robot should see ahead, where it may have one and the search uses it.
+/// Number of cells that the sonar of this robot should see ahead, if it may have a sonar and the search uses it.
 pub(super) fn sonar_cells(layers: &Layers, section: &str) -> Result<u8, SettingsError> {
     let key = format!("{section}.sonar_cells");
     let cells = u8::try_from(count(layers, &key)?).map_err(|_| layers.wrong(&key, "it is out of range"))?;

@@ -57,7 +57,7 @@ fn bundle(language: Language, files: &[&str]) -> Bundle {
 impl Language {
     pub const ALL: [Language; 2] = [Language::English, Language::Italian];
 
-    /// Its tag (BCP 47), for pages and headers.
+    /// The tag of the language (BCP 47), for pages and headers.
     pub const fn tag(self) -> &'static str {
         match self {
             Language::English => "en",

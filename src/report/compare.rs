@@ -1,4 +1,4 @@
-//! Compares a file with what is written a second time; remembers the first byte that differs.
+//! Compares a file with a report that is written a second time; remembers the first byte that differs.
 
 use std::io::{self, Read, Write};
 

@@ -6,7 +6,7 @@
 //!   journal ─► Archive ─► Tally, Moment ─► page, hall, chart ─► file         `Claim` in its head: mission, entry, language
 //!      └──── journal check --report ──► the same again ──► Comparison ◄── file
 //! ```
-//! Doors and command line decide when it is made. EDITION says what a change means for earlier reports.
+//! Doors and command line decide when it is made. The comment on `EDITION` says what a change means for earlier reports.
 
 mod chart;
 mod claim;
@@ -75,7 +75,8 @@ impl<'a> Report<'a> {
         Report::of(archive, Claim { edition: EDITION, mission, until, language }, head)
     }
 
-    /// Makes the report with this claim again; `None` when the journal has no such mission, or none up to this entry.
+    /// Makes the report with this claim again; `None` when the journal has no such mission, or no entries up to the claimed
+    /// one.
     pub fn again(archive: &'a dyn Archive, claim: Claim) -> Result<Option<Report<'a>>, Unreadable> {
         let head = archive.head(claim.mission, claim.until)?;
         if head.is_none_or(|head| head.seq != claim.until) || claim.until > end(archive)? {
@@ -125,7 +126,7 @@ fn first(archive: &dyn Archive, mission: MissionId) -> Result<Option<Seq>, Unrea
     Ok(archive.entries(mission, Span { after: Seq(0), until: Seq(u64::MAX) }, 1)?.first().map(|(seq, _)| *seq))
 }
 
-/// Fails when the mission that began with this entry was archived meanwhile: what was read since may be incomplete.
+/// Fails when the mission that began with this entry was archived meanwhile: the data read since then may be incomplete.
 fn still_there(archive: &dyn Archive, mission: MissionId, began: Option<Seq>) -> Result<(), Failure> {
     if first(archive, mission)? == began {
         return Ok(());
@@ -144,7 +145,7 @@ fn each(
     in_batches(batch, |seq, entry| visit(seq, entry.as_ref()))
 }
 
-/// Visits entries read in batches, oldest first; a batch that is not full is the last.
+/// Visits entries read in batches, oldest first; a batch that is not full is the last one.
 fn in_batches<T>(
     batch: impl Fn(Seq) -> Result<Vec<(Seq, T)>, Unreadable>,
     mut visit: impl FnMut(Seq, T) -> Result<(), Failure>,

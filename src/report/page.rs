@@ -1,5 +1,5 @@
-//! The parts of the page: what each contains, and its words. Each part is small, except for the hall, which grows with the hall
-//! itself.
+//! The parts of the page, with their contents and words. All parts are small, except for the drawing of the hall, which grows
+//! with the hall.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -21,11 +21,11 @@ use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Maximum size of all photos of a report, in bytes; beyond it large ones are scaled down.
+/// Maximum size of all photos of a report, in bytes; beyond this size large photos are scaled down.
 const PHOTOS: usize = 5 << 20;
 
-/// Maximum number of photos of one piece in a report, the latest ones: a damaged record may count billions, and each is looked
-/// up.
+/// Maximum number of photos of one piece in a report, the latest ones: a damaged record may count billions, and the report
+/// looks up each of them.
 const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {

@@ -1,5 +1,6 @@
-//! Scales photos of a report down when all of them together would be too large: JPEG, smaller step by step. The originals stay in
-//! the journal. Only integer arithmetic is used, so that another machine produces the same bytes and confirms the report.
+//! Scales photos of a report down when all photos together would be too large: as JPEG, in steps, until they are small enough.
+//! The originals stay in the journal. Only integer arithmetic is used, so that another machine produces the same bytes and
+//! confirms the report.
 
 use std::io::Cursor;
 use std::sync::{Mutex, PoisonError};
@@ -22,7 +23,7 @@ const QUALITY: u8 = 60;
 /// Maximum number of pixels of a photo that is scaled: more would take too much memory and time.
 const MOST_PIXELS: usize = 8 << 20;
 
-/// Held while a photo is scaled: several reports at once use only one processor, and leave the others to the hall.
+/// Held while a photo is scaled, so that several reports at once use only one processor and leave the others to the hall.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// Red, green and blue of each pixel, row by row.

@@ -20,7 +20,8 @@ pub struct Robots {
     hall: Arc<Hall>,
     /// The searching robot first.
     all: Vec<(RobotId, Robot)>,
-    /// The pair that fetches. When the settings do not want it, it is not started, but pieces that it has removed stay removed.
+    /// The pair that fetches. When the settings do not want the pair, it is not started, but pieces that it has removed stay
+    /// removed.
     pair: SimPair,
     wants_pair: bool,
     seed: u64,
@@ -30,7 +31,7 @@ pub struct Robots {
     no_hall: Option<String>,
     /// The hall as named in the settings, and the start in it.
     usual: (String, Option<(u32, u32)>),
-    /// All names, those of the pair last.
+    /// The names of all robots, the pair last.
     ids: Vec<RobotId>,
     team: Arc<[Participant]>,
 }
@@ -52,7 +53,7 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        // With another start the settings count as naming another hall, and then override a chosen hall.
+        // If the settings change the start, that counts as another hall, which overrides a chosen hall.
         let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
         let instead = format!("{}{start}", settings.hall);
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
@@ -73,7 +74,7 @@ impl Robots {
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |(id, robot): (RobotId, &RobotSettings)| {
             let fetches = fetches(&id);
-            // The seed chosen with the hall is that of the searching robot.
+            // The seed chosen with the hall applies to the searching robot.
             let robot = if id == RobotId::discovery() { &RobotSettings { seed, ..robot.clone() } } else { robot };
             Ok((id.clone(), Robot::of(id, robot, &hall, fetches)?))
         };
@@ -140,8 +141,8 @@ impl Robots {
         self.pair.lose(why);
     }
 
-    /// For each robot that may be anywhere, the reason; it will not be started. Pieces that the pair has removed count for the
-    /// others even when the settings do not want the pair.
+    /// The reason for each robot that may be anywhere; these robots will not be started. Pieces that the pair has removed stay
+    /// removed for the other robots even when the settings do not want the pair.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
         let mut lost: Vec<String> = robots.chain(self.pair.lost()).map(str::to_owned).collect();
@@ -162,8 +163,8 @@ impl Robots {
         })
     }
 
-    /// Puts the robots that were left in another hall at home in this one. Starting them overwrites what was stored about the
-    /// other hall.
+    /// Puts the robots that were left in another hall at home in this one. Starting the robots overwrites what was stored about
+    /// the other hall.
     pub fn put_down(&mut self) {
         for robot in self.simulated() {
             robot.put_down();
@@ -197,7 +198,7 @@ impl Robots {
             remote
         };
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
-        // The pair first: the pieces it had lifted are back before the others enter another hall.
+        // The pair comes first: the pieces it had lifted are back in place before the other robots enter another hall.
         let pair = self.wants_pair.then(|| self.pair.adapters(clock, remote(&SimPair::ids())));
         let of_one = |(id, robot): (RobotId, Robot)| match robot {
             Robot::Sim(robot) => robot.adapter(clock, moved.clone(), remote(&[id])),
@@ -213,7 +214,7 @@ impl Robots {
 }
 
 pub struct Adapters {
-    /// In the order of `ids`.
+    /// The adapters in the order of `ids`.
     pub all: Vec<Adapter>,
     pub simulator: Option<SimulatorParts>,
 }

@@ -1,5 +1,6 @@
-//! Robots, one folder for each vendor, and the only place that names vendors: the factory creates from the settings what the loop
-//! needs. The simulated robot is a vendor like any other: it has a body, sensors and a camera, and knows nothing of missions.
+//! Robots, one folder for each vendor, and the only place that names vendors: from the settings, the factory creates what the
+//! loop needs. The simulated robot is a vendor like any other: it has a body, sensors and a camera, and knows nothing of
+//! missions.
 
 use std::future::Future;
 use std::pin::Pin;

@@ -1,5 +1,5 @@
-//! The port through which doors read what is too large or too old for a snapshot: photos, past missions, the journal. Reading may
-//! touch a disk, so doors call it where blocking is allowed.
+//! The port through which doors read data that is too large or too old for a snapshot: photos, past missions, the journal.
+//! Reading may touch a disk, so doors call it where blocking is allowed.
 
 use std::sync::Arc;
 
@@ -33,12 +33,12 @@ impl From<NoTake> for Unreadable {
     }
 }
 
-/// The readable part of something, and a sentence about each part of the record that cannot be read. Nothing that follows from
-/// such a part is included.
+/// Readable data, and a sentence about each part of the record that cannot be read. Nothing that follows from such a part is
+/// included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sound<T> {
     pub of: T,
-    /// Sentences about unreadable parts, in words for an operator; only a few of them when there are many.
+    /// Sentences about unreadable parts, in words for an operator; at most a few, even when there are many.
     pub damage: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ pub struct MissionRecord {
     pub id: MissionId,
     pub strategy: Arc<str>,
     pub began: WallTime,
-    /// When the mission was put away; `None` for the present one.
+    /// When the mission was put away; `None` for the present mission.
     pub archived: Option<WallTime>,
     /// The last phase that the mission reached, by its name on the wire.
     pub phase: Arc<str>,
@@ -117,7 +117,7 @@ pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Read access to the store. Object-safe, because the store in memory and the one on disk both implement it.
+/// Read access to the store. Object-safe, because both stores, in memory and on disk, implement it.
 pub trait Archive: Send + Sync {
     /// The newest photo of a piece, in whatever mission it was found.
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
@@ -154,7 +154,8 @@ pub trait Archive: Send + Sync {
     /// verdicts, alarms, commands, stages of a retrieval, and when the program began and ended.
     fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
-    /// The entry after which everything was declared lost, when the next start will delete it; only a store on disk can have one.
+    /// The entry after which everything was declared lost, if the next start will delete the lost entries; only a store on disk
+    /// has such an entry.
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
         Ok(None)
     }

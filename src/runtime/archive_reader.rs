@@ -1,5 +1,5 @@
 //! Reading the archive from the doors: on threads that may block, a bounded number at once, with a time limit. All doors share
-//! the bound. What can be read is in `archive`.
+//! the bound. `archive` lists the queries.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! Sending a command and waiting for its effect, for every door: the answer with a state that contains the effect, or the refusal
-//! with the record it is about. Each door decides how that looks to a client.
+//! Sending a command and waiting for its effect, for every door: the answer with a state that contains the effect, or the
+//! refusal with the record it is about. Each door decides how a client sees the result.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -8,8 +8,8 @@ use tokio::sync::watch;
 use super::figures::Figures;
 use hallsweep_core::units::Epoch;
 
-/// Maximum wait of a stop's answer for its record on disk: a healthy disk takes a thousandth of it, and one that hangs must not
-/// delay the news that the robot was halted.
+/// Maximum wait of a stop's answer for its record on disk: a healthy disk takes a thousandth of it, and a disk that hangs must
+/// not delay the answer that the robot was halted.
 const NOTING: Duration = Duration::from_millis(100);
 
 /// How often the robots were halted, for any reason, and in which epoch of stops.
@@ -73,7 +73,7 @@ impl Halter {
     }
 }
 
-/// Receives halts as they are raised: those of all robots, and those that the core raises for one robot.
+/// Receives halts as they are raised: halts for all robots, and halts that the core raises for one robot.
 #[derive(Clone, Debug)]
 pub struct HaltWatch {
     all: watch::Receiver<Halts>,
@@ -90,7 +90,7 @@ impl HaltWatch {
         Halts { count: count + self.own.as_ref().map_or(0, |own| *own.borrow()), epoch }
     }
 
-    /// Waits for the next halt; never ends when none can be raised any more.
+    /// Waits for the next halt; never returns when no halt can be raised any more.
     pub async fn raised(&mut self) -> Halts {
         let HaltWatch { all, own } = self;
         tokio::select! {

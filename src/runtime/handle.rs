@@ -20,8 +20,8 @@ use hallsweep_core::units::Epoch;
 /// Capacity of the loop's queue: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
 
-/// Queue length from which stops are counted beside the queue, which leaves 32 places to other commands: otherwise a flood of
-/// stops would block them.
+/// Queue length from which stops are counted beside the queue. This leaves 32 places for other commands, which a flood of stops
+/// would otherwise block.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
@@ -75,10 +75,10 @@ impl Handle {
         &self.halter
     }
 
-    /// Sends a command. It is stamped and queued immediately, so that commands keep their order, and a stop halts the robots even
-    /// when the future is dropped. The future is the answer; for a stop it ends when the robot stands and the stop is on disk, or
-    /// a tenth of a second later (safety S4, S8). Only when the queue is full is a command other than a stop queued by its
-    /// future. Must be called inside a runtime.
+    /// Sends a command. It is stamped and queued immediately, so that commands keep their order, and a stop halts the robots
+    /// even when the future is dropped. The future is the answer; for a stop it ends when the robot stands and the stop is on
+    /// disk, or a tenth of a second later (safety S4, S8). When the queue is full, a command other than a stop is queued later,
+    /// by its future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = CommandOutcome> + Send + use<> {
         let request = self.stamp(request);
@@ -101,8 +101,8 @@ impl Handle {
         }
     }
 
-    /// Records that a door refused somebody's command (safety A6), and waits until that is on record. Does not wait while nothing
-    /// can be recorded, nor when the refusal shares an entry with others.
+    /// Records that a door refused somebody's command (safety A6), and waits until the refusal is on record. Does not wait
+    /// while nothing can be recorded, nor when the refusal shares an entry with others.
     pub async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -110,8 +110,8 @@ impl Handle {
         answered.await.map(drop).map_err(|_| Gone)
     }
 
-    /// Like `note_refused` for callers that cannot wait. When the queue is full, refusals are counted by sender: the last one of
-    /// each is recorded, with their number.
+    /// Like `note_refused` for callers that cannot wait. When the queue is full, refusals are counted by sender: of each sender
+    /// the last refusal is recorded, with the number of refusals.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         let note = Envelope::Refused(issuer, asked, refused, None);
         if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
@@ -123,8 +123,8 @@ impl Handle {
         self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }
 
-    /// Asks to put these simulated robots into a hall; answers when that is on record. The robots count as unreached until they
-    /// report from there.
+    /// Asks to put these simulated robots into a hall; answers when the move is on record. The robots count as unreached until
+    /// they report from there.
     pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> CommandOutcome {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;

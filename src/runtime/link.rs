@@ -1,5 +1,5 @@
-//! The port to one robot. Each adapter holds one end of its port, and so does the adapter of a simulated robot. How an adapter
-//! talks to its robot is not known here.
+//! The port to one robot. Each adapter holds one end of its port; the adapter of a simulated robot is no exception. How an
+//! adapter talks to its robot is not known here.
 //!
 //! ```text
 //!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)
@@ -28,7 +28,7 @@ pub struct Stamped {
 }
 
 impl Stamped {
-    /// Whether this is a motion that must not begin any more, now that there were `halts` halts (safety S6).
+    /// Whether this is a motion that must not begin any more, because `halts` is higher than when it was sent (safety S6).
     pub const fn is_void(&self, halts: u64) -> bool {
         self.halts < halts && self.order.action.is_motion()
     }
@@ -39,7 +39,7 @@ pub struct RobotLink {
     pub orders: mpsc::Sender<Stamped>,
     pub led: watch::Sender<bool>,
     pub reports: mpsc::Receiver<RobotEvent>,
-    /// How often the core has halted this robot alone; `halts` adds those of all robots.
+    /// How often the core has halted this robot alone; `halts` adds the halts of all robots.
     pub halt: watch::Sender<u64>,
     pub halts: HaltWatch,
 }

@@ -1,5 +1,5 @@
-//! The port to the simulator: how a door sees it, changes it while it runs, and moves the robots to another hall. The simulation
-//! itself is not known here; the core decides whether the hall may be changed now.
+//! The port to the simulator: how a door sees the simulator, changes it while it runs, and moves the robots to another hall.
+//! The simulation itself is not known here; the core decides whether the hall may be changed now.
 
 use std::collections::BTreeSet;
 use std::pin::Pin;
@@ -77,7 +77,7 @@ pub enum NotSimulated {
     NotPaused,
     #[error("no robot has anything under way: a step takes one to the end of its order; press START first")]
     NothingUnderWay,
-    /// There is no such hall, or it is faulty, with the reason.
+    /// The hall does not exist or is faulty, with the reason.
     #[error("{0}")]
     Hall(String),
     #[error("nothing can be put into {0}: it is no free cell of this hall")]
@@ -119,7 +119,7 @@ pub type Changing = Pin<Box<dyn Future<Output = Result<Arc<SimulatorState>, NotS
 pub trait Simulator: Send + Sync {
     fn watch(&self) -> watch::Receiver<Arc<SimulatorState>>;
 
-    /// Names of the offered halls, the stored ones last.
+    /// Names of the offered halls, the stored halls last.
     fn halls(&self) -> Vec<String>;
 
     fn kept_halls(&self) -> Vec<String>;
@@ -129,16 +129,16 @@ pub trait Simulator: Send + Sync {
     /// When there is no hall of this name, or the hall is faulty.
     fn hall(&self, name: &str) -> Result<String, NotSimulated>;
 
-    /// Applies the changes that are set, and records them.
+    /// Applies the fields that are set in `change`, and records them.
     fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing;
 
-    /// Takes every robot to the end of what is under way, while time stands still.
+    /// Lets every robot finish its action under way, while time is paused.
     fn step(self: Arc<Self>, issuer: Issuer) -> Changing;
 
     /// Moves the robots to their homes in another hall.
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
 
-    /// Stores the hall of a hall file under a name; replaces a stored one only if `may_replace`.
+    /// Stores the hall of a hall file under a name; replaces a stored hall only if `may_replace`.
     fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing;
 
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;

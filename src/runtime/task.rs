@@ -1,5 +1,5 @@
-//! The only loop: passes halts, reports, commands and time to the core, and the core's effects to robots, store and doors. It
-//! decides nothing.
+//! The only loop: passes halts, reports, commands and time to the core, and the core's effects to robots, store and doors. The
+//! loop decides nothing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub struct Task {
     halts: HaltWatch,
     heard: Epoch,
     commands: mpsc::Receiver<Envelope>,
-    /// What found the command queue full.
+    /// STOPs and refusals that found the command queue full.
     overflow: OverflowOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, Vec<WaitingSender>>,
@@ -163,7 +163,7 @@ impl Task {
         }
     }
 
-    /// Tells the core of stops, before anything sent after them, and of whatever else found the queue full.
+    /// Tells the core of stops, before anything sent after them, and of refusals that found the queue full.
     fn hear_halts(&mut self) {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {

@@ -1,5 +1,5 @@
-//! Threads with a loop of their own (safety S7), so that urgent work never waits behind busy work elsewhere. What runs on which
-//! thread is decided in `app`.
+//! Threads with a loop of their own (safety S7), so that urgent work never waits behind busy work elsewhere. `app` decides what
+//! runs on which thread.
 
 use std::io;
 use std::sync::mpsc;
@@ -27,7 +27,7 @@ impl Thread {
         let (end, asked) = oneshot::channel();
         let (last, ended) = mpsc::channel();
         std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            // The thread also ends when nobody can ask for its end any more.
+            // The thread also ends when its owner has disappeared without asking.
             let _ = runtime.block_on(asked);
             runtime.shutdown_timeout(LEFT_BEHIND);
             drop(last);

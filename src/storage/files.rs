@@ -8,8 +8,8 @@ use std::path::Path;
 
 const SPECIAL: &str = "it is no plain file, but a pipe or a device";
 
-/// Fails with a short reason when `path` is something else than a plain file, or one that this user may not read. A missing file
-/// is not an error.
+/// Fails with a short reason when `path` is no plain file, or a file that this user may not read. A missing file is not an
+/// error.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
@@ -108,7 +108,7 @@ pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
     builder.recursive(true).create(path)
 }
 
-/// Creates a folder inside an existing one; shared with the group where the parent belongs to the group.
+/// Creates a folder inside an existing folder; shared with the group where the parent belongs to the group.
 pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         return Ok(());
@@ -146,7 +146,7 @@ pub(super) fn has_access_list(path: &Path) -> bool {
     let mut room = [0; 256];
     lists.into_iter().any(|list| match rustix::fs::getxattr(path, list, &mut room[..]) {
         Ok(bytes) => bytes > 0,
-        // The list is longer than the buffer, so there is one.
+        // The list is longer than the buffer, so a list exists.
         Err(error) => error == rustix::io::Errno::RANGE,
     })
 }

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Path of a file or folder within the data folder. `*` stands for the part in which files of one kind differ.
+/// Path of a file or folder within the data folder. `*` stands for the part of the name that differs between files of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name(&'static str);
 

@@ -26,9 +26,9 @@ pub(crate) struct PrivateFile(PathBuf);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Readers {
     Owner,
-    /// Also the group of its folder, which may replace the file anyway.
+    /// The owner and the group of the folder, which may replace the file anyway.
     Group,
-    /// Also those whom the volume allows: it gives every file this mode.
+    /// Everybody whom the volume allows: it gives every file this mode.
     OfVolume,
     /// Other users; the mode as in `chmod`.
     Others(u32),
@@ -119,13 +119,13 @@ fn readers(path: &Path, file: &fs::Metadata, made: impl FnOnce() -> u32) -> io::
     Ok(if made() & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
 }
 
-/// The mode that the volume gives to a private file in this folder, found by creating one; there is no other way to know it. 0
-/// when none can be created.
+/// The mode that the volume gives to a private file in this folder, found by creating a file, since there is no other way. 0
+/// when no file can be created.
 #[cfg(unix)]
 fn mode_of_volume(folder: &Path) -> u32 {
     use std::hash::{BuildHasher, Hasher, RandomState};
     use std::os::unix::fs::MetadataExt;
-    // A random name: in containers programs may share a process id, and a killed one leaves its file behind.
+    // A random name: in containers programs may share a process id, and a killed program leaves its file behind.
     let tried = names::MODE.of(folder, &format!("{:016x}", RandomState::new().build_hasher().finish()));
     let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| made.mode());
     let _ = fs::remove_file(&tried);

@@ -26,7 +26,7 @@ pub(crate) fn checksum(text: &str) -> String {
 #[derive(Debug)]
 pub(crate) struct SmallFile {
     path: PathBuf,
-    /// Opened for writing; `None` before the first write and after a failed one.
+    /// Opened for writing; `None` before the first write and after a failed write.
     open: Option<File>,
     /// Whether the failure is in the log already.
     is_failing: bool,
@@ -38,7 +38,7 @@ impl SmallFile {
         SmallFile::of(data, name, "")
     }
 
-    /// Like `within`, for one of several files of a kind, told apart by `part`.
+    /// Like `within`, for a kind with several files, which differ in `part`.
     pub(crate) fn of(data: &Path, name: Name, part: &str) -> SmallFile {
         SmallFile { path: name.of(data, part), open: None, is_failing: false }
     }

@@ -1,13 +1,13 @@
-//! A second record of STOP (safety S4): a stop is answered before it is in the journal, so its epoch is also written in place to
-//! a small file, where it outlives `kill -9` even when the journal cannot be written. What a start does with it is decided in
-//! `app`, and only the journal records who stopped.
+//! A second record of STOP (safety S4): a stop is answered before it is in the journal, so its epoch is also written in place
+//! to a small file, where it outlives `kill -9` even when the journal cannot be written. `app` decides what a start does with
+//! the epoch, and only the journal records who stopped.
 //!
 //! ```text
 //!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one counts, and the
 //!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     other one is written next
 //! ```
-//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: written bytes
-//! are in the system's hands at once, and only a power cut may lose the last seconds of them.
+//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed:
+//! written bytes are in the system's hands at once, and only a power cut may lose the last seconds.
 
 use std::fs;
 use std::io;
@@ -28,7 +28,7 @@ const LINE: usize = BEGINS.len() + 20 + 1 + 16 + 1;
 /// Bytes of the file. Both lines are in one sector.
 const SIZE: usize = 2 * LINE;
 
-/// Largest epoch accepted from the file; no number of presses reaches a larger one.
+/// Largest epoch accepted from the file; nobody can press STOP often enough to exceed it.
 const GREATEST: u64 = i64::MAX as u64;
 
 /// Time after which a failed write is retried, when no stop comes before.
@@ -55,8 +55,8 @@ struct FoundStop {
 }
 
 impl Stops {
-    /// Why the file in the folder `dir` cannot be used at all, in words that end with what to do; `None` when it can be, or when
-    /// there is none yet. Changes nothing.
+    /// Why the file in the folder `dir` cannot be used at all, in words that end with what to do; `None` when it can be used,
+    /// or does not exist yet. Changes nothing.
     pub fn unusable(dir: &Path) -> Option<String> {
         let file = SmallFile::within(dir, names::STOPS);
         let unusable = |path: &Path, error: &io::Error| {
@@ -88,8 +88,8 @@ impl Stops {
                 found => {
                     stops.was_damaged = true;
                     stops.epoch = found.map_or(Epoch(0), |found| found.epoch);
-                    // A second name for it, since a kill before the new file exists must still find it. On a volume without
-                    // links it is overwritten all the same, because a STOP must find its file.
+                    // The damaged file gets a second name, so that it can still be found after a kill before the new file
+                    // exists. On a volume without links it is overwritten all the same, because a STOP must find its file.
                     let aside = names::STOPS_DAMAGED.within(dir);
                     let _ = fs::remove_file(&aside);
                     stops.was_set_aside = fs::hard_link(stops.file.path(), &aside).is_ok();
@@ -175,7 +175,7 @@ pub async fn follow(mut stops: Stops, halter: Halter) {
     }
 }
 
-/// The greater epoch of the readable lines; `None` when neither is readable, or when it is some other file.
+/// The greater epoch of the readable lines; `None` when neither line is readable, or when the bytes are not such a file.
 fn understood(bytes: &[u8]) -> Option<FoundStop> {
     if bytes.len() != SIZE {
         return None;

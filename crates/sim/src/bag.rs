@@ -1,5 +1,5 @@
-//! A piece of luggage in a simulated hall: where it lies, its kind, colour and height, and whether it is dangerous.
-//! What the robot or the operator knows of it is not here.
+//! A piece of luggage in a simulated hall: where it lies, its kind, colour and height, and whether it is dangerous. The
+//! knowledge of robot and operator about the piece is not here.
 
 use std::sync::Arc;
 
@@ -7,13 +7,13 @@ use hallsweep_core::units::{Cell, Piece};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bag {
-    /// The number by which the camera recognises it, counted from 1 in reading order of the drawing.
+    /// The number by which the camera recognises the piece, counted from 1 in reading order of the drawing.
     pub piece: Piece,
-    /// Its name for people, such as `red suitcase`.
+    /// Name of the piece for people, such as `red suitcase`.
     pub name: Arc<str>,
     pub kind: BagKind,
     pub colour: Colour,
-    /// The cells it covers, in map coordinates, at least one, by row and column.
+    /// The cells that the piece covers, at least one, in map coordinates, sorted by row and column.
     pub cells: Vec<Cell>,
     pub height_m: f64,
     pub dangerous: bool,

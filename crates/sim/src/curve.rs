@@ -7,7 +7,7 @@ use hallsweep_core::units::Celsius;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
-    /// At least one, by strictly growing time in seconds.
+    /// At least one keyframe, in order of time in seconds, without equal times.
     keys: Vec<(f64, Celsius)>,
 }
 

@@ -20,7 +20,7 @@ pub struct BodyPose {
     pub x_m: f64,
     /// Metres to the south of (0, 0).
     pub y_m: f64,
-    /// Its heading: radians clockwise from the east, as seen from above, in `-π..=π`.
+    /// Heading: radians clockwise from the east, as seen from above, in `-π..=π`.
     pub theta: f64,
 }
 
@@ -37,13 +37,13 @@ impl BodyPose {
         BodyPose { x_m: f64::from(pose.cell.x) * cell_m, y_m: f64::from(pose.cell.y) * cell_m, theta }
     }
 
-    /// The unit vector of its heading.
+    /// The unit vector of the heading.
     #[must_use]
     pub fn ahead(self) -> (f64, f64) {
         (self.theta.cos(), self.theta.sin())
     }
 
-    /// Where it is after `t` seconds at `v` metres a second forward and `omega` radians a second clockwise.
+    /// Where the body is after `t` seconds at `v` metres a second forward and `omega` radians a second clockwise.
     #[must_use]
     pub fn after(self, v: f64, omega: f64, t: f64) -> BodyPose {
         if omega == 0.0 {
@@ -107,7 +107,7 @@ pub fn normal(angle: f64) -> f64 {
 pub(super) struct Motion {
     pub(super) from: BodyPose,
     pub(super) wheels: Wheels,
-    /// When it began, since the start of the run.
+    /// When the motion began, since the start of the run.
     pub(super) began: Duration,
     pub(super) ends: Duration,
 }

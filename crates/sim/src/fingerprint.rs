@@ -1,5 +1,5 @@
 //! A number that tells halls apart by their content, and intact text from damaged text. It protects against mistakes,
-//! not against attacks: FNV-1a is no cryptography.
+//! not against attacks: FNV-1a is not cryptographic.
 
 use super::bag::Bag;
 use super::hall::{Hall, Truth};

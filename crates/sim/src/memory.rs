@@ -47,7 +47,7 @@ pub struct SimMemory {
 /// The pieces that a robot has taken with its hook: they no longer stand in the hall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taken {
-    /// On its back.
+    /// The piece on the robot's back.
     pub carried: Option<Piece>,
     /// A bit for each piece in the container, by its number.
     pub container: [u64; Taken::WORDS],
@@ -58,7 +58,8 @@ impl Taken {
 
     pub(crate) const WORDS: usize = 16;
 
-    /// Whether a piece can be remembered: there is one bit for each number, and numbers in a hall are counted from 1.
+    /// Whether a piece can be remembered: there is one bit for each number, and a hall can have more pieces than there
+    /// are bits.
     #[must_use]
     pub const fn has_room_for(piece: Piece) -> bool {
         (piece.0 as usize) < 64 * Taken::WORDS
@@ -70,7 +71,7 @@ impl Taken {
         Some(piece)
     }
 
-    /// In the order of their numbers.
+    /// The pieces in the container, in the order of their numbers.
     pub fn in_container(&self) -> impl Iterator<Item = Piece> {
         let words = (0..).zip(self.container);
         words.flat_map(|(word, bits)| (0..64).filter(move |bit| bits & (1 << bit) != 0).map(move |bit| Piece(word * 64 + bit)))
@@ -123,7 +124,7 @@ impl SimMemory {
         SimMemory { stands, motion: None, restarts, ..self }
     }
 
-    /// Where the body is, in a hall with cells of this side in metres.
+    /// Where the body is, in a hall whose cells have this side in metres.
     pub fn body(&self, cell_m: f64) -> BodyPose {
         self.stands.from(centre_of(self.pose, self.outside, cell_m))
     }

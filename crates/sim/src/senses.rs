@@ -42,22 +42,22 @@ impl Senses {
         self.hall = hall;
     }
 
-    /// A reading of the sonar, even an unchanged one.
+    /// A reading of the sonar, even if unchanged.
     pub(super) fn listen(&mut self, body: BodyPose) -> RobotEvent {
         let reading = self.read_sonar(body);
         self.reported = Some(reading);
         RobotEvent::Sonar(reading)
     }
 
-    /// A reading of the sonar, if it differs from the last one reported.
+    /// A reading of the sonar, if it differs from the last reported reading.
     pub(super) fn listen_for_change(&mut self, body: BodyPose) -> Option<RobotEvent> {
         let before = self.reported;
         let reading = self.listen(body);
         (self.reported != before).then_some(reading)
     }
 
-    /// What the last reading tells of the cells ahead of a robot that stands centred in `pose`, if anything. An
-    /// obstacle behind them is reported only when the camera sees it too.
+    /// Which cells ahead are free, according to the last reading, for a robot that stands centred in `pose`. The
+    /// obstacle behind the free cells is reported only if the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
         let (reading, cell_m) = (self.reported.flatten(), self.hall.cell_m());

@@ -1,4 +1,4 @@
-//! The settings of the simulated robot. Where settings come from, and how fast simulated time runs, is not here.
+//! The settings of the simulated robot. The origin of settings and the speed of simulated time are not here.
 
 use std::time::Duration;
 
@@ -48,8 +48,8 @@ impl SimSettings {
         SimSettings { seed, camera, ..SimSettings::default() }
     }
 
-    /// Limits every value to what the arithmetic can handle: no move is quicker than a millisecond, no wheel smaller
-    /// than a millimetre.
+    /// Limits every value to the range that the arithmetic can handle: no move is quicker than a millisecond, no wheel
+    /// smaller than a millimetre.
     pub(super) fn sound(mut self) -> SimSettings {
         for time in [&mut self.step, &mut self.turn, &mut self.photo, &mut self.hook] {
             *time = (*time).max(QUICKEST);

@@ -44,7 +44,7 @@ pub struct Sim {
     pose: Pose,
     /// Distance from home in steps of a robot outside, before the entrance and facing it; 0 in the hall.
     outside: u8,
-    /// Where it really stands while nothing moves it.
+    /// Where the robot really stands while nothing moves it.
     body: BodyPose,
     task: Option<SimTask>,
     led: bool,
@@ -94,14 +94,14 @@ enum Due {
 }
 
 impl Sim {
-    /// A robot that was just put down at home in this hall, facing south. Its first reports are `Stands`, its hook if
-    /// it has one, and `LinkUp`.
+    /// A robot that was just put down at home in this hall, facing south. Its first reports are `Stands`, the hook if
+    /// there is one, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
         Sim::placed(hall, settings, SimMemory::NEW)
     }
 
-    /// A robot at rest where its memory has it.
+    /// A robot at rest at the place in its memory.
     fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         let settings = settings.sound();
         let floor = Arc::clone(&hall);
@@ -162,7 +162,7 @@ impl Sim {
         self.led = blinking;
     }
 
-    /// Handles everything that is due by `now`, in its order.
+    /// Handles everything that is due by `now`, in order of time.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
@@ -199,7 +199,7 @@ impl Sim {
         self.senses.look_into(Arc::clone(&self.hall));
     }
 
-    /// Where its body really is at `now`, if nothing interferes.
+    /// Where the robot's body really is at `now`, if nothing interferes.
     #[must_use]
     pub fn pose_at(&self, now: Now) -> BodyPose {
         self.body_at(now.since_start)

@@ -1,4 +1,4 @@
-//! The speed of simulated time beside real time. `link` makes time pass at it.
+//! The speed of simulated time beside real time. `link` makes time pass at this speed.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// A multiple of real time, `SLOWEST..=FASTEST`; 1 is as a person would watch it.
+    /// A multiple of real time, `SLOWEST..=FASTEST`; 1 is real time.
     Times(f64),
     /// No waiting: time jumps to the end of the order under way.
     Max,
@@ -49,7 +49,7 @@ impl Speed {
     }
 }
 
-/// A duration times a factor; the longest possible one when that is too long.
+/// A duration times a factor; the longest possible duration if the product is too long.
 #[must_use]
 pub fn times(duration: Duration, factor: f64) -> Duration {
     Duration::try_from_secs_f64(duration.as_secs_f64() * factor).unwrap_or(Duration::MAX)

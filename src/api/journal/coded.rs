@@ -12,9 +12,9 @@ use crate::api::fields::in_short;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// For the journal.
+    /// Codes, for the journal.
     Codes,
-    /// For export.
+    /// Sentences, for export.
     Sentences,
 }
 

@@ -6,7 +6,8 @@ use serde_json::{Map, Value, json};
 
 use super::coded::Coded;
 
-/// A code, and a sentence that was written for it. `{field:kind}` stands for a value of this kind, and `{field}` for any words.
+/// A code, and the sentence of earlier versions for it. `{field:kind}` stands for a value of this kind, and `{field}` for any
+/// words.
 type Sentence = (&'static str, &'static str);
 
 const ASKED: [Sentence; 25] = [
@@ -225,7 +226,7 @@ fn value(kind: &str, words: &str) -> Option<Value> {
         "pair" => known(&OF_PAIR),
         "alone" => known(&ALONE),
         "stuck" => known(&STUCK),
-        // In the shape of `CauseShape` in `phase`: a name, or an object with the name as its only key.
+        // The value has the shape of `CauseShape` in `phase`: a name, or an object with the name as its only key.
         "fault" => {
             let Coded { code, mut fields } = one_of(&FAULTS, words)?;
             let own = fields.remove("words").or_else(|| fields.remove("why"));

@@ -1,4 +1,4 @@
-//! One shape for every fact. Its names in JSON are the kinds by which the store finds entries.
+//! One shape for every fact. The names of facts in JSON are the kinds by which the store finds entries.
 
 use std::sync::Arc;
 
@@ -37,7 +37,8 @@ pub(super) enum Shape {
         file: String,
         digest: String,
     },
-    /// All entries before this one were in this archive. It begins after entry `behind`, whose page has the digest `page`.
+    /// All entries before this one were in this archive. The archive begins after entry `behind`, whose page has the digest
+    /// `page`.
     Unpacked {
         file: String,
         digest: String,

@@ -70,7 +70,7 @@ pub struct Line {
 #[serde(rename_all = "camelCase")]
 struct LineShape {
     seq: u64,
-    /// For people; programs read the two fields that follow.
+    /// The time for people; programs read the next two fields.
     #[serde(default)]
     at: String,
     unix_ms: i64,

@@ -100,7 +100,7 @@ impl From<GoalShape> for Goal {
     }
 }
 
-/// Reads one coordinate of a cell; refuses one that no map reaches.
+/// Reads one coordinate of a cell; refuses a coordinate that no map reaches.
 pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D::Error> {
     let side = i32::deserialize(deserializer)?;
     if (-FARTHEST..=FARTHEST).contains(&side) {

@@ -48,7 +48,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
     Coded::new(refused.code(), fields)
 }
 
-/// Reads a refusal. One with a sentence comes from a door, from an earlier version, or from an exported line.
+/// Reads a refusal. A refusal with a sentence comes from a door, from an earlier version, or from an exported line.
 pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
     let Some(words) = coded.field::<Option<String>>("words")? else { return value(coded) };
     let earlier = earlier::refused(&coded.code, &words).and_then(|coded| value(&coded).ok());

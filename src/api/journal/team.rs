@@ -1,5 +1,5 @@
-//! The pair's trees in the journal, after each tick that changed something: they continue from there after a restart, and a run
-//! can be replayed.
+//! The pair's trees in the journal, after each tick that changed something: the trees continue from this record after a
+//! restart, and a run can be replayed from it.
 
 use serde::{Deserialize, Serialize};
 

@@ -15,7 +15,7 @@ struct FiguresJson<'a> {
     /// Reachable cells, including home.
     cells: usize,
     free_cells: usize,
-    /// Pieces of luggage that can be reached, and all of them.
+    /// Number of pieces of luggage that can be reached, and of all pieces.
     reachable_pieces: usize,
     pieces: usize,
     steps: u64,

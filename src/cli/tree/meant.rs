@@ -1,5 +1,5 @@
-//! Checks that the leaves and ports of `--mock` and `--set` are in the file. An unknown one is refused: otherwise it would be
-//! ignored silently, and the run would differ from what was asked for.
+//! Checks that the leaves and ports of `--mock` and `--set` are in the file. An unknown leaf or port is refused: otherwise its
+//! flag would be ignored silently, and the run would differ from the request.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ pub(super) fn check(all: &[Meant<'_>], document: &Document, tree: &Tree, catalog
 /// Path, name and kind.
 type Leaf<'a> = [&'a str; 3];
 
-/// The leaves of the tree, and those of the whole file; the latter have no path, so their name stands for it.
+/// The leaves of the tree, and the leaves of the whole file; these have no path, so their name takes its place.
 fn leaves<'a>(document: &'a Document, tree: &'a Tree) -> Vec<Leaf<'a>> {
     let name = |leaf: &'a Element| leaf.name.as_deref().unwrap_or(&leaf.id);
     let of_file = mock::leaves(document).into_iter().map(|leaf| [name(leaf), name(leaf), &*leaf.id]);

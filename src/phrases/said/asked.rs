@@ -1,4 +1,4 @@
-//! Words for requests and for who sent them; those for refusals are in `refused`.
+//! Words for requests and for their senders; words for refusals are in `refused`.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;

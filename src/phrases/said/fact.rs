@@ -1,4 +1,4 @@
-//! Words for the facts of the journal; those for the requests among them are in `asked`.
+//! Words for the facts of the journal; words for requests are in `asked`.
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::command::Refused;

@@ -1,6 +1,6 @@
 //! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records use, and tests
-//! compare them. One phrase differs: the piece of a verdict without a number stands before the note here. Words of others, as
-//! of a robot or a disk, stay as they are.
+//! compare them. One phrase differs: the piece of a verdict without a number stands before the note here. Words from outside,
+//! such as those of a robot or a disk, stay as they are.
 
 mod asked;
 mod fact;

@@ -1,4 +1,4 @@
-//! The simulator's words, and the changes made to it.
+//! The simulator's words, and the changes made to the simulator.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -8,7 +8,7 @@ use hallsweep_core::simulated::{Change, Pace, Simulated};
 use hallsweep_core::units::Cell;
 
 impl Language {
-    /// A robot's words: a phrase if they are the simulator's, otherwise unchanged.
+    /// A robot's words: a phrase for the words of the simulator, other words unchanged.
     pub fn robot_said(self, words: &str) -> Cow<'_, str> {
         let said = match words {
             "the simulator keeps it lost" => self.say("simulated-lost"),

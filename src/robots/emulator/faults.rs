@@ -1,4 +1,5 @@
-//! Faults of the wire that can be requested: bytes that are lost, changed or late. Chance decides when they happen, from a seed.
+//! Faults of the wire that can be requested: bytes that are lost, changed or late. A random stream from a seed decides when
+//! faults happen.
 
 use std::time::Duration;
 

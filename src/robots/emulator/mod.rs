@@ -1,5 +1,5 @@
-//! A self-built robot, played by the simulated one: the robot's end of the line protocol, joined to the simulator through the
-//! same link as the program's loop. So the simulated robot draws, waits and halts here as it does there.
+//! A self-built robot, played by the simulated one: the robot's end of the line protocol, joined to the simulator by the same
+//! kind of link as the program's loop. So the simulated robot draws, waits and halts here as it does there.
 //!
 //! ```text
 //!   program ◄── wire, with its faults ──► LineRobot ── orders, halts, the LED ──► simulated robot
@@ -78,7 +78,7 @@ impl Emulator {
             tokio::select! {
                 biased;
                 stream = self.wire.next(&self.clock, is_connected) => {
-                    // A new program replaces the one before.
+                    // A new program replaces the previous one.
                     self.robot.handle_lost();
                     let chance = RandomStream::new(self.chance.number(), "connection");
                     self.connection = Some(Connection::new(stream, self.emulation.faults, chance, self.clock));
@@ -123,7 +123,7 @@ impl Emulator {
         }
     }
 
-    /// A report with its photo padded to the requested size. Readers ignore what follows the picture in the file.
+    /// A report with its photo padded to the requested size. Programs that read pictures ignore the padding.
     fn padded(&self, report: RobotEvent) -> RobotEvent {
         let RobotEvent::Photo(id, photo) = report else { return report };
         let mut bytes = photo.bytes.to_vec();

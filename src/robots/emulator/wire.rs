@@ -69,7 +69,7 @@ impl Wire {
         }
     }
 
-    /// The next program. At a device there is another one only when the last is gone.
+    /// The next program. At a serial device the next program comes only after the last one has gone.
     pub(super) async fn next(&mut self, clock: &Clock, is_connected: bool) -> Stream {
         loop {
             match self {

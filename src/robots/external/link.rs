@@ -1,5 +1,5 @@
-//! Joins a driver to the loop and to the wire: channels, timers, reconnecting, and the threads on which drawings are made and the
-//! small file is written. The driver decides what is said to the robot.
+//! Joins a driver to the loop and to the wire: channels, timers, reconnecting, and the threads on which drawings are made and
+//! the small file is written. The driver decides what is sent to the robot.
 
 use std::io;
 use std::pin::Pin;
@@ -18,10 +18,10 @@ use hallsweep_core::event::{Photo, RobotEvent, RobotId};
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 
-/// Pause after a connection was lost or could not be made; it grows when connections end as soon as they are made.
+/// Pause after a connection was lost or could not be made; it grows when connections end right after they are made.
 const AGAIN: Duration = Duration::from_millis(500);
 
-/// A connection shorter than this counts as one that ended as soon as it was made.
+/// A shorter connection counts as one that ended right after it was made.
 const BRIEF: Duration = Duration::from_secs(2);
 
 /// Time after which a failed write of the file is retried, when nothing new happens before.
@@ -37,7 +37,7 @@ const OFTEN: u32 = 3;
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 /// Runs an external robot until the loop's end of the channels is gone. What the next program must know is written to the file,
-/// when there is one, before the robot or anybody else is told of its consequences.
+/// when there is one, before the robot or anybody else learns of the consequences.
 pub(super) async fn run(
     robot: RobotId,
     driver: Box<dyn Driver>,
@@ -222,7 +222,7 @@ impl ExternalLink {
         }
     }
 
-    /// Does nothing without a connection: a new one is under way already then.
+    /// Does nothing while there is no connection, since a new connection is being made then.
     fn reconnect(&mut self) {
         if matches!(self.connection, Connection::Stands(_)) {
             let call = Connection::Calling(self.address.call());

@@ -36,7 +36,7 @@ pub(super) enum MemoryFileError {
 #[derive(Debug)]
 pub(super) struct MemoryFile {
     file: SmallFile,
-    /// Whether the contents are of this robot, not of one that it replaces.
+    /// Whether the contents belong to this robot, and not to a robot that it replaces.
     is_own: bool,
     /// Name that the file gets after a failed write, since its contents are out of date then.
     out_of_date: PathBuf,
@@ -57,7 +57,7 @@ enum Mark {
 }
 
 impl MemoryFile {
-    /// Opens the file of this robot in the folder `dir`, and reads it; `None` when there is none yet, or when it belongs to
+    /// Opens the file of this robot in the folder `dir`, and reads it; `None` when there is no file yet, or when it belongs to
     /// another robot than `whose`. Writes nothing, and leaves a file that cannot be read as it is.
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::of(dir, names::ROBOT, robot.name());
@@ -115,7 +115,7 @@ impl MemoryFile {
     }
 
     /// Marks the file as out of date, which needs no free space. In a read-only folder the file itself may still be writable:
-    /// once emptied it is not used.
+    /// then it is emptied, and an empty file is not used.
     fn mark_out_of_date(&self) -> io::Result<()> {
         let anybodys = || files::create(&self.out_of_date).map(drop);
         let marked = if self.is_own { fs::rename(self.file.path(), &self.out_of_date) } else { anybodys() };
@@ -125,7 +125,7 @@ impl MemoryFile {
     }
 }
 
-/// Whose mark it is. An empty or unreadable mark counts for any robot.
+/// The robot to which a mark belongs. An empty or unreadable mark counts for any robot.
 fn mark(out_of_date: &Path, whose: &str) -> Mark {
     match files::read_if_there(out_of_date, MOST) {
         Ok(None) => Mark::No,

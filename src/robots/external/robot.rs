@@ -20,7 +20,7 @@ pub(in crate::robots) struct ExternalRobot {
     address: Address,
     place: String,
     step: Duration,
-    /// From the scene file of its page.
+    /// The room in the scene file of the robot's page.
     room: Option<Room>,
     remembered: ExternalMemory,
 }
@@ -36,7 +36,7 @@ enum ExternalMemory {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
-    /// It may be anywhere, for this reason.
+    /// The robot may be anywhere, for this reason.
     Lost(String),
 }
 
@@ -66,7 +66,7 @@ impl ExternalRobot {
         format!("robot at {}", self.address)
     }
 
-    /// Whether it measures its path by time, without a scene file that says where things stand.
+    /// Whether the robot measures its path by time, without a scene file that tells the positions of things.
     pub(in crate::robots) fn reckons(&self) -> bool {
         matches!(self.kind, ProtocolKind::Virtual(_)) && self.room.is_none()
     }

@@ -17,7 +17,7 @@ pub struct UnusableScene {
     pub error: HallError,
 }
 
-/// The time is that of a cell at the page's nominal speed.
+/// The room and the time for a cell at the page's nominal speed.
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
     let file = path.to_string_lossy();
     let read = Scene::open(&file).and_then(|scene| {
@@ -27,7 +27,7 @@ pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), Unu
     read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })
 }
 
-/// The room in cells from the player's start, as the robot's centre meets it.
+/// The room in cells from the player's start, with obstacles where they stop the robot's centre.
 fn told(scene: &Scene) -> Room {
     let (player, half) = (&scene.player, PLAYER / 2.0);
     let extent = |(min_x, max_x): (f64, f64), (min_z, max_z): (f64, f64), grown: f64| Extent {

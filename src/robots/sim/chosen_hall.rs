@@ -45,7 +45,7 @@ impl ChosenHall {
         SmallFile::within(&self.folder, names::CHOSEN_HALL)
     }
 
-    /// The chosen hall, if it was chosen instead of the one that the settings name now.
+    /// The chosen hall, if it was chosen while the settings named the same hall as now.
     pub(in crate::robots) fn read(&self) -> Result<Option<SimulatedHall>, UnusableChosenHall> {
         let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };

@@ -1,5 +1,5 @@
 //! Halls that somebody stored under names, to choose and to edit them again: hall files in a folder of the data folder, each
-//! named after its hall, so that one can also be put there by hand before the start.
+//! named after its hall. A file can also be put there by hand before the start.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -26,7 +26,7 @@ pub(super) struct KeptHalls {
 }
 
 impl KeptHalls {
-    /// Finds the files that are there; the log names those beyond the maximum. A file that cannot be used is listed too, so that
+    /// Finds the existing files; the log names the files beyond the maximum. A file that cannot be used is listed too, so that
     /// whoever asks for it is told why.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
         let names = data.map(|data| found(&names::HALLS.within(data))).unwrap_or_default();
@@ -56,8 +56,8 @@ impl KeptHalls {
         )
     }
 
-    /// Stores a hall, whole or not at all; replaces one of the same name only if `may_replace`. A lock makes storing and deleting
-    /// exclude each other.
+    /// Stores a hall, whole or not at all; replaces a hall of the same name only if `may_replace`. A lock makes storing and
+    /// deleting exclude each other.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         let data = self.data.as_deref().ok_or(NotSimulated::NoDataFolder)?;
         // Somebody may have put a file there since the start.

@@ -38,11 +38,11 @@ pub(super) struct Begin {
     /// Used to make a new simulation in another hall.
     pub(super) settings: SimSettings,
     pub(super) speed: Speed,
-    /// Receives everything that must not be forgotten, before anybody is told of it.
+    /// Receives every state that must not be forgotten, before anybody learns of it.
     pub(super) state_file: Option<SimStateFile>,
     pub(super) floor: Floor,
     pub(super) remote: Remote,
-    /// Whether the simulator's faults apply: they are those of the searching robot.
+    /// Whether the simulator's faults apply: only the searching robot has them.
     pub(super) has_faults: bool,
 }
 
@@ -71,7 +71,7 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     link.run().await;
 }
 
-/// The hall as it was loaded, the pieces that others have lifted since, and the added obstacles.
+/// The hall as it was loaded, with the pieces that other robots have lifted since, and with the added obstacles.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub(super) hall: Arc<Hall>,
@@ -104,7 +104,7 @@ struct SimLink {
     /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt. Nothing else goes on until it is
     /// done.
     writing: Option<JoinHandle<SimStateFile>>,
-    /// When a failed write is retried, by the real clock.
+    /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
     /// The last reading of the thermometer, and when it is repeated, by the real clock.
     reading: Option<(Celsius, Duration)>,
@@ -161,7 +161,7 @@ impl SimLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// By the real clock, whatever the speed of simulated time.
+    /// The next time to wake, by the real clock, whatever the speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
         let again = [self.write_again, self.reading.map(|(_, again)| again)];
@@ -252,7 +252,7 @@ impl SimLink {
         self.sim.handle_hall(Arc::new(hall));
     }
 
-    /// Places the requested obstacles, except in the robot's cell, where one appears when the robot has left.
+    /// Places the requested obstacles, except in the robot's cell: there the obstacle appears once the robot has left.
     fn put_obstacles(&mut self) {
         let wanted = &self.controls.blocked;
         if wanted.is_empty() && self.floor.blocked.is_empty() {

@@ -6,8 +6,7 @@ use super::kept_halls::{KeptHalls, fitting};
 use crate::runtime::simulator::{NotSimulated, is_hall_name};
 use hallsweep_sim::Hall;
 
-/// The halls that can be chosen by name: the built-in ones, the file that the settings name, by its own name, and the stored
-/// ones.
+/// The halls that can be chosen by name: the built-in halls, the file in the settings under its own name, and the stored halls.
 #[derive(Debug)]
 pub(super) struct Offered {
     always: Vec<Always>,

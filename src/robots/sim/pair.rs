@@ -32,16 +32,16 @@ enum PairRecollection {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(PairStateFile, Option<Box<PairMemory>>),
-    /// It was left at another hall, as the state file in this folder says.
+    /// The pair was left at another hall, as the state file in this folder says.
     Elsewhere(PathBuf),
-    /// It may be anywhere, for this reason.
+    /// The pair may be anywhere, for this reason.
     Lost(String),
 }
 
 impl SimPair {
     /// A pair with the speed and the seed of the searching robot.
     pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings, mishaps: PairMishaps) -> SimPair {
-        // Every mishap concerns the first piece, one step later each time.
+        // All slips concern the first piece, each one step later than the one before.
         let slips = (1..=mishaps.slips).map(|after_steps| Slip { parcel: 1, after_steps }).collect();
         let unrecognised = (0..mishaps.unrecognised).map(|_| 1).collect();
         let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
@@ -54,7 +54,7 @@ impl SimPair {
         Which::ALL.map(Which::robot)
     }
 
-    /// The pieces it has lifted, for robots that would otherwise meet them.
+    /// The pieces that the pair has lifted, for robots that would otherwise meet them.
     pub(in crate::robots) fn moved(&self) -> watch::Receiver<Moved> {
         self.moved.subscribe()
     }

@@ -1,5 +1,6 @@
 //! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the
-//! thread on which the state file is written. `hallsweep_sim::pair` decides what the pair does; this is its only file that waits.
+//! thread on which the state file is written. `hallsweep_sim::pair` decides what the pair does; this is the only file of the
+//! pair that waits.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -96,7 +97,7 @@ struct PairLink {
     state_file: Option<PairStateFile>,
     /// The write in progress; nothing else goes on until it is done.
     writing: Option<JoinHandle<PairStateFile>>,
-    /// When a failed write is retried, by the real clock.
+    /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
     /// Pieces that the searching robot no longer meets.
     moved: watch::Sender<Moved>,
@@ -157,7 +158,7 @@ impl PairLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// By the real clock, whatever the speed of simulated time.
+    /// The next time to wake, by the real clock, whatever the speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.pair.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
@@ -180,7 +181,7 @@ impl PairLink {
         }
     }
 
-    /// Applies the controls, except for faults, which are those of the searching robot.
+    /// Applies the controls, except for faults, which only the searching robot has.
     fn obey_controls(&mut self) {
         let wanted = self.remote.controls.borrow_and_update().clone();
         let before = std::mem::replace(&mut self.controls, wanted);
@@ -285,7 +286,7 @@ impl PairLink {
     }
 }
 
-/// Where both wait when nothing is known about them.
+/// Where both robots wait when nothing is known about them.
 pub(super) fn outside() -> [BasePose; 2] {
     [BasePose { place: Place::ENTRANCE, heading: Pose::START.heading }; 2]
 }

@@ -19,7 +19,7 @@ use hallsweep_sim::{Faults, Hall, Speed};
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::robots) struct Controls {
-    /// As set for each robot, unless somebody chose a speed.
+    /// The chosen speed; `None` for the speed in each robot's settings.
     pub(super) speed: Option<Speed>,
     pub(super) is_paused: bool,
     pub(super) steps: u64,

@@ -29,11 +29,11 @@ enum SimRecollection {
     Nothing,
     /// The contents of the state file, if there was one.
     Here(Box<SimStateFile>, Option<Box<SimMemory>>),
-    /// It was left in another hall, as the state file in this folder says.
+    /// The robot was left in another hall, as the state file in this folder says.
     Elsewhere(PathBuf, String),
-    /// It was left in another hall and is put into this one; the state file is begun anew.
+    /// The robot was left in another hall and is put into this hall; the state file is begun anew.
     PutDown(Box<SimStateFile>),
-    /// It may be anywhere, for this reason.
+    /// The robot may be anywhere, for this reason.
     Lost(String),
 }
 
@@ -44,7 +44,7 @@ impl SimRobot {
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: SimRecollection::Nothing }
     }
 
-    /// `floor` is the hall as others have left it.
+    /// `floor` is the hall in the state in which other robots have left it.
     pub(in crate::robots) fn recall(&mut self, folder: &Path, floor: &Hall) {
         self.remembered = match SimStateFile::open(folder, &self.id, &self.hall, floor) {
             Ok((state_file, memory)) => SimRecollection::Here(Box::new(state_file), memory.map(Box::new)),
@@ -77,8 +77,8 @@ impl SimRobot {
         }
     }
 
-    /// The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved` has the pieces
-    /// that others have lifted.
+    /// The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved` has the pieces that
+    /// other robots have lifted.
     pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {

@@ -8,7 +8,7 @@ use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings, Speed};
 /// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum UnusableHall {
-    /// `origin` is where its name or path was set, such as `flag --hall`.
+    /// `origin` is where the name or path of the hall was set, such as `flag --hall`.
     #[error("setting hall.file = {name:?} (from {origin}): {error}")]
     File { name: String, origin: String, error: HallError },
     #[error("setting hall.start: {0}")]

@@ -15,7 +15,7 @@ pub(super) struct SimTime {
     usual_speed: Speed,
     speed: Speed,
     is_paused: bool,
-    /// Paused, except for what is under way.
+    /// Whether time is paused except for actions under way.
     is_stepping: bool,
     /// A real time, and the simulated time at that moment.
     real: Duration,
@@ -67,7 +67,7 @@ impl SimTime {
         *self = SimTime { real, simulated: simulated.max(self.at(real)), ..*self };
     }
 
-    /// The real time of a simulated moment, or of the next check whether there is one.
+    /// The real time of a simulated moment; without a moment, the time of the next check for one.
     pub(super) fn comes(&self, simulated: Option<Duration>, real: Duration) -> Duration {
         let wait = simulated.and_then(|at| self.until(at, real));
         real + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT)

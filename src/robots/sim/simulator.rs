@@ -35,7 +35,7 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) ground: SimulatedHall,
     pub(in crate::robots) speed: Speed,
     pub(in crate::robots) controls: watch::Sender<Controls>,
-    /// The simulated robots, and the channels to their links, those of the pair first.
+    /// The simulated robots, and the channels to their links, the pair's channels first.
     pub(in crate::robots) robots: Vec<RobotId>,
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
@@ -218,7 +218,7 @@ impl InHand {
         });
     }
 
-    /// Moves all links into another hall, when the core agrees. Links whose request is dropped go on where they are.
+    /// Moves all links into another hall, when the core agrees. A link whose request is dropped goes on in the present hall.
     async fn move_all(&self, next: &SimulatedHall, issuer: Issuer) -> Result<(), NotSimulated> {
         let mut moves = Vec::new();
         for link in &self.links {

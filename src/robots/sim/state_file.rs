@@ -1,9 +1,9 @@
 //! Stores what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
 //! the program comes back. The contents are in `memory`, the format in `hallsweep_sim::page`; `link` decides when to write.
 //!
-//! It simulates physics, so writing is as cheap as possible: 1 KiB in place for each order begun or ended. The bytes are in the
-//! system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose the last seconds.
-//! Everything that must outlive a power cut is in the journal.
+//! The file stands for the memory of physics, so writing is as cheap as possible: 1 KiB in place for each order begun or ended.
+//! The bytes are in the system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose
+//! the last seconds. Everything that must outlive a power cut is in the journal.
 
 use std::io;
 use std::path::Path;
@@ -31,9 +31,9 @@ pub(super) struct SimStateFile {
 }
 
 impl SimStateFile {
-    /// Opens this robot's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no file
-    /// yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is. `floor` is the hall as others
-    /// have left it.
+    /// Opens this robot's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no
+    /// file yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is. `floor` is the hall in
+    /// the state in which other robots have left it.
     pub(super) fn open(
         dir: &Path,
         robot: &RobotId,

@@ -12,11 +12,11 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
 
-/// Maximum number of waiting pages, far more than are handed over before a disk that hangs is given up. Further ones are not
+/// Maximum number of waiting pages, far more than are handed over before a disk that hangs is given up. Further pages are not
 /// counted.
 const WAITING: usize = 64 * 1024;
 
-/// Pages on their way to the store, and the state of the mission after those that are stored.
+/// Pages on their way to the store, and the state of the mission after the stored pages.
 #[derive(Debug)]
 pub struct HandedPages {
     figures: Figures,
@@ -31,7 +31,7 @@ pub struct HandedPages {
     luggage: LuggageId,
 }
 
-/// The part of an entry that is counted, or needed to count another entry.
+/// The part of an entry that is counted or helps to count another entry.
 #[derive(Clone, Copy, Debug)]
 enum CountedFact {
     MissionBegan,

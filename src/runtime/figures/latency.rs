@@ -11,7 +11,8 @@ use prometheus_client::metrics::{MetricType, TypedMetric};
 
 use super::nanos;
 
-/// Upper bounds of the buckets in nanoseconds: from what a fast thread takes to what a disk takes just before it is given up.
+/// Upper bounds of the buckets in nanoseconds: from the time that a fast thread takes to the time after which a hung disk is
+/// given up.
 const BOUNDS: [u64; 14] = [
     10_000,
     25_000,
@@ -57,7 +58,7 @@ impl EncodeMetric for Latency {
         let bounds = BOUNDS.into_iter().map(seconds).chain([UNBOUNDED]);
         let counts = self.0.counts.iter().map(|count| count.load(Ordering::Relaxed));
         let buckets: Vec<(f64, u64)> = bounds.zip(counts).collect();
-        // Summed over the buckets, so that both agree while others observe.
+        // Summed over the buckets, so that both agree even if other threads add values meanwhile.
         let count = buckets.iter().map(|(_, count)| count).sum();
         encoder.encode_histogram::<NoLabelSet>(seconds(self.0.nanos.load(Ordering::Relaxed)), count, &buckets, None)
     }

@@ -1,4 +1,4 @@
-//! What the program counts and measures of itself since its start, for monitoring. Every number is atomic and every series
+//! What the program counts and measures about itself since its start, for monitoring. Every number is atomic and every series
 //! exists from the start: counting never waits and never allocates, whatever arrives from outside. `handed` counts what is on
 //! record; the format is that of `prometheus_client`, and a door decides who may read it.
 
@@ -63,7 +63,7 @@ struct Families {
     answers: Latency,
     /// Time from when a STOP halts the robots until the loop handles it.
     stopping: Latency,
-    /// When the first STOP was raised that the loop has not handled, in nanoseconds since the start; 0 when there is none.
+    /// When the oldest STOP that the loop has not handled was raised, in nanoseconds since the start; 0 when there is none.
     unheard: AtomicU64,
 }
 

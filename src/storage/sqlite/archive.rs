@@ -1,5 +1,5 @@
-//! What the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that none
-//! waits for another, for the writer, or for a disk that cannot be written.
+//! What the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that no
+//! query waits for another query, for the writer, or for a disk that cannot be written.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,7 +44,7 @@ impl SqliteArchive {
         SqliteArchive::Folder { folder, idle: Mutex::default() }
     }
 
-    /// Runs a query; the default value where there is no journal yet.
+    /// Runs a query; returns the default value while there is no journal.
     fn ask<T: Default>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Unreadable> {
         let answer = match self {
             SqliteArchive::Folder { folder, idle } => ask_folder(folder, idle, question),

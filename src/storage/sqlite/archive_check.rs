@@ -23,9 +23,9 @@ use hallsweep_core::units::Seq;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArchiveCheck {
-    /// Number of archives; one that was named twice counts once.
+    /// Number of archives; an archive that was named twice counts once.
     pub archives: usize,
-    /// One sentence for each fault; empty when each archive is as it was written and they follow each other from the first entry
+    /// One sentence for each fault; empty when all archives are as they were written and follow each other from the first entry
     /// on.
     pub faults: Vec<String>,
 }
@@ -46,7 +46,7 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     }
     let mut faults = Vec::new();
     let archives = opened(files, &mut faults);
-    // An earlier archive is on record in every later one.
+    // An earlier archive is on record in every later archive.
     let mut records = Records::of(journal).map_err(words)?;
     let (mut begins, mut later) = (chain::anchor(journal).map_err(words)?, "the journal");
     for archive in archives.iter().rev() {
@@ -65,8 +65,8 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
-/// The fault, if any, between `archive` and what begins after it, which the sentence calls `later`. An archive from
-/// which the journal was unpacked must begin where `later` does, and be continued by the journal or another archive.
+/// The fault, if any, between `archive` and the next part of the chain, which the sentence calls `later`. An archive from which
+/// the journal was unpacked must begin where `later` does, and be continued by the journal or another archive.
 fn between<'a>(
     begins: Head,
     later: &str,
@@ -92,7 +92,7 @@ fn between<'a>(
     Ok((!is_on_record).then(words))
 }
 
-/// Opens each archive once, in the order in which they follow each other; reports those that are unsound or unreadable.
+/// Opens each archive once, in the order in which they follow each other; reports archives that are unsound or unreadable.
 fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
     let (mut archives, mut known) = (Vec::new(), BTreeSet::new());
     for file in files {

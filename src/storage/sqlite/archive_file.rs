@@ -6,9 +6,9 @@
 //!   archive   1 ──────────────────────┼───────────────────────── last
 //!   next                              gone ───────────────────────────────── …
 //! ```
-//! Both contain the page with which the last archived mission ends, since the state afterwards follows from it: each archive can be folded by
-//! itself, and the next archive, or the journal, continues a page that is in the one before. Entries leave the journal only after the archive is
-//! on disk, was read again and has the same digests.
+//! Both contain the page with which the last archived mission ends, since the state afterwards follows from that page. So each
+//! archive can be folded by itself, and the next archive, or the journal, continues from a page that the archive before
+//! contains. Entries leave the journal only after the archive is on disk, was read again and has the same digests.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -49,7 +49,7 @@ pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> R
     write_out_within(data, before, now, Bound::NONE, |_| file.to_owned())
 }
 
-/// Like `write_out`, into the folder `archives` of the data folder, limited to what a start can wait for.
+/// Like `write_out`, into the folder `archives` of the data folder, limited to an amount for which a start can wait.
 pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
     let archives = names::ARCHIVES.within(data);
     let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
@@ -257,7 +257,8 @@ pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Ar
     Ok(Archived { what, last: cut.last, photos: count(photos), left: 0 })
 }
 
-/// Deletes the archived entries and records that, in one transaction. Returns the photos that nothing names any more.
+/// Deletes the archived entries and records their archiving, in one transaction. Returns the photos that nothing names any
+/// more.
 fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now: WallTime) -> Result<Vec<Picture>, Fault> {
     let before = photos(journal)?;
     let transaction = journal.transaction_with_behavior(TransactionBehavior::Immediate)?;

@@ -28,8 +28,8 @@ pub(super) fn close_page(connection: &Connection) -> Result<Head, Fault> {
     close_page_at(connection, i64::MAX)
 }
 
-/// Chains entries from before there was a chain, with a page for each mission and one for its end, so that old missions can be
-/// archived.
+/// Chains entries from before the chain existed, with one page for each mission and one for its end, so that old missions can
+/// be archived.
 pub(super) fn close_old_pages(connection: &Connection) -> Result<(), Fault> {
     let sql = "SELECT seq - 1 FROM events WHERE kind = 'missionArchived' UNION SELECT seq FROM events WHERE kind = 'standing' ORDER BY 1";
     let mut statement = connection.prepare(sql)?;
@@ -71,13 +71,13 @@ pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<He
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page after which the journal begins: the last archived one, if there is one.
+/// The page after which the journal begins: the last archived page, if there is one.
 pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
     let first = rows::first(connection)?.unwrap_or(Seq(1));
     if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }
 }
 
-/// Deletes the digests of all pages that end after `kept`; their entries are deleted by `rows::take_back`.
+/// Deletes the digests of all pages that end after `kept`; `rows::take_back` deletes the entries.
 pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<(), Fault> {
     connection.execute("DELETE FROM pages WHERE last > ?1", [whole(kept.0)?])?;
     Ok(())
@@ -146,7 +146,7 @@ fn place(row: &Row<'_>) -> Seq {
     Seq(row.get(0).map_or(0, count))
 }
 
-/// A digest of a wrong length, which the program never writes, becomes one that matches nothing.
+/// A digest of a wrong length, which the program never writes, becomes a digest that matches nothing.
 fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     let digest = row.get_ref(1)?.as_bytes().ok().and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; 32]);
     Ok(Head { seq: Seq(count(row.get(0)?)), digest })

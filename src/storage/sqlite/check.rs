@@ -22,7 +22,7 @@ const LISTED: usize = 100;
 pub struct Findings {
     /// One sentence for each fault; at most the first 100.
     pub faults: Vec<String>,
-    /// Number of faults, including those not listed.
+    /// Number of faults, including faults that are not listed.
     pub count: u64,
     /// Observations that are not faults.
     pub notes: Vec<String>,
@@ -134,8 +134,8 @@ fn tables(connection: &Connection) -> Result<std::collections::BTreeSet<String>,
     rows_of(connection, "(SELECT type, name, tbl_name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%')")
 }
 
-/// Checks the order and contents of the entries. Returns the tables that follow from them, and whether some entries cannot be
-/// read.
+/// Checks the order and contents of the entries. Returns the tables that follow from the entries, and whether some entries
+/// cannot be read.
 fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
     let losses = losses(connection)?;
     let anew = empty()?;

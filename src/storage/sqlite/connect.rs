@@ -9,7 +9,7 @@ use super::fault::Fault;
 use super::folder::Folder;
 use super::schema::{self, Format};
 
-/// Time to wait for a lock of another program: longer than any reader of this program holds one.
+/// Time to wait for a lock of another program: longer than any reader of this program holds a lock.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Size in bytes to which a checkpoint cuts the write-ahead log, so that one large mission does not leave a large file.
@@ -52,7 +52,7 @@ pub(super) fn reader(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::FORMAT)
 }
 
-/// Like `reader`, for entries only: their format is older than that of the other tables.
+/// Like `reader`, for entries only: the format of entries is older than the format of the other tables.
 pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::ENTRIES_SINCE)
 }

@@ -1,5 +1,5 @@
-//! Where old missions may be cut off the journal: after each page that ends a mission, provided that the state afterwards follows
-//! from what stays.
+//! Where old missions may be cut off the journal: after each page that ends a mission, provided that the state afterwards
+//! follows from the remaining entries.
 
 use rusqlite::Connection;
 
@@ -29,7 +29,8 @@ pub(super) struct Bound {
 impl Bound {
     pub(super) const NONE: Bound = Bound { entries: u64::MAX, photo_bytes: u64::MAX };
 
-    /// Bound for a start, which waits for it: some seconds on a common disk, since photos are written, read again and hashed.
+    /// Bound for archiving at a start, which waits for some seconds on a common disk, since photos are written, read again and
+    /// hashed.
     pub(super) const OF_A_START: Bound = Bound { entries: 250_000, photo_bytes: 128 * 1024 * 1024 };
 
     pub(super) fn takes(self, cut: &Cut) -> bool {
@@ -37,8 +38,8 @@ impl Bound {
     }
 }
 
-/// All places where the journal may be cut so that only missions put away before `before` leave it; each place includes the ones
-/// before it.
+/// All places where the journal may be cut so that only missions put away before `before` leave it; each place includes the
+/// places before it.
 pub(super) fn cuts(journal: &Connection, before: WallTime) -> Result<Vec<Cut>, Fault> {
     // Photos count towards the mission in which their piece was found.
     let sql = "SELECT id, archived_seq, (SELECT coalesce(sum(bytes), 0) FROM luggage JOIN takes ON takes.luggage = luggage.id

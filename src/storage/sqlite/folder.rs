@@ -25,8 +25,8 @@ pub(super) struct Lock {
     path: PathBuf,
 }
 
-/// Device and inode of a file, which tell it from all other existing files. On systems without them all files look the same; but
-/// those systems do not allow an open file to be removed.
+/// Device and inode of a file, which tell it from all other existing files. On systems without inodes all files look the same,
+/// but there an open file cannot be removed.
 pub(super) type Identity = (u64, u64);
 
 impl Lock {
@@ -77,7 +77,7 @@ impl Folder {
         names::PHOTOS.within(&self.path)
     }
 
-    /// Whether there is a journal: a file that is not empty. A file that cannot be inspected counts as one.
+    /// Whether there is a journal: a file that is not empty. A file that cannot be inspected counts as a journal.
     pub(super) fn has_journal(&self) -> Result<bool, Fault> {
         if !self.is_archive {
             self.check_rollback()?;
@@ -108,7 +108,7 @@ impl Folder {
         self.check_log()
     }
 
-    /// Like `check_journal`, for the files beside it that reading does not need.
+    /// Like `check_journal`, for the files beside the journal that are not needed for reading.
     pub(super) fn check_beside(&self) -> Result<(), Fault> {
         self.check_plain(&[names::LOCK, names::LOST, names::HEAD])?;
         files::check_folder(&self.photos()).map_err(|error| Fault::of_file(error, names::PHOTOS, self.photos()))

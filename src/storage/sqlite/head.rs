@@ -1,6 +1,6 @@
-//! The file `journal.head`: the last entry written to the journal, and the digest of its page. It shows when entries were cut off
-//! at the end. It is written after each commit and without a flush, so after a kill or a power cut it may be behind the journal,
-//! but never ahead of it.
+//! The file `journal.head`: the last entry written to the journal, and the digest of its page. It shows whether entries were
+//! cut off at the end of the journal. It is written after each commit and without a flush, so after a kill or a power cut it
+//! may be behind the journal, but never ahead of it.
 
 use std::io;
 use std::sync::mpsc::{self, Receiver};
@@ -117,13 +117,13 @@ pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault>
     if rows::last_up_to(connection, None)? < head.seq {
         return Err(Fault::CutOff(head.seq));
     }
-    // A journal that was never chained cannot be the one that the file belongs to.
+    // A journal that was never chained cannot be the journal to which the file belongs.
     let is_chained = schema::format(connection)? == schema::Format::Current;
     let there = if is_chained { chain::page_of(connection, head.seq)? } else { None };
     if there == Some(*head) { Ok(()) } else { Err(Fault::Another(head.seq)) }
 }
 
-/// The stored head; `None` when there is no file, or one that a power cut left empty.
+/// The stored head; `None` when there is no file, or a file that a power cut left empty.
 pub(super) fn read(folder: &Folder) -> Result<Option<Head>, Fault> {
     let bytes = folder.head().read(LENGTH)?.unwrap_or_default();
     if bytes.iter().all(|byte| *byte == 0) {

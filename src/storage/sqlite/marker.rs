@@ -59,14 +59,15 @@ impl Marker {
         }
     }
 
-    /// Records durably that nothing is lost any more, once the lost entries are deleted.
+    /// Records durably that no entries are declared lost any more, once the lost entries are deleted.
     pub(super) fn clear(&self) -> Result<(), Fault> {
         // A thread that is still writing the mark would set it again afterwards.
         if self.putting.load(Ordering::SeqCst) > 0 { Err(Fault::Hung) } else { clear(&self.folder) }
     }
 }
 
-/// Records durably that nothing is lost. The file exists from then on, so that writing the mark needs no free space.
+/// Records durably that no entries are declared lost. The file exists from then on, so that writing the mark needs no free
+/// space.
 pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
     folder.marker().write_over(text(None).as_bytes())?.sync_all()?;
     Ok(files::sync_folder(folder.path())?)

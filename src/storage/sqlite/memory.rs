@@ -1,5 +1,5 @@
-//! The store in memory: the journal of `schema` in an SQLite database without a file, used by the same code as the one on disk.
-//! Pages are stored at once and gone with the program. Its size is bounded, so that a robot may search for weeks.
+//! The store in memory: the journal of `schema` in an SQLite database without a file, used by the same code as the journal on
+//! disk. Pages are stored at once and gone with the program. Its size is bounded, so that a robot may search for weeks.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,8 +17,8 @@ use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Number of stored entries: some missions of a hall. All entries since the last state snapshot are stored besides, so that the
-/// state can always be folded from them; the core bounds their number in proportion to the state.
+/// Number of stored entries: some missions of a hall. All entries since the last state snapshot are stored in any case, so that
+/// the state can always be folded from them; the core bounds their number in proportion to the state.
 pub(super) const ENTRIES: u64 = 16_384;
 
 /// Number of pieces whose photo is stored: more than a hall holds, at some 100 KB each.
@@ -69,7 +69,7 @@ pub struct MemoryStore {
 #[derive(Debug)]
 pub(super) struct MemoryJournal {
     writing: Mutex<Writing>,
-    /// Held by readers, so that the writer waits for one of them at most.
+    /// Held by readers, so that the writer waits for one reader at most.
     turn: Mutex<()>,
 }
 

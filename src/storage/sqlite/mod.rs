@@ -1,5 +1,5 @@
-//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; or the same in memory
-//! (`memory`) when nothing is to be stored. START HERE.
+//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; or all of them in
+//! memory (`memory`) when nothing is to be stored. START HERE.
 //!
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
@@ -126,7 +126,7 @@ fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<
 /// Reads the stored state, and opens the journal for writing if that state is known. Only a folder in use is an error.
 fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fault> {
     let words = |fault: &Fault, then| Some(fault.words(folder.path(), then));
-    // Without the folder there is no lock either; the writer tries both again.
+    // Without the folder there is no lock either; the writer retries both.
     let _ = folder.create_path();
     let lock = match folder.lock() {
         Err(Fault::InUse) => return Err(Fault::InUse),
@@ -141,7 +141,7 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
         Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
     };
     let recalled = match recall_up_to_date(folder, lost_after) {
-        // The journal was removed, by somebody or by SQLite: a new one beside the photos of the old one would hide that.
+        // The journal was removed, by somebody or by SQLite: a new journal beside the old photos would hide that.
         Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),

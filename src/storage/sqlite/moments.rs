@@ -1,4 +1,4 @@
-//! How a mission stood at moments of its past: the state folded from the entries up to each of them, and what else a page shows.
+//! The state of a mission at moments of its past, folded from the entries up to each moment, and other data that a page shows.
 
 use rusqlite::{Connection, OptionalExtension};
 
@@ -60,7 +60,7 @@ fn place(connection: &Connection, mission: MissionId, at: At, end: Seq) -> Resul
     }
 }
 
-/// The last entry of a mission that is not later than the given time; the first one if all are later. Entries are ordered by
+/// The last entry of a mission that is not later than the given time; the first entry if all are later. Entries are ordered by
 /// time.
 fn by_time(
     connection: &Connection,

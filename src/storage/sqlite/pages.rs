@@ -1,5 +1,5 @@
-//! The journal as the writer uses it: pages are written, many in one transaction and each whole or not at all, together with the
-//! projections. When to write, and what is reported, is in `writer`.
+//! The journal as the writer uses it: pages are written, many in one transaction and each whole or not at all, together with
+//! the projections. `writer` decides when to write and what to report.
 
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
@@ -24,7 +24,7 @@ pub(super) struct Pages {
 }
 
 impl Pages {
-    /// Opens the journal for writing, and creates it when there is none. Its last entry must be `kept`.
+    /// Opens the journal for writing, and creates it when there is none. The last entry of the journal must be `kept`.
     pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
         folder.has_journal()?;
         folder.create()?;
@@ -86,7 +86,7 @@ impl Pages {
     /// Proves that the journal can be written: deletes the entries after `kept`, which were declared lost, and records that loss.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
         self.is_in_place()?;
-        // On a small disk the log itself may take the space. When this fails, the log only grows.
+        // On a small disk the log itself may take the space. If the checkpoint fails, the log grows, which is harmless.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
@@ -107,7 +107,7 @@ impl Pages {
     }
 }
 
-/// Writes a page, photos first; returns the mission that is under way after it.
+/// Writes a page, photos first; returns the mission that is under way after the page.
 pub(super) fn write(
     transaction: &Transaction<'_>,
     pictures: Pictures<'_>,
@@ -126,8 +126,8 @@ pub(super) fn write(
     Ok(under_way)
 }
 
-/// The mission of an entry, and the one under way after it. Entries that lead to a mission's beginning belong to it, such as the
-/// command that began it; the phase that follows a mission does not, although it is recorded before the mission's end.
+/// The mission of an entry, and the mission under way after it. Entries that lead to a mission's beginning belong to it, such
+/// as the command that began it; the phase that follows a mission does not, although it is recorded before the mission's end.
 fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
     let (entry, rest) = (&page.entries[place], &page.entries[place..]);
     if let Fact::MissionArchived(mission, _) = &entry.fact {

@@ -27,7 +27,7 @@ pub(super) const PICTURES: &str = "CREATE TABLE pictures (digest TEXT PRIMARY KE
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pictures<'a> {
     Files(&'a Folder),
-    /// In the table `pictures` of a journal in memory, or of an archive.
+    /// Rows in the table `pictures` of a journal in memory, or of an archive.
     Table,
 }
 
@@ -104,7 +104,7 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
             let _ = std::fs::remove_file(&unfinished);
         })?;
     }
-    // Also for a photo that exists already: its writer may have failed at exactly this step.
+    // The folders are flushed for an existing photo too: its writer may have failed at exactly this step.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 

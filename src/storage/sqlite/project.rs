@@ -54,7 +54,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
     }
 }
 
-/// Reads only the entries from which projections follow; returns their number.
+/// Reads only the entries from which projections follow; returns the number of entries read.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
@@ -92,7 +92,7 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
     run(connection, sql, params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])
 }
 
-/// Records a piece, or another photo of it. Without a new photo the older one stays.
+/// Records a piece, or another photo of it. Without a new photo the older photo stays.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
     if let (Some(picture), PhotoState::Taken { bytes, take }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
@@ -116,7 +116,8 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
-/// A state snapshot also contains what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
+/// A state snapshot also contains what a failed store may have lost: a mission's beginning, the end of the previous mission,
+/// luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
     let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;

@@ -21,7 +21,7 @@ use hallsweep_core::units::{MissionId, Seq};
 /// Number of entries recalled for the log: as many as a console shows without much scrolling.
 const LATEST: usize = 60;
 
-/// Number of last entries searched for these `LATEST`: a robot may have made many steps between two of them.
+/// Number of last entries searched for the `LATEST` ones: between two entries that are shown, a robot may have made many steps.
 const LATEST_AMONG: u64 = 10_000;
 
 /// Maximum number of sentences about one mission's damage; the rest is only counted.
@@ -82,7 +82,7 @@ pub(super) fn standing_of(
     go_on(connection, mission, first, from, before, words)
 }
 
-/// The state of a mission after further entries, between the two bounds, as far as they can be read.
+/// The state of a mission after further entries, between the two bounds, as far as these entries can be read.
 pub(super) fn go_on(
     connection: &Connection,
     mission: MissionId,
@@ -154,7 +154,7 @@ impl<W: Fn(&Fault) -> String> Damage<W> {
     }
 }
 
-/// The latest commands with an id, oldest first: as many as are remembered, however old they are.
+/// The latest commands with an id, oldest first: the core remembers a fixed number, however old they are.
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;

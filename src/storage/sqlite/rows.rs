@@ -87,7 +87,7 @@ pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fau
     Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
 }
 
-/// The last entry that is not after `most`; 0 when there is none.
+/// The last entry up to and including `most`; 0 when there is none.
 pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<Seq, Fault> {
     let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
     let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;
@@ -122,7 +122,7 @@ pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Res
     place(connection, sql, [before])
 }
 
-/// The entry before the last `count` ones, of a mission or of all.
+/// The entry before the last `count` entries, of one mission or of all missions.
 pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId>, count: u64) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE mission = ?1 OR ?1 IS NULL ORDER BY seq DESC LIMIT 1 OFFSET ?2";
     let values = params![mission.map(|mission| whole(mission.0)).transpose()?, whole(count)?];
@@ -162,7 +162,7 @@ fn place(connection: &Connection, sql: &str, values: impl Params) -> Result<Opti
     Ok(found.map(|seq| Seq(count(seq))))
 }
 
-/// Visits entries, oldest first. One that cannot be read is passed as an error; stops when `visit` fails.
+/// Visits entries, oldest first. An entry that cannot be read is passed as an error; stops when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
     which: EntryFilter,
@@ -179,7 +179,7 @@ pub(super) fn each(
 }
 
 impl EntryFilter {
-    /// The entries of a mission; `None` when a number exceeds those of the store.
+    /// The entries of a mission; `None` when a number is too large for the store.
     pub(super) fn of(mission: MissionId, span: Span, most: usize) -> Option<EntryFilter> {
         i64::try_from(mission.0.max(span.after.0)).ok()?;
         let before = i64::try_from(span.until.0).is_ok().then(|| span.until.next());
@@ -216,7 +216,7 @@ fn understood(connection: &Connection, row: &Row<'_>, seq: Seq, before: Option<S
     if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
         return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
     }
-    // When this query fails, the entry is returned as it was written.
+    // If the query fails, the entry is returned as it was written.
     let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, seq, before).unwrap_or(false));
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
 }

@@ -44,7 +44,8 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
 struct UnpackTarget {
     data: PathBuf,
     build: PathBuf,
-    /// Whether the destination exists, perhaps as a volume or the target of a link: it stays, and the result is moved into it.
+    /// Whether the destination exists, perhaps as a volume or the target of a link: the destination stays, and the result is
+    /// moved into it.
     is_there: bool,
 }
 
@@ -90,7 +91,8 @@ impl UnpackTarget {
         if is_ours { Ok(()) } else { Err(words()) }
     }
 
-    /// Moves the result: in one step, or the journal last, without which a folder is not a data folder.
+    /// Moves the result: in one step, or else file by file with the journal last, since a folder without a journal is no data
+    /// folder.
     fn take(&self) -> io::Result<()> {
         if !self.is_there {
             fs::rename(&self.build, &self.data)?;
@@ -110,8 +112,8 @@ impl UnpackTarget {
     }
 }
 
-/// Builds the folder: photos first, so that no entry names a missing one, and `own` as the last entry. Returns the
-/// number of entries.
+/// Builds the folder: photos first, so that no entry names a missing photo, and `own` as the last entry. Returns the number of
+/// entries.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {
     folder.create_path()?;
     let _lock = folder.lock()?;

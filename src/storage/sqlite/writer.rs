@@ -1,5 +1,5 @@
-//! The thread that writes: takes pages, stores them in one transaction, reports that. After a failure it retries until something
-//! can be written (safety R3). Beside it runs the watchman, who does not wait for a disk that hangs.
+//! The thread that writes: takes pages, stores them in one transaction, and reports that they are stored. After a failure it
+//! retries until something can be written (safety R3). Beside it runs the watchman, who does not wait for a disk that hangs.
 //!
 //! ```text
 //!   pages ─► writing ── kept ─► word.kept
@@ -21,7 +21,7 @@ use super::writer_status::WriterStatus;
 use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Maximum number of pages in one transaction: what piles up on a slow disk, and still only moments of work.
+/// Maximum number of pages in one transaction: enough for the pages that pile up on a slow disk, but only moments of work.
 const BATCH: usize = 256;
 
 /// Free space in bytes that must remain beyond the failed page before it is retried: otherwise a nearly full disk would take the
@@ -56,7 +56,7 @@ pub(super) struct Handed {
 #[derive(Debug)]
 pub(super) enum Hand {
     Writing(Pages),
-    /// It could not be opened for writing. The stored state is known, so writing may begin later.
+    /// The journal could not be opened for writing. The stored state is known, so writing may begin later.
     Waiting(Option<MissionId>),
     /// Nothing may be written before a restart.
     Closed,
@@ -135,7 +135,7 @@ impl Writer {
             Ok(()) => self.try_again(),
             Err(fault) => {
                 // A failed commit may have left its pages in the write-ahead log, where a kill at this moment would find them
-                // complete. They are overwritten before the loss is reported; that need not be durable.
+                // complete. These pages are overwritten before the loss is reported; the overwriting need not be durable.
                 if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }

@@ -22,7 +22,7 @@ pub(super) struct WriterStatus {
 struct Work {
     batches: u64,
     busy: bool,
-    /// Whether a loss is decided but not announced yet: it is being written to where it outlives a kill.
+    /// Whether a loss is decided but not announced yet: it is being written to a file that outlives a kill.
     losing: bool,
     overflowed: bool,
 }
@@ -66,8 +66,8 @@ impl WriterStatus {
         self.losses()
     }
 
-    /// Reports the batch begun after `losses` losses as stored up to `last`. False when it was given up as lost meanwhile: the
-    /// caller must delete it.
+    /// Reports the batch begun after `losses` losses as stored up to `last`. Returns false when the batch was given up as lost
+    /// meanwhile: the caller must delete it.
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
@@ -87,8 +87,8 @@ impl WriterStatus {
         }
     }
 
-    /// Reports that a page cannot be taken. Only the first time is a loss: until the failure ends the rest counts as one. Never
-    /// waits, as the announcement follows on another thread.
+    /// Reports that a page cannot be taken. Only the first such page counts as a loss: all further pages until the end of the
+    /// failure belong to this loss. Never waits, as the announcement follows on another thread.
     pub(super) fn overflow(self: &Arc<WriterStatus>, words: String) {
         let mut work = self.work();
         if self.fails(&work) {
@@ -137,7 +137,8 @@ impl WriterStatus {
         }
     }
 
-    /// Clears the mark: writing works again and the lost entries are deleted, so a kill may find everything that is there.
+    /// Clears the mark: writing works again and the lost entries are deleted, so after a kill everything in the journal may be
+    /// read.
     pub(super) fn clear_marker(&self) -> Result<(), Fault> {
         self.marker.clear()
     }

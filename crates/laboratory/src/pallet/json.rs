@@ -1,5 +1,6 @@
-//! A run of the pallet scenario as JSON, for a page that plays it: the yard once, then what changes with time. Places of the yard
-//! are cells, positions are in metres; both count from the first robot's start, to the east and to the south.
+//! A run of the pallet scenario as JSON, for a page that plays it: first the yard, then everything that changes with time.
+//! Places of the yard are cells, positions are in metres; both count from the first robot's start, to the east and to the
+//! south.
 
 use schemars::JsonSchema;
 use serde::Serialize;

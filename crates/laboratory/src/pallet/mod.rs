@@ -1,5 +1,5 @@
-//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one plain loop
-//! (`run`). The same seed gives the same run. What the trees do stands in `hallsweep_core::retrieval`.
+//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one
+//! plain loop (`run`). The same seed gives the same run. The trees are described in `hallsweep_core::retrieval`.
 //!
 //! ```text
 //!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless something holds the robots

@@ -147,7 +147,7 @@ impl PalletRun {
         while self.now < until && self.advance(|_| {}) {}
     }
 
-    /// Performs STOP: both robots halt where they are, and go on holding what they hold.
+    /// Performs STOP: both robots halt where they are, and go on holding their parcel.
     pub fn stop(&mut self) {
         (self.is_stopped, self.awaits_start) = (true, true);
         self.note(News::Stopped);
@@ -212,7 +212,7 @@ impl PalletRun {
         Frame::of(&self.pair, self.now)
     }
 
-    /// Frames so far, one each half second.
+    /// Frames up to now, one each half second.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames

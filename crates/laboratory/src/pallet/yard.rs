@@ -103,7 +103,7 @@ impl Yard {
         let target = self.target;
         let freed = BTreeSet::new();
         let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[] };
-        // The two robots after they have put down the first parcel, from whichever side the train came.
+        // The poses of the two robots after they have put down the first parcel. The train may have come from any side.
         let beside = |heading| target.cell().map_or(target, |cell| Place::Cell(cell.ahead(heading)));
         let after = [beside(Heading::North), beside(Heading::South)];
         self.parcels.first().is_some_and(|(_, cell)| {

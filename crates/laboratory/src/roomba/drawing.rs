@@ -176,7 +176,7 @@ fn way(out: &mut String, run: &Run, phase: Phase) {
         is_drawing = of == phase;
         last = Some((x, y));
     }
-    // The start is not the end of a phase before it.
+    // No phase ends at the start.
     let path = path.strip_prefix('L').map_or_else(|| path.clone(), |rest| format!("M{rest}"));
     let Look { class, colour, width } = look(phase);
     if !path.is_empty() {

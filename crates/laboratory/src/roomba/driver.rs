@@ -1,4 +1,4 @@
-//! The interface of what drives the Roomba, tick by tick.
+//! The interface of drivers, which control the Roomba tick by tick.
 
 use super::phase::Motion;
 use super::room::Velocity;

@@ -38,9 +38,9 @@ pub(super) const TURNS: &str = "roomba turns";
 pub enum Phase {
     MoveForward,
     MoveInSpiral,
-    /// Straight back from the wall that was touched.
+    /// Drives straight back from the wall that was touched.
     GoBack,
-    /// By an angle that is drawn at the beginning.
+    /// Turns by an angle that is drawn at the beginning.
     Rotate,
 }
 
@@ -112,7 +112,7 @@ impl Motion {
             }
             Phase::GoBack => Velocity { linear: -BACK_SPEED, angular: 0.0 },
             Phase::Rotate => {
-                // The last tick turns by the rest, so that the angle is met exactly.
+                // The last tick turns by the remaining angle, so that the total is exact.
                 let step = self.left_to_turn().min(TURN_SPEED * TICK_S);
                 Velocity { linear: 0.0, angular: (step / TICK_S).copysign(self.angle.unwrap_or_default()) }
             }

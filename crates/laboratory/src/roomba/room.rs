@@ -1,5 +1,5 @@
-//! The room of the Roomba and its body: where a tick at some speed takes the body, and when it touches a wall. The phases and the
-//! count of the floor are not known here.
+//! The room of the Roomba and its body: where the body is after a tick at some speed, and when it touches a wall. The
+//! phases and the count of the floor are not known here.
 //!
 //! ```text
 //!   (0, 0)  x ─►           The room is continuous: no cells. θ is 0 along x and grows clockwise, from x towards y,

@@ -46,7 +46,7 @@ pub struct Figures {
     pub path_m: f64,
     /// Number of phases that a wall ended.
     pub bumps: u32,
-    /// Number of squares of 5 cm that the body passed over, by their centres.
+    /// Number of squares of 5 cm whose centres the body passed over.
     pub passed: u32,
     /// Number of squares that a body can pass over: all but those in the corners.
     pub reachable: u32,

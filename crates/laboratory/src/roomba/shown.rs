@@ -132,7 +132,7 @@ impl Roomba {
         self.runs.len() > 1
     }
 
-    /// Where machine and tree part, if both were run and differ.
+    /// The point from which machine and tree differ, if both were run and differ.
     pub fn parting(&self) -> Option<Parting> {
         match self.runs.as_slice() {
             [one, other] => parting(one, other),

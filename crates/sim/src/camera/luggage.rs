@@ -1,7 +1,7 @@
 //! The solids of which pieces of luggage are made: of a suitcase, a backpack, a box …, in the size and colour of the
 //! piece.
 //!
-//! Lengths are in cells of half a metre; A piece on one cell is at most 0.76 long and wide; each further cell makes it
+//! Lengths are in cells of half a metre. A piece on one cell is at most 0.76 long and wide; each further cell makes it
 //! one longer.
 
 use super::super::bag::{Bag, BagKind};

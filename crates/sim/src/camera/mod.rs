@@ -1,5 +1,5 @@
-//! The simulated camera: from the robot's real place to an encoded picture. When a photo is taken, and whether it
-//! fails, is decided by the simulator.
+//! The simulated camera: from the robot's real place to an encoded picture. The simulator decides when a photo is
+//! taken and whether it fails.
 
 mod canvas;
 mod caption;
@@ -29,7 +29,7 @@ use hallsweep_core::units::{Cell, Pose};
 /// Greatest distance of the subject, in cells: the longest range to which a sonar can be set.
 const SIGHT: u16 = 7;
 
-/// A photo that has been taken and not developed: everything that is needed to draw it, on any thread.
+/// A photo that was taken but not developed: everything needed to draw the picture, on any thread.
 #[derive(Clone, Debug)]
 pub struct Exposure {
     hall: Arc<Hall>,
@@ -49,7 +49,7 @@ impl Exposure {
         Exposure { subject: pose.cell.onward(pose.heading, away), hall, camera, body, away, stamp }
     }
 
-    /// Draws and encodes the picture, which takes some 20 ms for a rendered one.
+    /// Draws and encodes the picture; a rendered picture takes some 20 ms.
     #[must_use]
     pub fn develop(&self) -> Photo {
         let bytes = match self.camera {

@@ -55,7 +55,7 @@ fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
     bags
 }
 
-/// The models of a piece: one along its cells when these are in a row, or else a part on each cell.
+/// The models of a piece: a single one if its cells are in a row, or else one on each cell.
 fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     let (Some(first), Some(last)) = (bag.cells.first(), bag.cells.last()) else { return Vec::new() };
     if first.y == last.y && bag.cells.iter().all(|cell| cell.y == first.y) || bag.cells.iter().all(|cell| cell.x == first.x) {

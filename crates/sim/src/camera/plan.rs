@@ -28,7 +28,8 @@ const WORDS: usize = 3;
 /// Longest name beside the thing, in letters.
 const NAME: usize = 16;
 
-/// A plan of what is ahead of a robot, with the stamp of a photo and the robot's name for the thing, if it has one.
+/// A plan of the thing ahead of a robot, with the stamp of a photo, and with the robot's name for the thing if there is
+/// one.
 #[must_use]
 pub fn plan(stamp: Stamp, name: Option<&str>) -> Photo {
     let mut canvas = Canvas::new();

@@ -81,7 +81,7 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
         }
     }
     let depth = depth.max(0.01);
-    // From left to right as it is seen, so that signs can be read.
+    // The position along the wall grows from left to right as seen, so that signs can be read.
     let along = if meridian {
         (y + direction.y * depth) * direction.x.signum()
     } else {

@@ -65,8 +65,8 @@ impl Placement {
     }
 }
 
-/// Draws a solid where nothing nearer is drawn yet. `number` distinguishes the solid from its neighbours when outlines
-/// are softened.
+/// Draws a solid wherever nothing nearer was drawn before. `number` distinguishes the solid from its neighbours when
+/// outlines are softened.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &Solid, number: u16) {
     let (least, most) = solid.shape.bounds();
     let corners = corners(least, most).map(|corner| place.to_hall(corner));
@@ -80,7 +80,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &S
     for row in frame.rows.0..frame.rows.1 {
         let first = place.direction_to_piece(view.pixel(frame.columns.0, row));
         for column in frame.columns.0..frame.columns.1 {
-            // A ray goes one cell forward, so that the way along it is the depth.
+            // The direction of a ray has a length of one cell forward, so that distances along the ray are depths.
             let ray = first + step * as_float(column - frame.columns.0);
             let Some(depth) = solid.shape.hit(eye, ray).filter(|depth| *depth < canvas.depth(column, row)) else { continue };
             let paint = solid.surface.seen(solid, eye + ray * depth, ray.unit(), light, depth);

@@ -99,8 +99,8 @@ pub(super) fn wrapped(at: f32, period: f32) -> f32 {
     at - floored(at / period) * period
 }
 
-/// The greatest whole number that is not above `place`. By way of an integer, because `f32::floor` is a call on plain
-/// x86-64 and pictures need it half a million times.
+/// The greatest whole number that is not above `place`. Computed through an integer, because `f32::floor` is a function
+/// call on plain x86-64, and a picture needs half a million of them.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "places in a hall are a few thousand at most")]
 pub(super) fn floored(place: f32) -> f32 {
     let cut = place as i32 as f32;

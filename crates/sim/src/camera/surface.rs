@@ -11,7 +11,7 @@ const BRASS: Paint = Paint(214.0, 178.0, 90.0);
 const GLARE: Paint = Paint(255.0, 255.0, 250.0);
 
 impl Surface {
-    /// The colour of a point as it is seen, with the light on it and the haze before it.
+    /// The visible colour of a point, including light and haze.
     pub(super) fn seen(self, solid: &Solid, point: Vector, direction: Vector, light: Vector, depth: f32) -> Paint {
         let normal = solid.shape.normal(point);
         let plain = self.pattern(solid, point, normal);

@@ -12,7 +12,7 @@ pub(super) const HEIGHT: usize = 480;
 /// The row of the horizon, in pixels.
 pub(super) const HORIZON: f32 = 188.0;
 
-/// The focal length for a photo of what stands in the next cell, in pixels: a wide angle, as robots have.
+/// The focal length for a photo of a thing in the next cell, in pixels: a wide angle, as robots have.
 const FOCAL: f32 = 310.0;
 
 /// The height of the camera, in cells: 0.4 m in a hall of half-metre cells.
@@ -27,7 +27,7 @@ pub(super) struct View {
     pub(super) eye: Vector,
     forward: Vector,
     right: Vector,
-    /// In pixels.
+    /// Focal length in pixels.
     focal: f32,
 }
 
@@ -42,7 +42,7 @@ impl View {
         View { eye: middle - forward * BEHIND, forward, right: vector(-forward.y, forward.x, 0.0), focal }
     }
 
-    /// The horizontal direction of a column; its length is such that it goes one cell forward.
+    /// The horizontal direction of a column; the vector is so long that it goes one cell forward.
     pub(super) fn column(&self, column: usize) -> Vector {
         self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / self.focal)
     }
@@ -56,7 +56,7 @@ impl View {
         (as_float(row) + 0.5 - HORIZON) / self.focal
     }
 
-    /// The direction of a pixel; it goes one cell forward.
+    /// The direction of a pixel; the vector goes one cell forward.
     pub(super) fn pixel(&self, column: usize, row: usize) -> Vector {
         let level = self.column(column);
         vector(level.x, level.y, -self.fall(row))

@@ -1,5 +1,5 @@
-//! Writes halls and explored maps to files: which formats there are, what is written in each, and what is lost in it.
-//! The code that writes a format is beside the code that reads it.
+//! Writes halls and explored maps to files: the list of formats, the contents of each, and what each leaves out. The
+//! code that writes a format is beside the code that reads it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

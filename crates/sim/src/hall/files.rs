@@ -63,7 +63,7 @@ impl Hall {
         Hall::parse(name_or_path, &text)?.with_own_cells(name_or_path, cell_m)
     }
 
-    /// The hall described by `text`: a MovingAI map when it begins like one, a map of old clients when it contains
+    /// The hall described by `text`: a MovingAI map if it begins like such a map, a map of old clients if it contains
     /// nothing else, otherwise TOML. A byte order mark is skipped. `file` is named in errors, and its stem is the
     /// hall's name when the text has none.
     ///
@@ -95,7 +95,7 @@ impl Hall {
         occupancy::describe(file, unmarked(yaml))?.hall(file, &stem(file), image_file, image, cell_m)
     }
 
-    /// The hall of a file that has its own length of cells; an error if another one is asked for.
+    /// The hall of a file that sets the side of its cells; an error if the user asks for another side.
     fn with_own_cells(self, file: &str, asked: Option<f64>) -> Result<Hall, HallError> {
         match asked {
             Some(asked) if !occupancy::is_same(asked, self.cell_m) => {

@@ -236,7 +236,7 @@ impl Description {
         Ok(Hall::of(name, reading.plan(home, size)).measured(cell_m, None))
     }
 
-    /// The side of a cell: from the file, from the user, or the usual one, never finer than a pixel.
+    /// The side of a cell: from the file, from the user, or the usual side, and at least one pixel.
     fn cell_m(&self, asked: Option<f64>) -> Result<f64, HallFault> {
         let Some(asked) = asked else {
             return Ok(self.own.map_or(USUAL_CELL_M.max(self.resolution), |(own, _)| own.cell_m.max(self.resolution)));
@@ -332,7 +332,7 @@ pub(super) fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() < ROUNDING * one.abs()
 }
 
-/// The pixel, counted from 0, at this distance in pixels from the border of the first one.
+/// The pixel, counted from 0, at this distance in pixels from the border of the first pixel.
 fn pixel_at(pixels: f64) -> Option<usize> {
     let is_near = (pixels - pixels.round()).abs() < NEAR;
     let begun = if is_near { pixels.round() } else { pixels.floor() };
@@ -359,7 +359,7 @@ pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     )
 }
 
-/// The image of these squares with what is known of each, one pixel per cell.
+/// The image of these squares and of what is known of each square, one pixel per cell.
 pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> Vec<u8> {
     let grey = |(truth, mark): (Truth, Option<Mark>)| match truth {
         Truth::Free => FREE,

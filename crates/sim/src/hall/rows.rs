@@ -177,7 +177,7 @@ pub(super) fn drawn(column: usize, row: usize) -> Cell {
     Cell::new(number(column), number(row))
 }
 
-/// Whether one can go from any of these cells to any other over their sides.
+/// Whether all these cells are connected over their sides.
 fn touch(cells: &[Cell]) -> bool {
     let mut left: BTreeSet<Cell> = cells.iter().copied().collect();
     let mut border: Vec<Cell> = left.pop_first().into_iter().collect();

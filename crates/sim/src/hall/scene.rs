@@ -1,6 +1,6 @@
 //! Reads the scene file of the Bologna virtual robot's page: a JavaScript module with one object literal, which says
-//! how large the floor is, where the player stands and what is in its way. `script` finds the literal, `cells` makes a
-//! hall of the scene.
+//! how large the floor is, where the player stands and which things are in its way. `script` finds the literal, `cells`
+//! makes a hall of the scene.
 //!
 //! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the
 //! middle of the floor: `x` to the east, `z` to the south, so that north is up the page.
@@ -28,13 +28,14 @@ const MAX_FLOOR: f64 = 1000.0;
 /// Most things of each sort: each is compared with every cell.
 const MAX_THINGS: usize = 256;
 
-/// A thing may reach out of the floor, but not so far that its place is no finite number any more.
+/// Largest position of a thing, as a fraction of the floor. A thing may reach out of the floor, but its position must
+/// stay finite.
 const MAX_FRACTION: f64 = 100.0;
 
 /// The side of the player's square, and of a cell, in units of the page's world.
 pub const PLAYER: f64 = 4.0;
 
-/// Moves of the player per second, each by its speed, on a page that is not slow.
+/// Moves of the player per second on a page that is not slow; each move is as long as the player's speed.
 const FRAMES: f64 = 60.0;
 
 /// Shortest and longest time per cell on any page.
@@ -47,7 +48,7 @@ pub struct Scene {
     pub player: Player,
     pub statics: Vec<StaticObstacle>,
     pub moving: Vec<MovingObstacle>,
-    /// The sonars of the hall, which see what passes before them.
+    /// The sonars of the hall, which detect things that pass in front of them.
     pub sonars: Vec<SceneSonar>,
 }
 
@@ -239,7 +240,8 @@ struct Axis {
     y: bool,
 }
 
-/// Checked while serde reads it, because later the line of a fault is unknown. The same holds for the types below.
+/// The value is checked while serde reads it, because the line of a fault is unknown later. The same holds for the
+/// types below.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 struct Side(f64);

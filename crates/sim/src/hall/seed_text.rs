@@ -6,7 +6,7 @@ use super::rows::{DrawingRows, drawn, sides};
 use super::{Hall, Truth};
 use hallsweep_core::world::hall_map::Mark;
 
-/// What may stand between two cells.
+/// Characters that may stand between two cells.
 const BETWEEN: [char; 5] = ['|', ',', ' ', '\t', '\r'];
 
 /// Whether a text is a map of old clients and nothing else.

@@ -1,5 +1,5 @@
 //! A whole mission in simulated time, with an operator who answers from the hall file, and its figures. The command
-//! line prints them.
+//! line prints these figures.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use hallsweep_core::world::records::LuggageRecords;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdicts {
-    /// Danger for what the hall file says is dangerous, safe for the rest.
+    /// Verdicts follow the hall file: danger for its dangerous pieces, safe for all others.
     #[default]
     Hall,
     AllSafe,
@@ -45,7 +45,7 @@ pub struct Figures {
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
     pub state: Arc<Snapshot>,
-    /// Everything that was put on record, if the run collects it.
+    /// All recorded entries, if the run collects them.
     pub journal: Vec<Entry>,
     /// Why the run ended without coming home, if it did.
     pub stuck: Option<String>,
@@ -137,8 +137,8 @@ fn start(run: &mut Run) -> Result<(), String> {
     Ok(())
 }
 
-/// The operator's next command: a verdict on the piece in front of the robot, a new photo of it, or START once a heat
-/// is over.
+/// The operator's next command: a verdict on the piece in front of the robot, a new photo of it, or START once the hall
+/// has cooled down.
 fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
     if state.mission.holds == [Hold::AwaitingStart] && state.mission.refusals.start.is_none() {
         return Some(Command::Start);

@@ -30,9 +30,9 @@ const FIRST_DAY_MS: i64 = 1_767_254_400_000;
 pub struct Run {
     pub engine: Engine,
     pub sim: Sim,
-    /// The pair that fetches what is dangerous, if there is one.
+    /// The pair that fetches dangerous pieces, if there is a pair.
     pub pair: Option<Pair>,
-    /// Everything that was put on record, in order.
+    /// All recorded entries, in order.
     pub journal: Vec<Entry>,
     pub moves: Moves,
     /// The hall before anything was lifted.

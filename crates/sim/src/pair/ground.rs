@@ -1,5 +1,5 @@
-//! The truth about the floor on which the pair drives: the hall without the pieces that were taken away, and with those
-//! put down elsewhere. Where the two bases stand is not known here.
+//! The truth about the floor on which the pair drives: the hall without the pieces that were taken away, and with the
+//! pieces that were put down elsewhere. Where the two bases stand is not known here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -54,7 +54,7 @@ impl PairGround {
         self.closed.iter().copied()
     }
 
-    /// Where pieces lie that were put down, or fell, elsewhere than the hall has them.
+    /// Places of the pieces that were put down, or fell, elsewhere than in the hall file.
     pub(super) fn lying(&self) -> impl Iterator<Item = (Piece, Place)> {
         self.moved.iter().filter_map(|(piece, place)| Some((*piece, (*place)?)))
     }

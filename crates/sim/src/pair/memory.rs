@@ -1,5 +1,5 @@
 //! The state that the pair and its floor would retain by physics when the program dies: where the bases stand and roll
-//! to, what is in the grippers and how it is held, where parcels lie. Whoever runs the pair stores it.
+//! to, what is in the grippers and how it is held, where parcels lie. The program that runs the pair stores the state.
 //!
 //! Quantities are whole numbers of small units, so that what is written is read back exactly.
 
@@ -48,16 +48,16 @@ pub struct RobotMemory {
     pub motion: Option<(AstrayMemory, Duration)>,
     pub gripper: Gripper,
     pub aligned: Option<Place>,
-    /// Its controllers, which go on by themselves.
+    /// The controllers at work, which go on by themselves.
     pub controllers: Controllers,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AstrayMemory {
     Not,
-    /// Millionths of the way to a neighbouring place.
+    /// On the way to a neighbouring place, in millionths of the way.
     Along(Place, i64),
-    /// Microradians clockwise.
+    /// Turned away from the heading, in microradians clockwise.
     Turned(i64),
 }
 
@@ -176,8 +176,8 @@ impl PairMemory {
 
 impl Pair {
     /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within
-    /// half a second, with its parcel in its grip. Its first reports are where the two stand, their arms, what lies
-    /// about, and `LinkUp`. `now` is the time of the new run.
+    /// half a second, with its parcel in its grip. Its first reports are the poses of both robots, their arms, the
+    /// pieces on the floor, and `LinkUp`. `now` is the time of the new run.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);

@@ -8,7 +8,7 @@
 //!   ground (the hall as it is now) ── grip ┘
 //! ```
 //! A robot that holds nothing is independent. Once both grippers are closed round a parcel, a step begins when both
-//! have their order for it, and what stops one stops the other.
+//! have their order for it, and anything that stops one robot stops the other.
 
 mod grip;
 mod ground;
@@ -64,7 +64,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Two robots that were just put down. Their first reports are where they stand, their arms, and `LinkUp`.
+    /// Two robots that were just put down. The first reports are the poses of both robots, their arms, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
@@ -107,7 +107,7 @@ impl Pair {
         self.halt(which);
     }
 
-    /// Handles everything that is due by `now`, in its order.
+    /// Handles everything that is due by `now`, in order of time.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
@@ -122,7 +122,7 @@ impl Pair {
         self.next_heard()
     }
 
-    /// Closes a cell for good. Returns false, and changes nothing, if a robot or a parcel is in it.
+    /// Closes a cell for good. Returns false, and changes nothing, if a robot or a parcel is in the cell.
     pub fn close_cell(&mut self, cell: Cell) -> bool {
         let in_use = self.is_in_use(cell);
         if !in_use {
@@ -239,7 +239,7 @@ impl Pair {
         &self.holding
     }
 
-    /// Mishaps that are still to come. A gripper that is jammed stays so.
+    /// Mishaps that are still to come. A jammed gripper stays jammed.
     #[must_use]
     pub fn mishaps_left(&self) -> Mishaps {
         let jams = self.settings.mishaps.jams.clone();

@@ -167,8 +167,8 @@ impl Pair {
         }
     }
 
-    /// A step of the train: one base leads, the parcel follows to where it stood, and the other base to where the
-    /// parcel was.
+    /// A step of the train: one base leads, the parcel follows to where it stood, and the other base follows to where
+    /// the parcel was.
     fn train_step(&self, to: [Place; 2]) -> Option<([Work; 2], Duration)> {
         let grip = self.grip.as_ref()?;
         let parcel = grip.parcel.place;

@@ -15,7 +15,7 @@ use hallsweep_core::units::{Cell, OrderId, Pose};
 pub(super) struct Robot {
     /// The pose in which the last completed order left the robot.
     pub(super) stands: BasePose,
-    /// How far from there it really is while nothing moves it.
+    /// How far the robot really is from `stands` while nothing moves it.
     pub(super) astray: Astray,
     pub(super) task: Option<PairTask>,
     pub(super) gripper: Gripper,
@@ -23,13 +23,14 @@ pub(super) struct Robot {
     pub(super) controllers: Controllers,
 }
 
-/// How far a base is from where it belongs: on the way to a neighbouring place or between two headings, never both.
+/// How far a base is from the pose where it should be: on the way to a neighbouring place or between two headings,
+/// never both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Astray {
     Not,
     /// This share of the way to a neighbouring place.
     Along(Place, f64),
-    /// Radians clockwise.
+    /// Turned by this angle, in radians clockwise.
     Turned(f64),
 }
 
@@ -94,7 +95,7 @@ impl Robot {
         self.astray != Astray::Not
     }
 
-    /// Where it is at `now`, if nothing interferes.
+    /// How far astray the robot is at `now`, if nothing interferes.
     pub(super) fn astray_at(&self, now: Duration) -> Astray {
         let Some(PairTask { work, run: Some(run), .. }) = &self.task else { return self.astray };
         let done = run.done(now);
@@ -112,7 +113,7 @@ impl Robot {
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
     }
 
-    /// Where its body is at `now`, in metres.
+    /// Where the robot's body is at `now`, in metres.
     pub(super) fn body_at(&self, now: Duration, cell_m: f64) -> BodyPose {
         let centre = body_of(self.stands, cell_m);
         match self.astray_at(now) {
@@ -126,7 +127,7 @@ impl Robot {
         }
     }
 
-    /// Ends its work without an answer, with its body where it is now.
+    /// Ends the work without an answer and leaves the body where it is now.
     pub(super) fn stop(&mut self, now: Duration) -> Option<OrderId> {
         self.astray = self.astray_at(now);
         self.task.take().map(|task| task.order)

@@ -20,12 +20,13 @@ pub struct PairSettings {
     /// Probability that a look does not recognise a parcel that is there, 0–1.
     pub unrecognised_rate: f64,
     pub way_out: bool,
-    /// The place where released parcels are taken in for good: the target area, or the container.
+    /// The place that takes in released parcels for good: the target area, or the container.
     pub container: Place,
     pub mishaps: Mishaps,
 }
 
-/// What is to go wrong, each once. Parcels are counted from 1: the first is the current one while none has arrived.
+/// The requested mishaps, each of which happens once. Parcels are counted from 1: parcel 1 is the current one until it
+/// has arrived.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mishaps {
     pub slips: Vec<Slip>,
@@ -64,7 +65,7 @@ impl PairSettings {
         }
     }
 
-    /// Limits every time to what the arithmetic can handle.
+    /// Limits every duration to the range that the arithmetic can handle.
     pub(super) fn sound(mut self) -> PairSettings {
         for time in [&mut self.step, &mut self.loaded_step, &mut self.turn, &mut self.look, &mut self.arm] {
             *time = (*time).max(QUICKEST);

@@ -10,7 +10,7 @@ use hallsweep_core::event::RobotEvent;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, OrderId, Piece};
 
-/// What the hook is about to do; a halt leaves it undone.
+/// The action that the hook is about to do; after a halt it is not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Handling {
     Take(Piece),

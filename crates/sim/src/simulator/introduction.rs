@@ -20,7 +20,7 @@ impl Sim {
         self.events.push_back(RobotEvent::LinkUp(self.capabilities()));
     }
 
-    /// What it can do, in simulated time.
+    /// What the robot can do, with times in simulated time.
     #[must_use]
     pub const fn capabilities(&self) -> Capabilities {
         let SimSettings { step, turn, photo, has_hook, hook, .. } = self.settings;

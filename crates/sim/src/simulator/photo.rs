@@ -28,7 +28,7 @@ impl Sim {
         Some(taken)
     }
 
-    /// Brings back a photo that was developed elsewhere. It is dropped if its order is no longer open.
+    /// Brings back a photo that was developed elsewhere. The photo is dropped if its order is no longer open.
     pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
         match &mut self.task {
             Some(SimTask { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {

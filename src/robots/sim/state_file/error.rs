@@ -23,7 +23,7 @@ pub(crate) enum StateFileError {
         .path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
-    /// The memory is of a robot in another hall, or in the same one before its file was changed.
+    /// The memory is of a robot in another hall, or in the same hall before its file was changed.
     #[error("{} {}", .path.display(), other_hall(.remembered, .given))]
     OtherHall { path: PathBuf, remembered: String, given: String },
 }

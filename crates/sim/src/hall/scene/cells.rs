@@ -145,7 +145,7 @@ impl<'a> ReachedCells<'a> {
     }
 }
 
-/// Where the player's middle cannot be because of this thing, by x and by z.
+/// The ranges of x and of z that this thing closes to the player's middle.
 fn kept_free(thing: &StaticObstacle) -> [(f64, f64); 2] {
     let half = PLAYER / 2.0;
     [(thing.min_x - half, thing.max_x + half), (thing.min_z - half, thing.max_z + half)]

@@ -13,7 +13,7 @@ pub(super) struct Literal<'a> {
     pub(super) line: usize,
 }
 
-/// The first object literal that is assigned to a name or is the module's default; or the line of a fault.
+/// The first object literal that is assigned to a name or is the module's default; or a fault with its line.
 pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     let begin = begin(text).ok_or((1, HallFault::NoLiteral))?;
     let line_of = |place: usize| json5::Position::from_offset(place, text).line + 1;
@@ -34,7 +34,7 @@ pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     Err((line_of(begin), HallFault::UnclosedLiteral))
 }
 
-/// Where the literal begins: at a brace behind `=` or `default`, or at the first one of a file that has nothing else
+/// Where the literal begins: at a brace behind `=` or `default`, or at the first brace of a file with nothing else
 /// before it. Other braces, such as those of an import, are skipped.
 fn begin(text: &str) -> Option<usize> {
     let mut last = None;
