@@ -28,7 +28,8 @@ pub(super) fn is_command(code: Code) -> bool {
 }
 
 /// The requests that a datagram of this version may hold, one for each possible length of its token: first the stated
-/// length by RFC 7252 and by RFC 8974, then every other. Messages that only read, or are no requests, are skipped.
+/// length by RFC 7252 and by RFC 8974, then every other length. Messages that only read, or are no requests, are
+/// skipped.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -36,8 +37,8 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
     tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
-/// The possible lengths of the token, with the bytes of an extended length: first those that the four bits may mean,
-/// then all others.
+/// The possible lengths of the token, including the bytes of an extended length: first the lengths that the four bits
+/// may mean, then all others.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
     let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
     let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);

@@ -119,7 +119,7 @@ pub(super) const ECHO_AGE: Duration = Duration::from_secs(60);
 pub(super) const COMMANDS_WAITING: usize = 128 * 1024;
 
 /// Size of the urgent requests in the backlog, in bytes: a request of 64 KiB leaves more room to others than it takes.
-/// When the backlog is full of urgent requests, one takes effect at any time anyway, so further ones can be dropped.
+/// When the backlog is full of urgent requests, they take effect one after the other, so a further one can be dropped.
 pub(super) const URGENT_WAITING: usize = 256 * 1024;
 
 /// Size of the acknowledgements and resets in the backlog, in bytes: all observers may acknowledge at once.

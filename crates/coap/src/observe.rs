@@ -305,8 +305,8 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// The body of which the observer asks for a further block, in the state in which a notification began it; later
-    /// changes do not count. `None` if this peer does not observe such a body.
+    /// The body of which the observer asks for a further block: the body that a notification began, whatever has
+    /// changed since. `None` if this peer does not observe such a body.
     pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
         let id = self.observer_of(request)?;
         let observer = self.observers.get_mut(&id)?;
@@ -347,7 +347,7 @@ impl Observers {
     }
 
     /// The observations that leave no room for this one; `None` if there is room. Observations from this machine never
-    /// give way to those from beyond.
+    /// give way to observations from beyond it.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();

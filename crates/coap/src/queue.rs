@@ -42,7 +42,7 @@ impl Queue {
     }
 
     /// Adds a datagram, or drops it if afterwards the bytes of its network plus those of its peer would exceed the
-    /// remaining room. So other networks, and other peers of this network, can still add theirs.
+    /// remaining room. So other networks, and other peers of this network, can still add their datagrams.
     pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let (network, cost) = (Network::of(peer.ip()), cost(bytes));
         let share = self.networks.get(&network);

@@ -180,7 +180,7 @@ impl Broker {
 }
 
 impl OwnSubscription {
-    /// Waits for the next message. A program that reads too slowly loses the oldest ones, like any subscriber.
+    /// Waits for the next message. A program that reads too slowly loses the oldest messages, like any subscriber.
     pub async fn next(&self) -> Arc<Message> {
         let subscriber: &Subscriber = self.0.subscriber();
         loop {

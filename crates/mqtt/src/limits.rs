@@ -18,7 +18,7 @@ pub(crate) const TOPIC: usize = 512;
 /// Most levels of a topic or filter: searches go through them level by level.
 pub(crate) const LEVELS: usize = 32;
 
-/// Maximum number of topic aliases that a client of MQTT 5 may set, and of those that the broker sets for a client.
+/// Maximum number of topic aliases that each side sets: a client of MQTT 5, and the broker for such a client.
 pub const ALIASES: u16 = 10;
 
 /// A client that accepts no packets longer than this, in bytes, gets no reasons in words. Packets with such a reason

@@ -17,7 +17,7 @@ const CHUNK: usize = 16 * 1024;
 /// A piece with less free space than this, in bytes, is not written to any more.
 const SPARE: usize = 2 * 1024;
 
-/// The bytes that wait for one client. Send them in order through [`Buf`]: `advance` drops those that have gone out.
+/// The bytes that wait for one client. Send them in order through [`Buf`]: `advance` drops the bytes that were sent.
 #[derive(Debug, Default)]
 pub struct Outbox {
     /// Complete pieces, which go out first.
@@ -76,7 +76,7 @@ impl Outbox {
         self.own + self.last.len()
     }
 
-    /// Whether nothing waits, neither own bytes nor shared ones.
+    /// Whether no bytes wait, own or shared.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

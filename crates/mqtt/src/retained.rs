@@ -32,7 +32,7 @@ pub(crate) struct Walk {
     from: Option<String>,
 }
 
-/// Shortest time between two searches of all messages for expired ones.
+/// Shortest time between two searches for expired messages, which go through all messages.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]

@@ -120,8 +120,8 @@ impl UrgentSearch {
 }
 
 impl Head {
-    /// The head of a packet; `None` if too little has arrived. An error if the length field does not end: nobody knows
-    /// where the next packet begins then.
+    /// The head of a packet; `None` if too little has arrived. An error if the length field does not end: the beginning
+    /// of the next packet is then unknown.
     fn of(bytes: &[u8]) -> Result<Option<Head>, Malformed> {
         let Some((&first, rest)) = bytes.split_first() else { return Ok(None) };
         Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))

@@ -189,7 +189,7 @@ struct Builder<'a> {
 
 enum FoundNode<'a> {
     Node(NodeKind),
-    /// A control node or decorator that the file declares and nobody here performs.
+    /// A control node or decorator that the file declares, and that this engine does not perform.
     Declared(&'a Model),
 }
 
@@ -322,7 +322,7 @@ impl<'a> Builder<'a> {
         if fits { Ok(found) } else { Err(Reason::WrongForm { id: id.clone(), written: element.form.word() }) }
     }
 
-    /// Checks a declared node like any other, although nobody here performs it.
+    /// Checks a declared node like any other node, although this engine does not perform it.
     fn declared(&mut self, element: &Element, model: &Model, scope: usize) {
         let most = if model.form == Form::Decorator { 1 } else { usize::MAX };
         self.count_children(element, (1, most));

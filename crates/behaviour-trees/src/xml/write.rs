@@ -1,5 +1,5 @@
-//! Writes a document in a fixed layout, with all its contents except comments and processing instructions. The names of
-//! elements are their IDs. In a document made by hand these must be valid XML names.
+//! Writes a document in a fixed layout, with all its contents except comments and processing instructions. Elements are
+//! named by their IDs, which must be valid XML names in a document made by hand.
 
 use crate::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort};
 

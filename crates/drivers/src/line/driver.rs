@@ -245,7 +245,7 @@ impl LineDriver {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }
 
-    /// When to send the next `hello`. None is sent while a photo's bytes arrive, so that the robot need not send
+    /// When to send the next `hello`. No `hello` is sent while a photo's bytes arrive, so that the robot need not send
     /// anything between them. Missing bytes are noticed by `PAUSE`.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {

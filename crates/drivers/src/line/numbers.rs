@@ -1,5 +1,5 @@
-//! The numbers of the line protocol, which are whole, decimal, and have a sign only where one is needed; and the
-//! numbers of orders.
+//! The numbers of the line protocol, and the numbers of orders. They are whole and decimal, and have a sign only where
+//! one is needed.
 
 use std::fmt;
 use std::str::FromStr;

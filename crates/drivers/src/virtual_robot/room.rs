@@ -1,8 +1,8 @@
 //! The room as the scene file of the page describes it: where everything stands, and thus in which cells the robot can
 //! stand. With it a drift is noticed before anything is reported that contradicts the room.
 //!
-//! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south. They are
-//! those of the robot's centre: the robot counts as a point, and all things are larger by half the robot on each side.
+//! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south. They
+//! refer to the robot's centre: the robot counts as a point, and all things are larger by half the robot on each side.
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
@@ -230,7 +230,8 @@ impl VirtualRobot {
         room.floor.depth(centre) >= -REACHED && room.things.iter().find(is_met).is_none()
     }
 
-    /// The cell to the right or left in which the robot now stands, if one of these columns is free all the way.
+    /// The cell in which the robot is taken to stand now, in the column to the right or left; `None` if neither column
+    /// is free all the way.
     pub(super) fn column_beside(&mut self, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let (back, right) = (towards.opposite(), towards.right().vector());

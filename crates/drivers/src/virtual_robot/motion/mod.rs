@@ -44,7 +44,7 @@ const FIRST_MARGIN: Duration = Duration::from_millis(400);
 /// driven in several legs.
 const LONGEST: Duration = Duration::from_millis(450);
 
-/// Longest way of one order, in cells.
+/// Longest way that the robot drives at once, in cells. It may take several legs.
 const FURTHEST: f64 = 1.5;
 
 /// Delay before a motion is tried again that the server refused because another one was under way.
@@ -460,8 +460,8 @@ impl VirtualRobot {
         self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
     }
 
-    /// Handles a motion against a thing when its end was not observed. Forward, the robot stops at that thing, whose
-    /// place is known. The space behind the robot is unknown.
+    /// Handles a motion against a thing when its end was not observed. A robot that drove forward stops at that thing,
+    /// whose place is known. The space behind the robot is unknown.
     fn left_against_something(&mut self, backward: bool) {
         let heading = self.reckoning.pose().heading;
         match self.reckoning.contact_ahead() {
