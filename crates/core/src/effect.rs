@@ -93,7 +93,7 @@ pub struct Stamp {
 pub struct Page {
     /// The place of the first entry; the others follow without a gap.
     pub first: Seq,
-    /// One entry at least.
+    /// The entries, at least one.
     pub entries: Vec<Entry>,
 }
 
@@ -181,7 +181,7 @@ pub enum Fact {
 /// The part of the journal that was moved into an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenOut {
-    /// The first and the last mission in it.
+    /// The first and the last mission in the archive.
     pub missions: (MissionId, MissionId),
     /// Entries up to here are in the archive only.
     pub until: Seq,

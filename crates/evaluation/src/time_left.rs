@@ -38,7 +38,7 @@ pub struct Held {
     pub at_least: Option<f64>,
 }
 
-/// Sums over searches, each with a duration of 1, by the bounds that the forecast gave.
+/// Sums of time over searches, each of which counts as 1, kept apart by the bounds that the forecast gave.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     all: f64,

@@ -80,7 +80,7 @@ impl Walk {
         View { grid: &self.grid, pose: self.pose, gait: self.gait, terms: self.terms }
     }
 
-    /// Two walks through the same hall with the same hash go on alike, but for their gait.
+    /// Two walks through the same hall with the same hash go on alike, except for the effects of their gait.
     #[must_use]
     pub fn state(&self) -> u64 {
         self.print ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)

@@ -59,7 +59,7 @@ impl<T> CoalescedEntries<T> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
         if !is_known && self.senders.len() >= limits.senders {
-            // A sender is forgotten only if nothing is lost by that.
+            // A sender is forgotten only if its tally has nothing to lose.
             self.senders.retain(|_, tally| {
                 tally.earn(limits, now);
                 tally.unwritten.is_some() || tally.room != limits.burst

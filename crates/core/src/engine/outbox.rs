@@ -43,7 +43,7 @@ pub(super) struct Outbox {
     /// The commands that are not in the store yet: each has to reach the journal, whatever happens to the store (safety
     /// A6).
     commands: VecDeque<Unkept>,
-    /// All entries up to here that were not stored when the store failed are lost.
+    /// The last entry that was written before the store failed. Entries up to it that were not stored are lost.
     lost: Seq,
 }
 

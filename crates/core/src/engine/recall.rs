@@ -68,8 +68,8 @@ impl Engine {
         engine
     }
 
-    /// Notes by how many milliseconds the machine's clock was set since the start of the program. A change goes on
-    /// record before anything that happened by the new clock.
+    /// Notes the number of milliseconds by which the machine's clock was set since the start of the program. A change
+    /// goes on record before anything that happened by the new clock.
     pub fn note_clock(&mut self, set_ms: i64, now: Now) {
         let by_ms = set_ms.saturating_sub(self.clock_set_ms);
         if by_ms.saturating_abs() < CLOCK_SET_MS {
@@ -166,7 +166,8 @@ impl Engine {
         }
     }
 
-    /// A kill may fall between a record and its consequences, which follow now.
+    /// Carries out the consequences of stored records, since a kill may have come between a record and its
+    /// consequences.
     fn finish(&mut self) {
         let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };
         for luggage in self.state.luggage.iter().map(Arc::clone).collect::<Vec<_>>() {

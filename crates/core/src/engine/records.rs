@@ -77,7 +77,7 @@ impl Engine {
         self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
     }
 
-    /// Everything up to `seq` is in the store: what waited for it happens now, in order.
+    /// Everything up to `seq` is in the store. Whatever waited for these entries happens now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
         self.show_kept();

@@ -40,7 +40,7 @@ struct Repeat {
     number: u64,
 }
 
-/// Two commands with equal content are the same: what is asked, and the epoch that the sender named.
+/// The request, and the epoch that the sender named. Two commands with equal content are the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Content {
     asked: Asked,
@@ -129,7 +129,8 @@ impl Repeats {
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
             if let Fact::Command { issuer, id: Some(id), asked, luggage, refused, epoch } = fact {
-                // A command that contradicted the first of its id did not use the id, and a STOP never does.
+                // A command that was refused because it contradicts an earlier command did not use the id. A STOP never
+                // uses one.
                 let contradicted = refused.as_ref().is_some_and(|refused| refused.code() == OTHER_CONTENT);
                 if contradicted || *asked == Asked::Command(Command::Stop) {
                     continue;
@@ -152,7 +153,7 @@ impl Content {
 }
 
 impl Outcome {
-    /// Whether the sender was told to try again: then the same id is another attempt, and not a repeat.
+    /// Whether the sender was told to try again. If so, the same id is another attempt, and not a repeat.
     fn is_to_be_tried_again(&self) -> bool {
         matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }

@@ -88,7 +88,8 @@ impl Engine {
         }
     }
 
-    /// A failed retrieval begins anew, with what is known by now; robots that hold something go out first.
+    /// Begins a failed retrieval anew, with what is known by now. While a robot holds something nothing changes, so
+    /// that the robots go out first.
     pub(super) fn retry_retrieval(&mut self) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let pair = Which::ALL.map(|which| self.base_view(which).arm);

@@ -20,7 +20,7 @@ use crate::units::{Epoch, Ticket, WallTime};
 const RECORDS: CoalescingLimits =
     CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
-/// Longest wait of a stop's answer for the robot's report that it stands.
+/// Longest time that the answer to a stop waits for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Time within which a STOP with the same id counts as the same press, because a page without an answer keeps trying.

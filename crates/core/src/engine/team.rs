@@ -144,7 +144,7 @@ impl Engine {
         }
     }
 
-    /// Nothing goes on before the alarm is acknowledged and START given.
+    /// Calls the operator. Nothing goes on before the alarm is acknowledged and START given.
     fn call_operator(&mut self, saying: Saying) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let cause = AlarmCause::Call(retrieval.luggage, saying);

@@ -1,5 +1,5 @@
-//! The part of a mission that ends with the program: the way ahead and behind, and what is on its way to the store.
-//! What outlives the program is `crate::state`.
+//! The part of a mission that ends with the program: the way ahead and behind, and the records on their way to the
+//! store. `crate::state` has the part that outlives the program.
 
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -13,7 +13,7 @@ use crate::world::hall_map::HallMap;
 
 named! {
     ALL by name;
-    /// One of the two robots, by the names of the seed.
+    /// One of the two robots, named as in the seed.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Which {
         /// The robot that leads the way.

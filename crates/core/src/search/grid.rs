@@ -31,10 +31,10 @@ impl Square {
     }
 }
 
-/// Distance from the edge of the memory beyond which a look round a cell needs no check of the bounds.
+/// Distance from the edge of the memory beyond which the cells round a cell can be read without a check of the bounds.
 pub(crate) const RIM: i32 = 8;
 
-/// Spare cells beyond the first ones on every side.
+/// Number of spare cells on every side of the known cells in a new grid.
 const SPARE: i32 = 32;
 
 pub(crate) type Spot = usize;
@@ -133,7 +133,7 @@ impl Grid {
         self.counts.census
     }
 
-    /// The share of a cell and its neighbours in the counts.
+    /// The contribution of a cell and its neighbours to the counts.
     fn counts_round(&self, spot: Spot) -> Counts {
         let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
         let is_at_edge =
@@ -145,7 +145,7 @@ impl Grid {
         }
     }
 
-    /// The share of a cell and the eight round it in the census.
+    /// The contribution of a cell and the eight cells round it to the census.
     fn census_round(&self, spot: Spot) -> Census {
         let down = self.steps[2];
         let around = |spot: Spot| {

@@ -26,7 +26,7 @@ pub struct Candidate {
 }
 
 /// The entry of least score by these weights, and the moves that enter it. `seen` is called for every entry that was
-/// weighed, including those up to `slack` above the best.
+/// weighed. All entries with a score up to `slack` above the best are among them.
 pub fn choose(
     view: &View<'_>,
     ways: &mut Ways,

@@ -79,7 +79,7 @@ impl Parts {
     pub const ROUND_ROBOT: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::AcknowledgedMoves]);
 
-    /// With a hook, by which it takes a piece onto its back.
+    /// The parts of a robot that searches and has a hook, with which it takes a piece onto its back.
     pub const ROUND_ROBOT_WITH_HOOK: Parts = Parts::ROUND_ROBOT.with(Part::Gripper);
 
     /// The parts of each robot of the pair that fetches.

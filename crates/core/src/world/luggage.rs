@@ -29,7 +29,7 @@ pub struct Luggage {
 pub enum PhotoState {
     Taken {
         bytes: usize,
-        /// 1 for the first photo, more after a retake, so that a new photo is not taken for the first.
+        /// 1 for the first photo, more after a retake, so that a new photo is not mistaken for the first.
         take: u32,
     },
     Failed(String),

@@ -123,8 +123,8 @@ impl Thermometer {
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
-    /// Removes a source. If its last reading was too hot, that becomes the operator's word, which only the operator can
-    /// take back; true when it does.
+    /// Removes a source. If its last reading was too hot, the reading becomes the operator's word, which only the
+    /// operator can take back. Returns whether it did.
     pub(crate) fn retire(&mut self, source: &str) -> bool {
         let left = self.sources.remove(source).filter(|left| left.hot);
         left.is_some_and(|left| {

@@ -41,8 +41,8 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// Student's quantile of 97.5 % with this many degrees of freedom: a few by the table, more by the inverse of the
-/// expansion of Cornish and Fisher, which is accurate to three thousandths from five on.
+/// Student's quantile of 97.5 % with this many degrees of freedom. Up to four degrees it comes from a table, above from
+/// the expansion of Cornish and Fisher, which is accurate to three thousandths there.
 #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
 fn student(freedom: usize) -> f64 {
     const FEW: [f64; 5] = [f64::INFINITY, 12.706, 4.303, 3.182, 2.776];

@@ -56,8 +56,8 @@ pub struct Contest {
 }
 
 impl Contest {
-    /// Every entrant on every hall: for each entrant its trials, hall by hall. `clock` measures how long a decision
-    /// takes; `done` is called after each trial, from any thread.
+    /// Runs every entrant on every hall, and returns the trials of each entrant, hall by hall. `clock` measures how
+    /// long a decision takes; `done` is called after each trial, from any thread.
     pub fn run(&self, entrants: &[Entrant], clock: impl Fn() -> Duration + Sync, done: impl Fn() + Sync) -> Vec<Vec<Trial>> {
         let halls = self.halls.count();
         let mut trials = parallel::each(halls * entrants.len(), |n, ways| {

@@ -1,4 +1,4 @@
-//! Draws curves: a line for each measured thing, over a scale that doubles, with the ordinate beginning at 0.
+//! Draws curves: a line for each measured quantity, with a logarithmic abscissa, and an ordinate that begins at 0.
 
 use super::{COLOURS, escaped, opening, push};
 

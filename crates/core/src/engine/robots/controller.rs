@@ -82,7 +82,7 @@ impl RobotController {
         self.is_paused = true;
     }
 
-    /// Whether a motion that was ordered has not been answered, however late it is.
+    /// Whether an ordered motion has not been answered, even if its answer is overdue.
     fn may_be_moving(&self) -> bool {
         self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
     }
