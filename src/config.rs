@@ -77,13 +77,13 @@ pub struct HttpSettings {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OldClients {
-    /// Whether old clients may drive the robot by hand; they may always halt it.
+    /// Whether old clients may drive the robot by hand; old clients may always halt it.
     pub manual_driving: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TlsFiles {
-    /// PEM file with the certificate, and the certificates that lead to a known one.
+    /// PEM file with the certificate, and the certificates that lead to a known authority.
     pub certificate: PathBuf,
     pub key: PathBuf,
 }

@@ -1,5 +1,5 @@
-//! Log lines on standard error, filtered by the setting `log.filter`. What an operator must see is in the log of the state
-//! instead, which the console shows.
+//! Log lines on standard error, filtered by the setting `log.filter`. Messages that an operator must see are in the log of the
+//! state instead, which the console shows.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt;
@@ -33,9 +33,9 @@ static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 /// Queues lines from now on, so that no thread waits for standard error or panics because of it, and no write stops or ends the
 /// program (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
-    // The system stops a program that writes to a terminal in the background under `tostop`, and ends one that writes beyond a
-    // limit for files. Where these signals are blocked, as in all threads that start from here on, the write succeeds or fails
-    // instead.
+    // The system stops a program that writes to a terminal in the background under `tostop`, and ends a program that writes
+    // beyond a limit for files. Where these signals are blocked, as in all threads that start from here on, the write succeeds
+    // or fails instead.
     let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
     // A system that cannot start this thread cannot start the threads of the doors either, and the start fails there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };

@@ -16,7 +16,7 @@ const LONGEST: Duration = Duration::from_secs(4);
 /// Time without wrong keys after which a network is forgotten: as long as a person needs to find the right key.
 const FORGOTTEN: Duration = Duration::from_secs(600);
 
-/// Maximum number of remembered networks; the one with the oldest wrong key is forgotten first.
+/// Maximum number of remembered networks; the network with the oldest wrong key is forgotten first.
 const NETWORKS: usize = 1024;
 
 #[derive(Debug, Default)]

@@ -20,7 +20,8 @@ const GLANCE: Duration = Duration::from_millis(250);
 #[derive(Clone, Debug)]
 pub struct Keyring {
     keys: Arc<Mutex<Arc<Keys>>>,
-    /// Tells this run of the program from all others. Random, since the wall clock may show the same time at two starts.
+    /// Distinguishes this run of the program from all other runs. Random, since the wall clock may show the same time at two
+    /// starts.
     run: Arc<str>,
 }
 
@@ -33,7 +34,7 @@ pub struct Opened {
 }
 
 impl Keyring {
-    /// Opens the keys of this data folder, and creates an operator's key when there are none. Follows changes of the file from
+    /// Opens the keys of this data folder, and creates an operator's key when no keys exist. Follows changes of the file from
     /// now on.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);

@@ -87,8 +87,8 @@ impl Keys {
         self.place(name).map(|place| &self.0[place])
     }
 
-    /// The owner of a token. Takes the same time whatever the text is: its SHA-256 is compared as a whole with that of every
-    /// key.
+    /// The owner of a token. Takes the same time whatever the text is: its SHA-256 is compared as a whole with the SHA-256 of
+    /// every token.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         let given = print(token);
         let hits = self.0.iter().map(|key| bool::from(key.print.ct_eq(&given)));

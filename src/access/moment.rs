@@ -1,4 +1,4 @@
-//! Times by two clocks, and when a session ends by them.
+//! Times by two clocks, and the end of a session by one of them.
 
 use std::time::Duration;
 
@@ -18,9 +18,9 @@ pub struct Moment {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// Opened by this run: time since its start.
+    /// End of a session that this run opened: time since the program started.
     Elapsed(Duration),
-    /// Opened by an earlier run: seconds since 1970.
+    /// End of a session that an earlier run opened: seconds since 1970.
     Unix(i64),
 }
 

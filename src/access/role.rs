@@ -1,4 +1,4 @@
-//! The two roles, and the right that each route or command needs. The doors' tables assign them.
+//! The two roles, and the right that each route or command needs. The doors' tables assign the rights.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]

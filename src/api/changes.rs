@@ -17,8 +17,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Maximum number of pieces sent all together whenever one of them changes. With more, only the changed ones are sent, since all
-/// of them would make up most of the traffic.
+/// Maximum number of pieces sent all together whenever one of them changes. If there are more, only the changed pieces are
+/// sent, since sending all would make up most of the traffic.
 const WHOLE: usize = 256;
 
 /// The resources that changed; what did not is absent.
@@ -68,7 +68,7 @@ impl ChangesJson {
     }
 
     /// The changes since a revision whose snapshot is not known. Log lines are numbered, so all stored lines are sent when the
-    /// log has grown, and the reader drops those it has.
+    /// log has grown, and the reader drops the lines that it has already.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
         let changes = ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0);
         let is_other = snapshot.revision_of(Resource::Luggage) > revision;

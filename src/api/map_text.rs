@@ -40,8 +40,8 @@ fn shown(plan: Plan<'_>) -> Bounds {
     Bounds { least: visited.least, most }
 }
 
-/// Like `mark_char`, except for the corner between the east and the south border: no sensor can see it, so it counts as a wall
-/// when both neighbours are walls.
+/// Like `mark_char`, except for the corner between the east and the south border: no sensor can see this corner, so it counts
+/// as a wall if both neighbours are walls.
 fn text_char(plan: Plan<'_>, cell: Cell) -> char {
     let visited = plan.hall.visited_bounds();
     let is_corner = cell == Cell::new(visited.most.x + 1, visited.most.y + 1);

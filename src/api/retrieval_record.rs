@@ -71,7 +71,7 @@ impl RetrievalRecordJson {
                 began = began.set_by(by_ms);
             }
             let since_began_ms = u64::try_from(entry.wall.unix_ms.saturating_sub(began.unix_ms)).unwrap_or(0);
-            // In a journal from before clock changes were recorded, times may go back; the run does not.
+            // In a journal from before clock changes were recorded, times may go back; the time of the run must not.
             at = at.max(Duration::from_millis(since_began_ms));
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
             // An entry repeats the stage beside the trees; only a new stage is an event.

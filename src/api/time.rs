@@ -11,12 +11,12 @@ pub fn rfc3339(wall: WallTime) -> String {
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
 }
 
-/// Such as `10:05:12`, in the zone of `wall`.
+/// The time of day, such as `10:05:12`, in the zone of `wall`.
 pub fn clock_time(wall: WallTime) -> String {
     zoned(wall).strftime("%H:%M:%S").to_string()
 }
 
-/// Such as `3 Feb 2026, 10:05:12`, in the zone of `wall`.
+/// Date and time, such as `3 Feb 2026, 10:05:12`, in the zone of `wall`.
 pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
@@ -38,7 +38,7 @@ impl Zone {
         Zone { offset_s: wall.offset_s }
     }
 
-    /// Such as `UTC+01:00`.
+    /// The name of the zone, such as `UTC+01:00`.
     pub fn name(self) -> String {
         format!("UTC{}", zoned(WallTime { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
     }
@@ -48,12 +48,12 @@ impl Zone {
         self.offset_s
     }
 
-    /// Such as `10:05:12`.
+    /// The time of day in this zone, such as `10:05:12`.
     pub fn clock_time(self, wall: WallTime) -> String {
         clock_time(self.shown(wall))
     }
 
-    /// Such as `3 Feb 2026, 10:05:12`.
+    /// Date and time in this zone, such as `3 Feb 2026, 10:05:12`.
     pub fn date_and_time(self, wall: WallTime) -> String {
         date_and_time(self.shown(wall))
     }
@@ -63,7 +63,7 @@ impl Zone {
     }
 }
 
-/// A time or an offset outside the calendar's range becomes the nearest one in it.
+/// A time or an offset outside the calendar's range becomes the nearest one within the range.
 fn zoned(wall: WallTime) -> jiff::Zoned {
     let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
     let at = Timestamp::from_millisecond(wall.unix_ms).unwrap_or(nearest);

@@ -1,4 +1,4 @@
-//! What earlier runs stored, and where this run stores: the journal, and beside it what robots remember. The core decides what
+//! The data of earlier runs, which this run continues: the journal, and beside it the memory of robots. The core decides what
 //! to do with the recalled state.
 
 use std::fs;
@@ -26,7 +26,7 @@ pub(super) struct DataFolder {
     pub(super) elsewhere: bool,
     /// Remembers a STOP even when the journal cannot be written.
     pub(super) stops: Option<Stops>,
-    /// Messages to an operator about faults that stop nothing, in words that end with what to do.
+    /// Messages to an operator about faults that stop nothing, each with the advice what to do.
     pub(super) notes: Vec<String>,
 }
 

@@ -91,7 +91,7 @@ impl Common {
     }
 }
 
-/// The message to an operator when rumqttd should route but this program was built without it.
+/// The message to an operator for a program that was built without rumqttd although the settings ask for it.
 pub(super) fn note(settings: &Settings) -> Option<String> {
     let asks = matches!(settings.mqtt.broker, Some(config::Broker::Own { router: MqttRouter::Rumqttd, .. }));
     (asks && !cfg!(feature = "rumqttd-router")).then(|| {

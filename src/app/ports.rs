@@ -35,7 +35,7 @@ pub struct Doors {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundPort {
     pub at: SocketAddr,
-    /// The default port, if another program uses it and this port replaces it.
+    /// The default port, if this port replaces it because another program uses it.
     pub instead_of: Option<u16>,
 }
 

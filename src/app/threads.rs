@@ -10,8 +10,8 @@ use tokio::runtime::{Builder, Runtime};
 use super::AppError;
 use crate::runtime::threads::Thread;
 
-/// Difference in nice value between ordinary threads and the others: while both have work, an ordinary thread gets a third of
-/// the time of another one.
+/// Difference in nice value between ordinary threads and the others: while both kinds have work, an ordinary thread gets a
+/// third of the time of one of the others.
 #[cfg(target_os = "linux")]
 const NICER: i32 = 5;
 
@@ -43,8 +43,8 @@ pub(super) fn ordinary() -> io::Result<Runtime> {
     Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
 }
 
-/// Lowers the priority of this thread below that of the threads that a STOP needs. Does so only on Linux, since on other
-/// systems priorities apply to whole programs.
+/// Lowers the priority of this thread below the priority of the threads that a STOP needs. Does so only on Linux, since on
+/// other systems priorities apply to whole programs.
 fn stand_back() {
     #[cfg(target_os = "linux")]
     {

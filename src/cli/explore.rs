@@ -97,7 +97,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     super::print(&text)?;
     if let Some(map) = map {
         let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
-        // With `--json` standard output has only the one object.
+        // With `--json` standard output has a single object and nothing else.
         if flags.json { telemetry::say(line) } else { super::print(&line)? }
     }
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))

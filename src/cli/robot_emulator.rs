@@ -1,5 +1,5 @@
 //! `hallsweep robot-emulator`: the simulated robot at the other end of a wire, for people who try the line protocol or build a
-//! robot. `robots::emulator` plays it; this file reads the flags.
+//! robot. `robots::emulator` plays the robot; this file reads the flags.
 
 use std::time::Duration;
 
@@ -88,7 +88,7 @@ impl RobotEmulator {
         if self.at.serial.is_some() {
             return "hallsweep serve --robot line=DEVICE, with the device at the other end of the cable".to_owned();
         }
-        // An address that means every interface is replaced by one that can be called.
+        // An address that means every interface is replaced by an address to which clients can connect.
         let here = place.replace("0.0.0.0:", "localhost:").replace("[::]:", "localhost:");
         format!("hallsweep serve --robot line={here}")
     }

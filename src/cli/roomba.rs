@@ -1,5 +1,5 @@
 //! `hallsweep roomba`: the Roomba of seed 001 as state machine, as behaviour tree or as both, in simulated time.
-//! `hallsweep_laboratory::roomba` runs and draws them; this file prints the figures.
+//! `hallsweep_laboratory::roomba` runs and draws the Roomba; this file prints the figures.
 
 use std::path::{Path, PathBuf};
 

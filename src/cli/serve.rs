@@ -55,7 +55,8 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String
     })
 }
 
-/// The address of a door on this machine, whether others can reach it, and how to choose another when it is not the usual one.
+/// The address of a door on this machine. Also says whether other addresses reach the door, and how to choose the port if the
+/// usual one is taken.
 fn found(place: BoundPort, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {

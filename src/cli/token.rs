@@ -95,7 +95,7 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     Ok(KeyFile::within(folder))
 }
 
-/// Showing the keys creates none.
+/// Showing the keys creates no key.
 fn none_yet(file: &KeyFile) -> Failure {
     let there = file.path().display();
     Failure::Run(format!(

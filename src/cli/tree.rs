@@ -100,8 +100,8 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
 
 const STANDARD_INPUT: &str = "-";
 
-/// Nodes that a file may use: those it declares itself, and those of the files of `--model`. This program has no leaves of its
-/// own.
+/// Nodes that a file may use: nodes that it declares itself, and nodes of the files of `--model`. This program has no leaves of
+/// its own.
 fn known(document: &Document, models: &[Document]) -> Catalogue {
     let mut known = Catalogue::default();
     std::iter::once(document).chain(models).for_each(|document| known.add_models(document));

@@ -48,8 +48,8 @@ pub struct Flag {
 }
 
 impl Sources {
-    /// Environment variables that look like ours but are unknown. They do not prevent a start, because other software sets such
-    /// variables too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
+    /// Environment variables that look like ours but are unknown. Such variables do not prevent a start, because other software
+    /// sets such variables too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
     pub fn ignored(&self) -> Vec<&str> {
         let names = self.environment.iter().map(|(name, _)| name.as_str());
         let ours = names.filter(|name| name.starts_with(OURS) && !name.starts_with(PREFIX));

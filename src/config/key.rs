@@ -159,8 +159,8 @@ impl Key {
         Key { flag: Some(flag), ..self }
     }
 
-    /// The setting of this name. A setting of a further robot, such as `robots.porter.seed`, is described by that of `[robot]`,
-    /// here `robot.seed`.
+    /// The setting of this name. A setting of a further robot, such as `robots.porter.seed`, is described by the setting of
+    /// `[robot]`, here `robot.seed`.
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;

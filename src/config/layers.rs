@@ -33,8 +33,8 @@ impl Flag {
         Flag { flag, key: key.name, value }
     }
 
-    /// The two settings of `--robot KIND[=ADDRESS]`. Without an address the usual one of the kind is used, whatever a file
-    /// says.
+    /// The two settings of `--robot KIND[=ADDRESS]`. Without an address, the usual address of this kind is used, whatever a
+    /// file says.
     pub(crate) fn robot(value: &str) -> [Flag; 2] {
         let (kind, address) = value.split_once('=').unwrap_or((value, ""));
         [("robot.kind", kind), ("robot.address", address)].map(|(key, value)| Flag {
@@ -187,7 +187,7 @@ impl Layer {
         Layer { place: LayerSource::Defaults, origin: BY_DEFAULT.to_owned(), values }
     }
 
-    /// Defaults of a further robot. Its kind must be given, so that a mistyped name does not create a robot.
+    /// Defaults of a further robot. The kind must be given, so that a mistyped name does not create a robot.
     fn beneath(robot: &str) -> Layer {
         let Layer { place, origin, mut values } = Layer::defaults();
         let mut like = values.remove(ROBOT).and_then(Value::into_dict).unwrap_or_default();

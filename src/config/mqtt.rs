@@ -64,7 +64,7 @@ pub struct Login {
 }
 
 impl fmt::Display for OtherBroker {
-    /// Such as `mqtt://broker.example:1883`.
+    /// The address of the broker, such as `mqtt://broker.example:1883`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = if self.is_encrypted { "mqtts" } else { "mqtt" };
         let host = if self.host.contains(':') { format!("[{}]", self.host) } else { self.host.clone() };
@@ -73,7 +73,7 @@ impl fmt::Display for OtherBroker {
 }
 
 impl fmt::Debug for Login {
-    /// Without the password, which must not be logged.
+    /// Leaves out the password, which must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Login({:?})", self.name)
     }

@@ -1,5 +1,5 @@
-//! The robots in the settings: the searching one in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
-//! `layers` handles `[robots.discovery]`, which means the searching robot; the effect of the settings is not here.
+//! The robots in the settings: the searching robot in `[robot]`, every further robot in a section `[robots.NAME]` with the same
+//! keys. `layers` handles `[robots.discovery]`, which means the searching robot; the effect of the settings is not here.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
 //! Settings without effect: settings of the simulator for a robot that is not simulated, and settings of a real robot for a
-//! simulated one. The program starts anyway and names them; wrong values are reported elsewhere.
+//! simulated one. The program starts anyway and names these settings; wrong values are reported elsewhere.
 
 use super::error::SettingsError;
 use super::key::{ROBOT, ROBOTS};

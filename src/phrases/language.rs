@@ -110,7 +110,7 @@ impl Language {
         }
     }
 
-    /// Such as `one`, `one and two`, or `one, two and three`.
+    /// A list in words, such as `one`, `one and two`, or `one, two and three`.
     pub fn list(self, words: &[String]) -> String {
         match words {
             [] => String::new(),

@@ -1,6 +1,6 @@
-//! The report of a mission: one HTML page with everything in it, for paper and for people who were not there, and the same record
-//! as a list for programs (`list`). It contains only what is on record, so that it can be made again from the journal and
-//! compared with the copy that was handed over (`compare`): that makes it evidence.
+//! The report of a mission: one HTML page with everything in it, for paper and for people who were not there, and the same
+//! record as a list for programs (`list`). The report contains only what is on record, so that it can be made again from the
+//! journal and compared with the copy that was handed over (`compare`). This makes the copy evidence.
 //!
 //! ```text
 //!   journal ─► Archive ─► Tally, Moment ─► page, hall, chart ─► file         `Claim` in its head: mission, entry, language
@@ -116,7 +116,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// The last entry that counts: later ones were declared lost, and the next start deletes them.
+/// The last entry that counts: later entries were declared lost, and the next start deletes them.
 fn end(archive: &dyn Archive) -> Result<Seq, Unreadable> {
     Ok(archive.lost_after()?.unwrap_or(Seq(u64::MAX)))
 }

@@ -80,7 +80,7 @@ fn of_jpeg(photo: &[u8]) -> Option<Pixels> {
 }
 
 impl Pixels {
-    /// Scales the longest side to `side`; each pixel is the mean of those it covers.
+    /// Scales the longest side to `side`; each new pixel is the mean of the pixels that it covers.
     fn within(&self, side: usize) -> Pixels {
         let longest = self.width.max(self.height);
         let [width, height] = [self.width, self.height].map(|length| (length * side / longest).max(1));

@@ -104,7 +104,7 @@ impl Robots {
         }
     }
 
-    /// Of an external robot only the address is known.
+    /// For an external robot only the address is known.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
             Some((_, Robot::Sim(_))) => sim::venue(&self.hall, self.seed, &self.team),
@@ -150,7 +150,7 @@ impl Robots {
         lost
     }
 
-    /// A fault in the folder that stops nothing, in words that end with what to do.
+    /// A fault in the folder that stops nothing, with the advice what to do.
     pub fn note(&self, folder: &Path) -> Option<String> {
         self.chosen.as_ref().and_then(|_| sim::unreadable_halls(folder))
     }

@@ -42,8 +42,8 @@ pub struct Sound<T> {
     pub damage: Vec<String>,
 }
 
-/// The entries of the journal after the entry `after`, up to `until`. They are read as they were known at `until`, whatever
-/// came later.
+/// The entries of the journal after the entry `after`, up to `until`. The entries are read as they were known at `until`,
+/// whatever came later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     pub after: Seq,
@@ -73,8 +73,8 @@ pub struct MissionRecord {
     pub left: Vec<LuggageId>,
 }
 
-/// A moment of a mission: the one after its last entry up to this entry, or up to this time. If the mission has no entry up to
-/// there, the moment after its first entry is meant.
+/// A moment of a mission, right after an entry: the last entry up to a given number, or up to a given time. If the mission has
+/// no entry up to there, the moment after its first entry is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
     Entry(Seq),

@@ -40,7 +40,7 @@ impl Clock {
         Now { since_start: self.start.elapsed(), wall }
     }
 
-    /// By how many milliseconds the wall clock was set since the start.
+    /// Number of milliseconds by which the wall clock was set since the start.
     pub fn set_ms(&self, now: Now) -> i64 {
         let elapsed = i64::try_from(now.since_start.as_millis()).unwrap_or(i64::MAX);
         now.wall.unix_ms.saturating_sub(self.start_ms).saturating_sub(elapsed)

@@ -10,7 +10,7 @@ use hallsweep_core::event::{RobotEvent, RobotId};
 
 pub(super) struct Links {
     links: Vec<RobotEnd>,
-    /// The robot whose report was taken last. The next one is polled first, so that no robot crowds out the others.
+    /// The robot whose report was taken last. The robot after it is polled first, so that no robot crowds out the others.
     last: usize,
 }
 

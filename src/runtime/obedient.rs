@@ -1,5 +1,5 @@
-//! For tests of the doors: a loop without a mission that accepts every command, or refuses it as told, and stores what it
-//! received.
+//! For tests of the doors: a loop without a mission. It accepts every command, or refuses commands as the test asks, and stores
+//! what it received.
 
 use std::sync::{Arc, Mutex};
 

@@ -20,7 +20,7 @@ pub struct Thread {
 }
 
 impl Thread {
-    /// Starts a thread; `name`, of at most 15 bytes, is what the system shows.
+    /// Starts a thread; the system shows `name`, which has at most 15 bytes.
     pub fn start(name: &str) -> io::Result<Thread> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let handle = runtime.handle().clone();

@@ -139,7 +139,7 @@ pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     Ok(mode & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES && !has_access_list(folder))
 }
 
-/// Whether a path has an access list that names other users, or a default list for what is created in it.
+/// Whether a path has an access list that names other users, or a default list for new files in it.
 #[cfg(target_os = "linux")]
 pub(super) fn has_access_list(path: &Path) -> bool {
     let lists = ["system.posix_acl_access", "system.posix_acl_default"];

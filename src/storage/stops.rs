@@ -55,8 +55,8 @@ struct FoundStop {
 }
 
 impl Stops {
-    /// Why the file in the folder `dir` cannot be used at all, in words that end with what to do; `None` when it can be used,
-    /// or does not exist yet. Changes nothing.
+    /// Why the file in the folder `dir` cannot be used at all, with the advice what to do; `None` when it can be used, or does
+    /// not exist yet. Changes nothing.
     pub fn unusable(dir: &Path) -> Option<String> {
         let file = SmallFile::within(dir, names::STOPS);
         let unusable = |path: &Path, error: &io::Error| {
@@ -111,8 +111,8 @@ impl Stops {
         self.epoch
     }
 
-    /// Path of the file if its contents could not be read, in which case the last stop may be missing from the records. Also
-    /// whether the contents were set aside.
+    /// Path of the file if its contents could not be read, in which case the last stop may be missing from the records. The
+    /// second value says whether the contents were set aside.
     pub fn damaged(&self) -> Option<(&Path, bool)> {
         self.was_damaged.then_some((self.file.path(), self.was_set_aside))
     }

@@ -101,7 +101,7 @@ fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     }
 }
 
-/// Waits while a non-blocking stream is full; returns what is left once the stream fails.
+/// Waits while a non-blocking stream is full; returns the rest of the text once the stream fails.
 fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     while !text.is_empty() {
         match stream.write(text) {

@@ -1,5 +1,5 @@
-//! The temperature of a hall over time: keyframes, straight lines between them, and the last value for ever after. What
-//! a temperature means for the robot is decided in the core.
+//! The temperature of a hall over time: keyframes, straight lines between them, and the last value for ever after. The
+//! core decides what a temperature means for the robot.
 
 use std::time::Duration;
 

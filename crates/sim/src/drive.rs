@@ -1,5 +1,4 @@
-//! Two-wheel kinematics: from wheel speeds to the place of the body, in closed form. What stands in the way is not
-//! known here.
+//! Two-wheel kinematics: from wheel speeds to the place of the body, in closed form. Obstacles are not known here.
 //!
 //! ```text
 //!        x (east) ─►            v = r (ωl + ωr) / 2     metres a second, forward

@@ -9,7 +9,7 @@
 //!        │     +     │   o──►    │   motion: to where, and how long still
 //!        └───────────┴───────────┘
 //! ```
-//! Lengths are whole micrometres and angles whole microradians, so that what is written is read back exactly.
+//! Lengths are whole micrometres and angles whole microradians, so that written values are read back exactly.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ const ROUNDING: i64 = 2;
 pub struct SimMemory {
     /// The cell and heading in which the last completed order left the robot.
     pub pose: Pose,
-    /// Distance from home in steps of a robot outside, before the entrance; 0 in the hall.
+    /// Distance from home, in steps, of a robot that stands outside, before the entrance; 0 in the hall.
     pub outside: u8,
     pub stands: Astray,
     pub taken: Taken,

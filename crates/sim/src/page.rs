@@ -23,7 +23,7 @@ use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 /// Bytes before the slots: room for the longest name, even if each letter is escaped as six.
 const HEAD: usize = 2048;
 
-/// Bytes of a slot: several times what the longest memory needs.
+/// Bytes of a slot: several times as many as the longest memory needs.
 const SLOT: usize = 1024;
 
 /// Bytes of the whole file, neither more nor less.

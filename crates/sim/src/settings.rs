@@ -13,8 +13,8 @@ pub struct SimSettings {
     pub photo_failure_rate: f64,
     /// The standard deviation of the sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// Number of cells ahead that the sonar reports as free or not without being asked. With 0 the robot bumps into
-    /// what is there.
+    /// Number of cells ahead that the sonar reports as free or not without being asked. With 0 the robot finds
+    /// obstacles only by bumping into them.
     pub sonar_cells: u8,
     pub camera: Camera,
     /// Duration of a step of one cell.

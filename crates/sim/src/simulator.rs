@@ -1,5 +1,5 @@
 //! The simulated robot, sans-IO: orders, halts and the passing of time go in, reports come out, and nothing here waits.
-//! Channels, timers and the speed factor belong to `link`; what to do next is not decided here.
+//! Channels, timers and the speed factor belong to `link`; the core decides what to do next.
 //!
 //! Nothing ticks: when a motion begins, the moment at which it ends or touches something follows in closed form.
 
@@ -32,9 +32,9 @@ use self::{hook::Handling, photo::Film};
 
 #[derive(Debug)]
 pub struct Sim {
-    /// The hall without what this robot has taken.
+    /// The hall without the pieces that this robot has taken.
     hall: Arc<Hall>,
-    /// The hall with what this robot has taken.
+    /// The hall with the pieces that this robot has taken.
     floor: Arc<Hall>,
     taken: Taken,
     settings: SimSettings,
@@ -42,7 +42,7 @@ pub struct Sim {
     now: Duration,
     /// The pose in which the last completed order left the robot.
     pose: Pose,
-    /// Distance from home in steps of a robot outside, before the entrance and facing it; 0 in the hall.
+    /// Distance from home, in steps, of a robot that stands outside and faces the entrance; 0 in the hall.
     outside: u8,
     /// Where the robot really stands while nothing moves it.
     body: BodyPose,
@@ -245,8 +245,8 @@ impl Sim {
         self.begin_motion(order, self.chassis.spin(speed.copysign(angle)), lasts, End::At(to));
     }
 
-    /// Senses, and returns the robot to where the last completed order left it. After a halt it is either off the
-    /// centre or between two headings, never both: until it has recentred it makes no other motion.
+    /// Takes a reading, and returns the robot to where the last completed order left it. After a halt it is either off
+    /// the centre or between two headings, never both: until it has recentred it makes no other motion.
     fn begin_recentring(&mut self, order: Order) {
         let reading = self.senses.listen(self.body);
         self.events.push_back(reading);

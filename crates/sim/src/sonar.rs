@@ -1,4 +1,5 @@
-//! The front sonar: the distance from the robot's front to what is ahead. It cannot tell what that is.
+//! The front sonar: the distance from the robot's front to the next thing ahead. The sonar cannot tell what the thing
+//! is.
 
 use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
@@ -9,10 +10,10 @@ pub(super) const RANGE_M: f64 = 4.0;
 /// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.
 pub(super) const BODY_HALF: f64 = 0.42;
 
-/// The floor that luggage leaves free on every side of its cell, in cells. Walls leave none.
+/// The floor that luggage leaves free on every side of its cell, in cells. Walls leave no floor free.
 pub(super) const LUGGAGE_INSET: f64 = 0.12;
 
-/// The exact distance in centimetres from the robot's front to what is ahead; `None` beyond the range.
+/// The exact distance in centimetres from the robot's front to the next thing ahead; `None` beyond the range.
 pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
     let cell_m = hall.cell_m();
     let ray = Ray { x: body.x_m / cell_m, y: body.y_m / cell_m, direction: body.ahead() };
@@ -39,13 +40,13 @@ pub(super) fn cells_in_range(cell_m: f64) -> u16 {
     (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
-/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` if the
-/// next cell is free.
+/// How far a robot at the centre of a cell drives until it touches the wall or luggage in the next cell, in cells;
+/// `None` if the next cell is free.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
 }
 
-/// Distance of what fills a cell from the cell's sides, in cells; `None` for a free cell.
+/// Distance of a wall or luggage from the sides of its cell, in cells; `None` for a free cell.
 const fn inset(truth: Truth) -> Option<f64> {
     match truth {
         Truth::Free => None,

@@ -1,4 +1,4 @@
-//! Requests in the journal, a code with fields each: commands, STOPs in quick succession, and changes of the simulator.
+//! Requests in the journal, each as a code with fields: commands, STOPs in quick succession, and changes of the simulator.
 
 use std::time::Duration;
 

@@ -198,7 +198,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
 }
 
 impl Shape {
-    /// Of a photo, the shape has only the digest and the media type of its file.
+    /// For a photo, the shape has only the digest and the media type of its file.
     pub(super) fn of(fact: &Fact, picture: Option<&Picture>, form: Form) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },

@@ -1,4 +1,4 @@
-//! Phases in the journal with their data. An interrupted phase is inside the one that interrupts it.
+//! Phases in the journal with their data. An interrupted phase is stored inside the phase that interrupts it.
 
 use serde::{Deserialize, Serialize};
 

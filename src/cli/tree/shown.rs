@@ -71,7 +71,7 @@ fn json_value(value: &Value) -> serde_json::Value {
     }
 }
 
-/// A tick for people: the result of each node, with `·` for one that was not ticked and keeps its status.
+/// A tick for people: the result of each node, with `·` for a node that was not ticked and keeps its status.
 pub(super) fn picture(tree: &Tree, status: Status, halted: &[NodeId], blackboard: &Blackboard) -> String {
     let mut text = format!("tick {} at {:.1} s: {}", tree.ticks(), tree.clock().as_secs_f64(), status.word());
     for view in tree.nodes() {

@@ -36,8 +36,8 @@ const OFTEN: u32 = 3;
 /// Longest timer; after it the state is checked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// Runs an external robot until the loop's end of the channels is gone. What the next program must know is written to the file,
-/// when there is one, before the robot or anybody else learns of the consequences.
+/// Runs an external robot until the loop's end of the channels is gone. If there is a file, everything that the next program
+/// must know is written to it before the robot or anybody else learns of the consequences.
 pub(super) async fn run(
     robot: RobotId,
     driver: Box<dyn Driver>,
@@ -77,7 +77,7 @@ struct ExternalLink {
     side: RobotSide,
     clock: Clock,
     connection: Connection,
-    /// When the last connection was made, and the number of brief ones in a row.
+    /// When the last connection was made, and the number of brief connections in a row.
     connected: Duration,
     brief: u32,
     /// A report that the loop has not taken yet. Until then only halts are received, so that reports cannot pile up.
@@ -268,8 +268,8 @@ impl ExternalLink {
         }
     }
 
-    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first. What the driver then says is
-    /// sent even during a write.
+    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first. The driver's answer to a
+    /// halt is sent even during a write.
     async fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.driver.handle_halt(self.clock.now());

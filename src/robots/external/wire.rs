@@ -53,7 +53,7 @@ impl Address {
     pub(super) fn call(&self) -> Calling {
         let address = self.clone();
         if let Address::Serial(..) = address {
-            // Opened here, because no second thread may wait for a device that hangs.
+            // The device is opened on this thread, because no second thread may wait for a device that hangs.
             return Box::pin(address.called());
         }
         Box::pin(async move {
@@ -152,8 +152,8 @@ impl Wire {
         }
     }
 
-    /// Closes the connection, and waits until the other side has closed too, so that its last actions do not affect the next
-    /// connection. The result says whether the other side has closed.
+    /// Closes the connection, and waits until the other side has closed too, so that late actions of the other side do not
+    /// affect the next connection. The result says whether the other side has closed.
     pub(super) fn close(self) -> Closing {
         Box::pin(async move {
             let Wire::Tcp(mut stream) = self else { return false };

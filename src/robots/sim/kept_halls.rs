@@ -108,7 +108,7 @@ fn found(folder: &Path) -> BTreeSet<String> {
     offered
 }
 
-/// Why the folder of stored halls cannot be read, in words that end with what to do; `None` when it can be, or does not exist.
+/// Why the folder of stored halls cannot be read, with the advice what to do; `None` when it can be read, or does not exist.
 pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     let folder = names::HALLS.within(data);
     let error = files::check_folder(&folder).err()?;

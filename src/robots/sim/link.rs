@@ -23,7 +23,7 @@ use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
 use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
 
 /// Real time allowed for drawing a photo at any speed; the core knows this time. Drawing takes some hundredths of a second, but
-/// the machine may be busy, and a late photo counts as none.
+/// the machine may be busy, and a late photo counts as a failed one.
 const DEVELOPING: Duration = Duration::from_secs(3);
 
 /// Time after which a failed write of the state file is retried, when nothing new happens before.
@@ -101,8 +101,8 @@ struct SimLink {
     obeyed: u64,
     /// The state file, while it is not being written.
     state_file: Option<SimStateFile>,
-    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt. Nothing else goes on until it is
-    /// done.
+    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt. Nothing else goes on until the
+    /// write is done.
     writing: Option<JoinHandle<SimStateFile>>,
     /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
@@ -291,7 +291,7 @@ impl SimLink {
         self.sim.handle_led(blinks);
     }
 
-    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first.
+    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first.
     fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());

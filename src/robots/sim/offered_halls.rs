@@ -1,4 +1,4 @@
-//! The halls offered by name, for the robots to be put into and as a start for the editor.
+//! The halls offered by name: the robots can be put into them, and the editor can start from them.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The simulated pair before it is started: where it was left, and what to do when that was at another hall or is not known.
+//! The simulated pair before it is started: the place where it was left, and what to do if that place is at another hall or is
+//! not known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

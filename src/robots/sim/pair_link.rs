@@ -252,7 +252,7 @@ impl PairLink {
         }
     }
 
-    /// A halt concerns only what was begun before it: an order sent after the halt may arrive first.
+    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first.
     fn halt(&mut self, which: Which, count: u64) {
         if self.obeyed[which.index()] < count {
             let now = self.now();

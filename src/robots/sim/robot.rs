@@ -1,4 +1,5 @@
-//! One simulated robot before it is started: where it was left, and what to do when that was in another hall or is not known.
+//! One simulated robot before it is started: the place where it was left, and what to do if that place is in another hall or is
+//! not known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -11,7 +11,7 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SimTime {
-    /// Speed while the controls set none.
+    /// Speed while the controls set no speed.
     usual_speed: Speed,
     speed: Speed,
     is_paused: bool,

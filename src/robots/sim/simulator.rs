@@ -130,7 +130,7 @@ impl Simulator for InHand {
             let next = SimulatedHall { hall: Arc::new(hall), seed };
             self.move_all(&next, issuer).await?;
             let unkept = self.keep_for_restart(&next).await;
-            // Obstacles of the previous hall do not apply to this one.
+            // Obstacles of the previous hall do not apply to the new hall.
             self.controls.send_modify(|controls| controls.blocked = Arc::default());
             *ground = next;
             self.state.send_modify(|state| {

@@ -30,7 +30,7 @@ const BOUNDS: [u64; 14] = [
     10_000_000_000,
 ];
 
-/// Upper bound of the last bucket, as the library wants it.
+/// Upper bound of the last bucket, in the form that the library requires.
 const UNBOUNDED: f64 = f64::MAX;
 
 #[derive(Clone, Debug, Default)]

@@ -123,7 +123,7 @@ impl Figures {
         let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// To be called when the loop has handled every raised STOP.
+    /// Must be called when the loop has handled every raised STOP.
     pub(super) fn hear_stops(&self) {
         let raised = self.0.unheard.swap(0, Ordering::Relaxed);
         if raised != 0 {

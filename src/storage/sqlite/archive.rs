@@ -1,5 +1,5 @@
-//! What the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that no
-//! query waits for another query, for the writer, or for a disk that cannot be written.
+//! Data that the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that
+//! no query waits for another query, for the writer, or for a disk that cannot be written.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -43,8 +43,8 @@ pub struct Archived {
 /// Suffix of an archive's name while it is written.
 const UNFINISHED: &str = "unfinished";
 
-/// Moves all missions that were put away before `before`, oldest first and without a gap, from the journal into `file`. `None`,
-/// and no change, when there are none.
+/// Moves all missions that were put away before `before`, oldest first and without a gap, from the journal into `file`. Returns
+/// `None`, and changes nothing, when there are no such missions.
 pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> Result<Option<Archived>, Unreadable> {
     write_out_within(data, before, now, Bound::NONE, |_| file.to_owned())
 }

@@ -1,4 +1,4 @@
-//! Connections to the journal: one that writes, durably, and any number that only read.
+//! Connections to the journal: one connection that writes, durably, and any number of connections that only read.
 
 use std::path::Path;
 use std::time::Duration;

@@ -43,11 +43,11 @@ pub(super) enum Fault {
     Foreign,
     /// This version does not understand an entry.
     Unparsed(Seq, Unparsed),
-    /// The last entry is not the one that was read at the start.
+    /// The last entry differs from the one that was read at the start.
     Changed,
-    /// The journal was written up to this entry, but ends before it.
+    /// The journal was once written up to this entry, but now ends before it.
     CutOff(Seq),
-    /// The journal was written up to this entry, but holds a different one in its place.
+    /// The journal was written up to this entry, but now holds a different entry in its place.
     Another(Seq),
     /// The chain ends with this entry, the journal with another.
     Unchained(Seq),

@@ -30,7 +30,7 @@ pub(super) struct Lock {
 pub(super) type Identity = (u64, u64);
 
 impl Lock {
-    /// Whether the locked file is still the one that another hallsweep would lock.
+    /// Whether another hallsweep would still lock the same file.
     pub(super) fn is_in_place(&self) -> bool {
         let held = self.file.metadata().map(|file| identity(&file));
         let there = std::fs::metadata(&self.path).map(|file| identity(&file));
@@ -101,8 +101,8 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
-    /// Fails when a path with the name of a journal file cannot be one (safety R5): SQLite would block on a pipe, and report a
-    /// folder as a disk error.
+    /// Fails when something has the name of a journal file but cannot be one (safety R5): SQLite would block on a pipe, and
+    /// report a folder as a disk error.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
         self.check_plain(&[names::JOURNAL, names::LOG, names::LOG_INDEX])?;
         self.check_log()
@@ -148,7 +148,7 @@ impl Folder {
         std::fs::metadata(names::LOCK.within(&self.path)).ok().map(|file| identity(&file))
     }
 
-    /// Creates what is missing: the folder, private to its owner, and an empty, private journal file. SQLite gives the files
+    /// Creates missing parts: the folder, private to its owner, and an empty, private journal file. SQLite gives the files
     /// beside it the same mode.
     pub(super) fn create(&self) -> Result<(), Fault> {
         self.create_path()?;

@@ -43,8 +43,8 @@ const TABLES: &str = "
 /// Deletes a few entries beyond the bound at a time, more than a page adds: deleting all at once would delay a page.
 const ENTRIES_GIVE_WAY: &str = "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE seq <= ?1 ORDER BY seq LIMIT 32)";
 
-/// Deletes what exceeds the bounds after something new was added. Uses the indices above instead of scanning all luggage; the
-/// numbers of pieces have no gaps.
+/// Deletes data beyond the bounds after new data was added. Uses the indices above instead of scanning all luggage; the numbers
+/// of pieces have no gaps.
 const GIVES_WAY: &str = "
     UPDATE luggage SET photo = NULL WHERE id IN (SELECT id FROM luggage INDEXED BY photographed
         WHERE photo IS NOT NULL ORDER BY id DESC LIMIT -1 OFFSET {PHOTOS});

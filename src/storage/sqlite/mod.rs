@@ -100,8 +100,8 @@ pub struct SqliteStore {
 }
 
 /// Opens the folder `path`, and creates it when there is none. A fault of the files is not an error here, but reported in
-/// `failure`. `beside` is a fault of other files in the folder, in words that end with what to do: nothing is then written, so
-/// nothing moves, until the program is restarted (safety R5).
+/// `failure`. `beside` is a fault of other files in the folder, with the advice what to do: nothing is then written, so nothing
+/// moves, until the program is restarted (safety R5).
 pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
     open_with(path, beside, Patience::USUAL)
 }

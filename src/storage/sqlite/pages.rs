@@ -126,8 +126,9 @@ pub(super) fn write(
     Ok(under_way)
 }
 
-/// The mission of an entry, and the mission under way after it. Entries that lead to a mission's beginning belong to it, such
-/// as the command that began it; the phase that follows a mission does not, although it is recorded before the mission's end.
+/// The mission of an entry, and the mission under way after it. Entries that lead to a mission's beginning belong to the
+/// mission, such as the command that began it; the phase that follows a mission does not, although it is recorded before the
+/// mission's end.
 fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
     let (entry, rest) = (&page.entries[place], &page.entries[place..]);
     if let Fact::MissionArchived(mission, _) = &entry.fact {

@@ -116,8 +116,8 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
-/// A state snapshot also contains what a failed store may have lost: a mission's beginning, the end of the previous mission,
-/// luggage.
+/// A state snapshot also contains facts that a failed store may have lost: a mission's beginning, the end of the previous
+/// mission, luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
     let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;

@@ -32,8 +32,8 @@ impl ReadOnlyJournal {
         Ok(ReadOnlyJournal { connection: opened.ok_or_else(none)?.connection, folder })
     }
 
-    /// Visits the entries of one mission or of all, oldest first, or only the `last` ones, until `visit` says stop. An entry that
-    /// cannot be read is passed as its place and a sentence.
+    /// Visits the entries of one mission or of all missions, oldest first, or only the `last` ones. Ends when `visit` says
+    /// stop. An entry that cannot be read is passed as its place and a sentence.
     pub fn lines(
         &self,
         mission: Option<MissionId>,

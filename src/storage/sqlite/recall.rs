@@ -177,7 +177,7 @@ fn check_quickly(connection: &Connection) -> Result<(), Fault> {
     });
     let found: Result<String, _> = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0));
     drop(checked);
-    // The interrupt handle must be gone before the connection is used again; a thread that could not start holds none.
+    // The interrupt handle must be gone before the connection is used again; a thread that could not start holds no handle.
     let _ = watch.map(std::thread::JoinHandle::join);
     match found {
         Ok(found) if found == "ok" => Ok(()),

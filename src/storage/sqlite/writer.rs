@@ -36,7 +36,7 @@ pub(super) struct Patience {
     pub(super) looks: u32,
     /// Time between two looks of the watchman.
     pub(super) look: Duration,
-    /// How long the end of the program waits for the last pages: a slower disk would not have stored them either.
+    /// Maximum wait for the last pages at the end of the program: a slower disk would not have stored them either.
     pub(super) end: Duration,
 }
 

@@ -28,7 +28,7 @@ struct Work {
 }
 
 impl WriterStatus {
-    /// Status at the start. A failure to open counts as a loss, so that nobody waits for it.
+    /// Status at the start. A failure to open counts as a loss, so that nobody waits for the opening.
     pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> WriterStatus {
         let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
         WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
@@ -66,8 +66,8 @@ impl WriterStatus {
         self.losses()
     }
 
-    /// Reports the batch begun after `losses` losses as stored up to `last`. Returns false when the batch was given up as lost
-    /// meanwhile: the caller must delete it.
+    /// Reports that the batch is stored up to `last`; `losses` is the number of losses when the batch was begun. Returns false
+    /// when the batch was given up as lost meanwhile: the caller must delete it.
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
@@ -147,7 +147,7 @@ impl WriterStatus {
         work.losing || self.word.borrow().failure.is_some()
     }
 
-    /// First stops reporting pages as stored, so that the last stored entry stays the one written to the mark.
+    /// First stops reporting pages as stored, so that the last stored entry remains the same as in the mark.
     fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
         work.losing = true;
         drop(work);

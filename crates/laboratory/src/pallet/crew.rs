@@ -159,7 +159,7 @@ impl Crew {
         }
     }
 
-    /// Marks what the robot has run into as an obstacle, unless it is the other robot.
+    /// Marks what the robot has run into as an obstacle, unless that is the other robot.
     fn blocked(&mut self, which: Which, obstacle: Obstacle) {
         let action = self.answered(which.index());
         let base = &mut self.bases[which.index()];

@@ -1,5 +1,5 @@
-//! The simulated operator: acknowledges an alarm after two to six seconds, and presses START two to six seconds after that; or
-//! never comes.
+//! The simulated operator: acknowledges an alarm after two to six seconds, and presses START two to six seconds after that. An
+//! absent operator never comes.
 
 use std::time::Duration;
 

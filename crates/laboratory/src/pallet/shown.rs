@@ -86,7 +86,7 @@ impl Pallet {
     }
 }
 
-/// Adds a frame. If the last two frames are equal to it except for their times, it replaces the last one.
+/// Adds a frame. If the last two frames equal the new frame except for their times, the new frame replaces the last one.
 fn keep(frames: &mut Vec<Frame>, frame: Frame) {
     let is_same = |other: &Frame| Frame { at: frame.at, ..other.clone() } == frame;
     if let [.., before, last] = frames.as_slice()

@@ -28,7 +28,8 @@ const ROW: i32 = 8;
 /// Free rows between two rows of parcels, so that both robots can stand beside each parcel and pass each other.
 const AISLE: i32 = 2;
 
-/// Maximum number of draws until a yard can be solved; each has fewer obstacles than the one before, and the last has none.
+/// Maximum number of draws until a yard can be solved; each draw has fewer obstacles than the draw before, and the last draw
+/// has none.
 const DRAWS: u32 = 12;
 
 /// Share of floor cells that are obstacles in the first draw.
@@ -41,7 +42,7 @@ const CLEAR: i32 = 2;
 #[error("{0} parcels cannot be moved in one run: from 1 to {MOST_PARCELS} fit on the pallet")]
 pub struct ParcelsError(pub u32);
 
-/// Never changed once drawn.
+/// A drawn yard, which never changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yard {
     /// Walls, obstacles and parcels.
@@ -87,7 +88,7 @@ impl Yard {
     }
 
     /// Whether the first parcel can be fetched while all others still stand there, from the start and from the target area.
-    /// Everything around the pallet is clear, so what holds for one parcel holds for the others.
+    /// Everything around the pallet is clear, so the other parcels can be fetched too if the first one can.
     fn can_be_solved(&self) -> bool {
         let mut map = self.known_at_first();
         let bounds = self.hall.bounds();

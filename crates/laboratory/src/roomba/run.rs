@@ -48,7 +48,7 @@ pub struct Figures {
     pub bumps: u32,
     /// Number of squares of 5 cm whose centres the body passed over.
     pub passed: u32,
-    /// Number of squares that a body can pass over: all but those in the corners.
+    /// Number of squares that a body can pass over: all squares except in the corners.
     pub reachable: u32,
     /// Duration of each phase in seconds, in the order of `Phase::ALL`.
     pub in_phase_s: [f64; 4],

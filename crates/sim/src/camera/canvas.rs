@@ -1,5 +1,5 @@
-//! The pixels of a picture, each with its depth and the number of the solid that it shows. What is drawn is not known
-//! here.
+//! The pixels of a picture, each with its depth and the number of the solid that it shows. The things drawn are not
+//! known here.
 
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};

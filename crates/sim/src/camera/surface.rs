@@ -97,7 +97,7 @@ fn board(paint: Paint, at: Vector, half: Vector, normal: Vector) -> Paint {
     if on_top && at.x.abs() < 0.075 {
         return paint.lit(0.8);
     }
-    // Seen from outside, left is west on the southern side and east on the northern one; likewise on the ends.
+    // Seen from outside, left is west on the southern side but east on the northern side; the ends differ likewise.
     let across = if on_broad_side { at.x * normal.y.signum() } else { -at.y * normal.x.signum() };
     let down = half.z - at.z;
     let printed = font::inked("FRAGILE", (across + 0.26) / 0.0127, (down - half.z * 1.15) / 0.017);

@@ -146,8 +146,8 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-/// Whether a text is meant as a map of old clients. Either it is one; or its file has the extension of such maps and
-/// nothing in the text can be TOML.
+/// Whether a text is meant as a map of old clients. Either the whole text is such a map; or its file has the extension
+/// of such maps and nothing in the text can be TOML.
 fn is_seed_text(file: &str, text: &str) -> bool {
     seed_text::is_one(text) || (has_extension(Path::new(file), &["txt"]) && !text.contains('='))
 }

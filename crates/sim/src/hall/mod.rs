@@ -156,8 +156,8 @@ impl Hall {
         hall
     }
 
-    /// The same hall with obstacles in the given cells, except for those that are not free. What the obstacles are,
-    /// nobody knows before a look.
+    /// The same hall with obstacles in the given cells, if they are free. Nobody knows what the obstacles are before a
+    /// look.
     #[must_use]
     pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
         let mut hall = self.clone();

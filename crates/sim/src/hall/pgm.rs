@@ -1,5 +1,5 @@
-//! Reads PGM images (netpbm's grey images, P5 in bytes and P2 in digits) row by row, and writes P5. What a grey means
-//! is not known here.
+//! Reads PGM images (netpbm's grey images, P5 in bytes and P2 in digits) row by row, and writes P5. The meaning of a
+//! grey is not known here.
 
 use super::error::HallFault;
 use super::pixel::{Pixel, sides};
@@ -21,8 +21,8 @@ impl<'a> Pgm<'a> {
         matches!(bytes, [b'P', b'2' | b'5', next, ..] if next.is_ascii_whitespace() || *next == b'#')
     }
 
-    /// Reads the header: magic number, width, height, lightest grey, with comments from `#` to the end of a line
-    /// between them.
+    /// Reads the header: magic number, width, height, lightest grey, and between these fields comments from `#` to the
+    /// end of a line.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Pgm<'a>, HallFault> {
         let mut rest = bytes.get(2..).unwrap_or_default();
         let mut number = |what: &str, most: u64| {

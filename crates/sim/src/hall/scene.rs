@@ -19,7 +19,7 @@ use super::error::{HallError, HallFault};
 pub use cells::HallOfScene;
 use hallsweep_core::words::is_visible;
 
-/// Largest scene file, in bytes; the real ones have three thousand.
+/// Largest scene file, in bytes; real scene files have about 3,000.
 const MAX_SCENE_BYTES: usize = 256 << 10;
 
 /// Longest side of a floor, in units: with two of these it has 62,500 cells.
@@ -54,9 +54,9 @@ pub struct Scene {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
-    /// From west to east.
+    /// Length from west to east.
     pub x: f64,
-    /// From north to south.
+    /// Length from north to south.
     pub z: f64,
 }
 
@@ -293,7 +293,7 @@ impl TryFrom<f64> for Amount {
     }
 }
 
-/// Bounded, because it is shown to people and repeated in messages.
+/// The length of a name is bounded, because names are shown to people and repeated in messages.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
 struct Name(String);

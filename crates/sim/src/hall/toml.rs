@@ -113,7 +113,7 @@ impl Source<'_> {
         if limits.contains(&length) { Ok(()) } else { Err(self.at(&text.span(), fault(length))) }
     }
 
-    /// Checks a number against limits. Not-a-number is within none.
+    /// Checks a number against limits. Not-a-number is within no limits.
     fn within(
         &self,
         key: &'static str,

@@ -71,8 +71,8 @@ pub fn explore(
     Figures { journal, ..figures }
 }
 
-/// Like `explore`, but `watch` also gets the new entries, and none are collected: a journal takes a hundred times the
-/// memory of the hall.
+/// Like `explore`, but `watch` also gets the new entries, and no entries are collected, since a journal takes a hundred
+/// times the memory of the hall.
 pub fn explore_and_tell(
     hall: &Arc<Hall>,
     sim: SimSettings,

@@ -37,7 +37,7 @@ pub struct Run {
     pub moves: Moves,
     /// The hall before anything was lifted.
     hall: Arc<Hall>,
-    /// Every lifted piece, and the cell where it lies now; `None` if it lies in none.
+    /// Every lifted piece, and the cell where it lies now; `None` if it lies in no cell.
     moved: BTreeMap<Piece, Option<Cell>>,
     began_ms: i64,
     now: Now,

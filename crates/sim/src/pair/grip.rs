@@ -14,7 +14,7 @@ use std::time::Duration;
 use hallsweep_core::arm::{Controllers, Parcel};
 use hallsweep_core::rng::RandomStream;
 
-/// The integration step: a tenth of what the fastest controller needs.
+/// The integration step: a tenth of the step that the fastest controller needs.
 pub(super) const STEP: Duration = Duration::from_millis(10);
 const DT: f64 = 0.01;
 
@@ -39,7 +39,7 @@ struct Loop {
     noise: f64,
     /// Gain for the error, per second.
     p: f64,
-    /// Gain for the sum of the error, per second squared: it removes what a steady drift would leave.
+    /// Gain for the sum of the error, per second squared: it removes the error that a steady drift would leave.
     i: f64,
 }
 

@@ -1,5 +1,5 @@
 //! The truth about the floor on which the pair drives: the hall without the pieces that were taken away, and with the
-//! pieces that were put down elsewhere. Where the two bases stand is not known here.
+//! pieces that were put down elsewhere. The positions of the two bases are not known here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

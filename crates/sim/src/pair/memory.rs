@@ -1,7 +1,7 @@
 //! The state that the pair and its floor would retain by physics when the program dies: where the bases stand and roll
 //! to, what is in the grippers and how it is held, where parcels lie. The program that runs the pair stores the state.
 //!
-//! Quantities are whole numbers of small units, so that what is written is read back exactly.
+//! Quantities are whole numbers of small units, so that written values are read back exactly.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -69,15 +69,15 @@ pub struct GripMemory {
     pub height: i64,
     /// Steps over which it was carried.
     pub steps: u32,
-    /// In millionths of a newton.
+    /// Gripping force, in millionths of a newton.
     pub force: [i64; 2],
-    /// In microradians.
+    /// Angle of the paddles, in microradians.
     pub angle: [i64; 2],
     /// Distance of the bases, in micrometres.
     pub gap: [i64; 2],
     /// Share by which the second base is faster, in millionths.
     pub faster: i64,
-    /// The direction in which the paddles tilt, in millionths of one.
+    /// The direction in which the paddles tilt, 1 or −1, in millionths.
     pub tilts: i64,
     /// Number of steps for which a quantity has been beyond its limit.
     pub beyond: u32,
@@ -182,7 +182,7 @@ impl Pair {
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);
         let mut pair = Pair::placed(hall, settings, memory, now.since_start);
-        // Only a lifted parcel is off the floor; one that is merely gripped still stands there.
+        // Only a lifted parcel is off the floor; a parcel that is merely gripped still stands on the floor.
         if let Some(grip) = &pair.grip
             && grip.is_loaded()
         {

@@ -1,6 +1,6 @@
 //! The simulated pair, sans-IO: two mobile manipulators and the parcel between them, which couples them, so that all
-//! three are one object. Orders, halts and the passing of time go in, reports come out, and nothing here waits. What to
-//! do next is not decided here.
+//! three are one object. Orders, halts and the passing of time go in, reports come out, and nothing here waits. Other
+//! crates decide what to do next.
 //!
 //! ```text
 //!   orders ─► orders ─► robot, robot ─┐
@@ -85,7 +85,7 @@ impl Pair {
     }
 
     /// Begins an order, or answers at once why it cannot. An order that only both can carry out begins when the other
-    /// robot has its part of it.
+    /// robot has its part of the order too.
     pub fn handle_order(&mut self, which: Which, order: Order, now: Now) {
         self.pass_to(now.since_start);
         if let Some(task) = &self.robots[which.index()].task {
@@ -133,7 +133,7 @@ impl Pair {
     }
 
     /// Puts temporary obstacles into these cells, and removes all others. Returns whether all could be put: a cell with
-    /// a robot or a parcel gets none.
+    /// a robot or a parcel gets no obstacle.
     pub fn handle_blocked(&mut self, cells: &BTreeSet<Cell>) -> bool {
         let (taken, free): (BTreeSet<Cell>, BTreeSet<Cell>) = cells.iter().partition(|cell| self.is_in_use(**cell));
         self.ground.block(free);
@@ -279,7 +279,8 @@ impl Pair {
         }
     }
 
-    /// Parcels that lie where they fell or were released. A program that was killed just then has no record of them.
+    /// Parcels that lie where they fell or were released. A program that was killed just then has no record of these
+    /// parcels.
     fn lost(&self) -> impl Iterator<Item = Parcel> {
         let held = self.load().map(|parcel| parcel.piece);
         self.ground.lying().filter(move |(piece, _)| held != Some(*piece)).map(|(piece, place)| Parcel { piece, place })

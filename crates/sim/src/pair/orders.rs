@@ -93,7 +93,7 @@ impl Pair {
         }
     }
 
-    /// Accepts a possible order: it begins at once, or when the other robot has its part of it.
+    /// Accepts a possible order. The order begins at once, or when the other robot has its part of the order.
     pub(super) fn take(&mut self, which: Which, order: Order, work: Work) {
         let deadline = self.now.saturating_add(order.deadline);
         let needs_both = self.needs_both(which, work);
@@ -138,7 +138,7 @@ impl Pair {
         }
     }
 
-    /// Begins what only both can do, once both have their part of it.
+    /// Begins an order that only both can carry out, once both have their part of it.
     fn begin_together(&mut self) {
         let waiting =
             |which: Which| self.robots[which.index()].task.as_ref().filter(|task| task.run.is_none()).map(|task| task.work);
@@ -183,7 +183,7 @@ impl Pair {
         Some((Which::ALL.map(work), self.settings.loaded_step.mul_f64(until)))
     }
 
-    /// How far a base gets on its way to a neighbouring place, as a share, and what it meets there.
+    /// The share of the way to a neighbouring place that a base can drive, and the obstacle that stops it, if any.
     fn contact(&self, which: Which, to: Place) -> (f64, Option<Obstacle>) {
         let Place::Cell(cell) = to else { return (1.0, None) };
         let partner = self.robots[which.other().index()].is_in_or_enters(to, self.now) && self.grip.is_none();

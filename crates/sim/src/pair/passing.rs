@@ -200,7 +200,8 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.done(which, tasks[which.index()].order));
     }
 
-    /// Whether the present step of both brings the parcel to the container: it goes to where the leading base stood.
+    /// Whether the present step of both robots brings the parcel to the container: the parcel goes to where the leading
+    /// base stood.
     fn carries_into_container(&self) -> bool {
         let (Some(grip), Some(Work::Step { to, .. })) = (&self.grip, self.task(Which::Srm2).map(|task| task.work)) else {
             return false;
@@ -222,7 +223,7 @@ impl Pair {
         let pace = self.ground.hall().cell_m() / self.settings.loaded_step.as_secs_f64();
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
-        // Numbers of steps for which a slip is due now. In the last step these include all larger numbers.
+        // Numbers of steps for which a slip is due now. In the last step of the way, all larger numbers are due too.
         let (mut speed, mut slipping) = (0.0, None);
         let stood = !grip.is_loaded();
         match running {
@@ -263,8 +264,8 @@ impl Pair {
         }
     }
 
-    /// The parcel falls to where it was when the step began, since both bases still count as standing where they began
-    /// it. Both robots stop.
+    /// The parcel falls to where it was when the step began, since both bases still count as standing where they were
+    /// then. Both robots stop.
     fn lose(&mut self) {
         let Some(Grip { parcel, .. }) = self.grip.take() else { return };
         self.unkept = true;
@@ -277,7 +278,7 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.halt(which));
     }
 
-    /// Stops the work of a robot, and the other robot's part in it; both report that. A look or a controller is no
+    /// Stops the work of a robot, and the other robot's part in it; both report the stop. A look or a controller is no
     /// motion and goes on.
     pub(super) fn halt(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };

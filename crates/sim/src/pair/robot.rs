@@ -1,5 +1,5 @@
-//! One of the two simulated robots by itself: where its base stands, what it is doing, the state of its arm. What the
-//! two do together stands in the other files of this folder.
+//! One of the two simulated robots by itself: where its base stands, what it is doing, the state of its arm. The other
+//! files of this folder have the work that both do together.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;

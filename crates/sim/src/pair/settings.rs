@@ -41,7 +41,7 @@ pub struct Slip {
     /// The parcel, counted from 1.
     pub parcel: u32,
     /// Number of steps after which the parcel slips: in the middle of the next step, or of the last step if the way is
-    /// shorter. With 0 it slips while it is lifted.
+    /// shorter. With 0 the parcel slips while it is lifted.
     pub after_steps: u32,
 }
 

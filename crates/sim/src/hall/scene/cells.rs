@@ -1,5 +1,6 @@
-//! Makes a hall of a scene. Cells are as large as the player and are counted from its place; their contents are what it
-//! would find by driving from cell to cell. Columns and rows stay as the page shows them, north up.
+//! Makes a hall of a scene. Cells are as large as the player and are counted from its place; their contents are the
+//! things that the player would meet by driving from cell to cell. Columns and rows stay as the page shows them, north
+//! up.
 //!
 //! ```text
 //!   ·───►·───►│#     a cell is free where a step into it ends, else it is what stopped the first one: a wall, or a piece of luggage
