@@ -42,7 +42,7 @@ pub struct Order {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     Move(Move),
-    /// Sense, then return to the centre of the cell and the heading in which the last completed order left the robot.
+    /// Sense, then return to the cell centre and the heading in which the last completed order left the robot.
     Recentre,
     Photograph(Stamp),
     /// One step from outside the entrance towards home. The heading stays.
@@ -196,8 +196,8 @@ pub struct Unpacked {
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
-    /// The last entry that is not in the journal; 0 where none is missing.
+    /// The last entry that is not in the journal; 0 if none is missing.
     pub behind: Seq,
-    /// The digest of that entry's page, in 64 lower-case hexadecimal digits.
+    /// The digest of the page with that entry, in 64 lower-case hexadecimal digits.
     pub page: String,
 }

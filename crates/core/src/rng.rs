@@ -1,5 +1,5 @@
-//! Reproducible random numbers: one seed, and a stream of its own for each named purpose, so that drawing more for one
-//! purpose changes nothing for another.
+//! Reproducible random numbers: one seed, and a separate stream for each named purpose, so that drawing more numbers
+//! for one purpose changes nothing for another.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -39,7 +39,7 @@ impl RandomStream {
     }
 }
 
-/// FNV-1a over the bytes of a text: enough to tell streams, and trees, apart.
+/// FNV-1a over the bytes of a text. It suffices to distinguish streams, and trees.
 pub(crate) fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

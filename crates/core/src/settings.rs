@@ -1,4 +1,4 @@
-//! The settings of the core. They are read from files by `config`.
+//! The settings of the core. `config` reads them from files.
 
 use super::search::Objective;
 use super::search::costs::Costs;

@@ -61,7 +61,7 @@ pub fn held(family: Family, count: usize, seed: u64) -> Held {
     Held { with_most: with_most / all, within: share(within, with_most), at_least: share(at_least, with_least) }
 }
 
-/// A whole search, at the pace of the simulated robot, whose turns take half again as long as its steps.
+/// A whole search at the pace of the simulated robot: a turn takes one and a half times as long as a step.
 fn search(ground: &Ground, strategy: Strategy, objective: Objective, sonar_cells: u8, ways: &mut Ways) -> Sums {
     let costs = Costs::weighed(1.0, 1.5, 1.0).expect("these are costs");
     let mut walk = Walk::new(ground, Terms { objective, sonar_cells, costs });

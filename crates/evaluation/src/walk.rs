@@ -86,7 +86,7 @@ impl Walk {
         self.print ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
     }
 
-    /// Whether a cell is still to be looked at: to find luggage it is enough to see it.
+    /// Whether a cell is still to be looked at. To find luggage it is enough to see the cell.
     #[must_use]
     pub fn is_left(&self, cell: Cell) -> bool {
         match self.grid.at(cell) {

@@ -1,4 +1,4 @@
-//! Asks the table: tests guards and cases against the state, changes nothing.
+//! Asks the table: tests guards and cases against the state, and changes nothing.
 
 use std::sync::Arc;
 

@@ -190,7 +190,8 @@ impl Engine {
         self.world.write(now.wall, Tone::Warning, Said::Words(words.to_owned()));
     }
 
-    /// From now on this sensor must report at least every `patience`; until its first report it counts as silent.
+    /// From now on this sensor must report at least every `patience`. Until its first report the sensor counts as
+    /// silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
         self.watchdog.begin(Arc::clone(&sensor), patience);

@@ -1,4 +1,4 @@
-//! Obstacles, met by a bump or seen by sonar: what they are taken for, and the marks on the map.
+//! Obstacles that were met by a bump or seen by sonar: what they are taken for, and their marks on the map.
 
 use super::Engine;
 use crate::effect::Fact;

@@ -1,5 +1,5 @@
-//! Limits what is shown of the mission to what is on record (safety R4). The state itself runs ahead of the record (ADR
-//! 2); a view of it waits here until the page it follows from is in the store. Warnings and halts do not wait: `view`
+//! Shows of the mission only what is on record (safety R4). The state itself runs ahead of the record (ADR 2). A view
+//! of the state waits here until the page from which it follows is in the store. Warnings and halts do not wait: `view`
 //! adds them.
 //!
 //! ```text
@@ -28,7 +28,7 @@ use crate::world::resource::Resource;
 /// some states are never shown, and nothing is shown early.
 const AHEAD: usize = 64;
 
-/// After a loss nothing is shown before the whole state is on record anew.
+/// After a loss nothing is shown until the whole state is on record anew.
 const NEVER: Seq = Seq(u64::MAX);
 
 /// The results of commands, and the pieces found, as they were after one input.
@@ -228,7 +228,7 @@ impl Engine {
         }
     }
 
-    /// Whether this alarm is on record, and so has a number that somebody may have been told.
+    /// Whether this alarm is on record, so that somebody may have been told its number.
     pub(super) fn is_on_record(&self, alarm: AlarmId) -> bool {
         self.on_record.shown.alarms.iter().any(|known| known.id == alarm)
     }

@@ -13,9 +13,9 @@ use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 /// state has a larger number (`TIMES_ITS_SIZE`).
 const SUM_UP_AFTER: u64 = 10_000;
 
-/// Least number of entries between two records of the whole state, as a multiple of its size
-/// (`PersistentState::size_in_entries`): recording it adds at most a quarter to the cost of a move in a large hall. A
-/// start reads a quarter of a million entries per second.
+/// Least number of entries between two records of the whole state, as a multiple of the size of the state
+/// (`PersistentState::size_in_entries`). So these records add at most a quarter to the cost of a move in a large hall.
+/// A start reads a quarter of a million entries per second.
 const TIMES_ITS_SIZE: u64 = 4;
 
 /// Longest time that a stop's epoch waits for another entry before it goes on record by itself.
@@ -40,8 +40,8 @@ pub(super) struct Outbox {
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<WaitingAnswer>,
-    /// The commands that are not in the store yet: each has to reach the journal, whatever happens to the store (safety
-    /// A6).
+    /// The commands that are not in the store yet. Each command has to reach the journal, even if the store fails
+    /// (safety A6).
     commands: VecDeque<Unkept>,
     /// The last entry that was written before the store failed. Entries up to it that were not stored are lost.
     lost: Seq,
@@ -106,7 +106,7 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    /// Whether the whole state, which takes as much as `size` entries, is to go on record now.
+    /// Whether the whole state is to go on record now. It takes as much as `size` entries.
     pub(super) fn is_to_sum_up(&self, size: u64) -> bool {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }

@@ -1,5 +1,5 @@
 //! The view of a past moment from its record, by the same code as the present view. State that never goes on record is
-//! missing: what the sonar saw, what a robot was just doing, its planned way, its arm.
+//! missing: what the sonar saw, and a robot's action, planned way and arm.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Past {
     pub seq: Seq,
     /// The state after that entry.
     pub state: PersistentState,
-    /// The cells the robot that searches came through, the latest last.
+    /// The cells that the searching robot came through, the latest last.
     pub trail: Vec<Cell>,
     /// Recent entries with temperatures, oldest first.
     pub temperatures: Vec<Entry>,

@@ -44,7 +44,8 @@ impl Engine {
         self.note_phase(phase);
     }
 
-    /// Whether the robot stands in the middle of its home cell and is not about to leave it, by hand or otherwise.
+    /// Whether the robot stands in the middle of its home cell and is not about to leave the cell, by hand or
+    /// otherwise.
     pub(super) fn rests_at_home(&self) -> bool {
         self.stands_at_home() && !matches!(self.state.phase, Phase::Driving { .. })
     }

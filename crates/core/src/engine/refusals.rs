@@ -22,7 +22,7 @@ pub(super) const LIMITS: CoalescingLimits =
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Note {
     pub(super) issuer: Issuer,
-    /// The latest request, and how many more came since the last entry.
+    /// The latest request, and the number of further requests since the last entry.
     pub(super) asked: Asked,
     pub(super) refused: Refused,
 }

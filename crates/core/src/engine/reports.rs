@@ -187,7 +187,7 @@ impl Engine {
         }
     }
 
-    /// The robot halts by itself; its exact place is unknown until it is recentred. The others go on.
+    /// The robot halts by itself; its exact place is unknown until it is recentred. The other robots go on.
     pub(super) fn link_lost(&mut self, robot: &RobotId, words: String) {
         let (searches, now) = (self.searches(robot), self.now.wall);
         self.fall_silent(&self.thermometer_of(robot));
@@ -355,7 +355,7 @@ impl Engine {
         self.feed(Input::RobotFailed, &InputContext { fault: Some(FaultCause::Robot(words)), ..InputContext::default() });
     }
 
-    /// The deadline of a robot's open order and its grace have passed without an answer.
+    /// A robot has not answered its open order, although the deadline and the time of grace are over.
     pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
         let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);

@@ -25,9 +25,9 @@ use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// The robots that fetch, by the settings; `None` when they do not exist, or nobody is to fetch.
+    /// The robots that fetch, according to the settings; `None` if these robots do not exist, or nobody is to fetch.
     pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
-        // Until a robot has reported its capabilities it is assumed to have a gripper.
+        // A robot that has not reported its capabilities yet is assumed to have a gripper.
         let can_take = self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper));
         let fetchers = match self.settings.fetcher {
             Fetcher::Pair => Which::ALL.map(Which::robot).to_vec(),

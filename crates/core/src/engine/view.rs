@@ -1,4 +1,4 @@
-//! The snapshot: the state as the doors show it. What has to be on record first is held back in `on_record`.
+//! The snapshot: the state as the doors show it. `on_record` holds back what has to be on record first.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -121,7 +121,7 @@ impl Engine {
         }
     }
 
-    /// A hold is shown as soon as it stands. One that a command has cleared is shown until that is on record.
+    /// A hold is shown as soon as it stands. A hold that a command has cleared is shown until that is on record.
     fn holds_shown(&self) -> Vec<Hold> {
         let by_command = |hold: &Hold| hold.cleared_by_start() || matches!(hold, Hold::TooHigh | Hold::Alarm);
         let stands =

@@ -8,7 +8,7 @@ use crate::search::forecast::FEW;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
     driven: Duration,
-    /// Number of cells that had been looked at before the first move that was counted.
+    /// Number of cells that were known already when the first move was counted.
     before: Option<u32>,
 }
 

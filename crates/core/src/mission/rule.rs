@@ -1,5 +1,5 @@
-//! The vocabulary of the table: guards that may forbid an input, cases, and outcomes. Here they are only named and
-//! explained; `crate::engine` tests the guards and cases and carries out the acts.
+//! The vocabulary of the table: guards that may forbid an input, cases, and outcomes. They are only named and explained
+//! here; `crate::engine` tests the guards and cases and carries out the acts.
 
 use crate::hold::Hold;
 use crate::phase::PhaseName;

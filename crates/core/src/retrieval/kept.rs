@@ -1,4 +1,4 @@
-//! How a team goes on after a restart: with everything but its routes, which are planned anew.
+//! Resumes a team after a restart. Its routes are not restored, but planned anew.
 
 use super::leaves::routes::Routes;
 use super::team::Team;
@@ -31,7 +31,7 @@ impl Team {
         Team::new().resumed(state)
     }
 
-    /// Resumes a state with the trees of this team, which are not read again.
+    /// Resumes a state with the trees of this team, without reading the trees again.
     ///
     /// # Errors
     /// If it is the state of other trees.

@@ -11,7 +11,7 @@ use crate::units::{Cell, Heading};
 pub enum Gear {
     /// The base turns until it faces the direction in which it drives.
     Forwards,
-    /// Backwards is allowed too, into a cell that is known to be free.
+    /// The base may also drive backwards, into a cell that is known to be free.
     Either,
 }
 

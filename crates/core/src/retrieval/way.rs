@@ -52,7 +52,7 @@ impl Train {
         Train { bases, parcel: self.bases[leader] }
     }
 
-    /// The base that leads from this train to the next one, and where it goes.
+    /// The base that leads from this train to the next train, and where it goes.
     #[must_use]
     pub fn leader(self, next: Train) -> (usize, Place) {
         let leader = usize::from(next.bases[1] != self.parcel);
@@ -62,14 +62,14 @@ impl Train {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stands {
-    /// The cell of the piece that both stand beside, and over which it is carried.
+    /// The cell of the piece beside which both stand, and over which the piece is carried.
     pub grip: Cell,
     /// The cells of the two bases, in the order in which the bases were given.
     pub bases: [Cell; 2],
 }
 
 impl Floor<'_> {
-    /// The places that a base passes from `from` to `to`, without the first and with the last; `None` when there is no
+    /// The places on a base's way from `from` to `to`, without the first and with the last; `None` when there is no
     /// way.
     #[must_use]
     pub fn approach(&self, from: Place, to: Place) -> Option<Vec<Place>> {
@@ -115,7 +115,8 @@ impl Floor<'_> {
         best.map(|(_, stands)| stands)
     }
 
-    /// The trains from this one to one whose parcel is at `drop`, without the first; `None` when there is no way.
+    /// The trains on the way from this train to a train whose parcel is at `drop`, without the first; `None` when there
+    /// is no way.
     #[must_use]
     pub fn carry(&self, train: Train, drop: Place) -> Option<Vec<Train>> {
         let area = self.area(train.bases.into_iter().chain([train.parcel, drop]));
@@ -227,7 +228,7 @@ impl Node for Place {
     }
 }
 
-/// Ways to stand beside a parcel: the four headings, further out, and further in.
+/// Number of places beside a parcel where a base can stand: in the four directions, further out, and further in.
 const SIDES: usize = 6;
 const OUTWARDS: usize = 4;
 const INWARDS: usize = 5;

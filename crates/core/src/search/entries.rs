@@ -1,5 +1,5 @@
-//! The entries of a grid: places from which an unknown cell can be entered, or a piece still to be inspected can be
-//! met. Every strategy but the snail weighs them in its own way.
+//! The entries of a grid: places from which an unknown cell can be entered, or a piece that is still to be inspected
+//! can be met. Every strategy except the snail weighs entries in its own way.
 
 use super::costs::{affordable, in_thousandths};
 use super::far::turn;

@@ -1,5 +1,5 @@
 //! Estimates how much of a search is left, as a range: from the unknown part of the hall inside the known walls, and
-//! from the pace so far. The bounds of the range were read off random halls; `hallsweep-evaluation evaluate --time-left`
+//! from the pace so far. The bounds of the range come from random halls; `hallsweep-evaluation evaluate --time-left`
 //! measures how often they hold on other halls.
 
 use super::grid::{Grid, Square};
@@ -18,10 +18,11 @@ pub struct Forecast {
 /// Least number of cells that gives a pace.
 pub const FEW: u32 = 8;
 
-/// A side of the hall is known to end where at least this share of it is known to be wall.
+/// Least known share of wall in a side of the hall that is known to end.
 const ENDS: f64 = 0.25;
 
-/// Least remaining effort while the hall may go on, as a factor on the unknown cells at the pace so far.
+/// Factor for the least remaining effort while the hall may go on. It multiplies the effort for the unknown cells at
+/// the pace so far.
 const OPEN: f64 = 0.65;
 
 /// Factors for a hall whose ends are known. Each row has the known share up to which it holds, the least factor and the
@@ -70,7 +71,7 @@ impl Span {
         Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
     }
 
-    /// Whether both outermost lines, each of `length` cells, are known to be wall to the share `ENDS`.
+    /// Whether at least the share `ENDS` of each outermost line, which has `length` cells, is known to be wall.
     fn ends(&self, length: u32) -> bool {
         self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))
     }

@@ -1,6 +1,6 @@
-//! The occupancy grid that a search reads: one byte per cell in one block of memory, with spare room on every side, so
-//! that a look round a cell is a few plain reads. The map that the doors show stands in `crate::world::hall_map`; both
-//! receive the same marks.
+//! The occupancy grid that a search reads: one byte per cell in one block of memory. Spare room on every side makes a
+//! look round a cell a few plain reads. The map that the doors show is in `crate::world::hall_map`; both receive the
+//! same marks.
 
 use super::census::Census;
 use crate::units::{Cell, Heading};

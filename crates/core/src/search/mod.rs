@@ -1,6 +1,6 @@
-//! The order in which a hall is searched: one file per strategy, registered in one list, and the ways under them. A
-//! strategy reads a view and says what to do next; it performs nothing. This module ensures for all of them that
-//! nothing reachable is left out.
+//! The order in which a hall is searched: one file per strategy, one list of all strategies, and the ways that they
+//! use. A strategy reads a view and says what to do next; it performs nothing. This module ensures for all strategies
+//! that nothing reachable is left out.
 //!
 //! ```text
 //!   map ─ marks ─► Grid ─┐

@@ -1,6 +1,6 @@
-//! The outlook of an unknown cell: the cells round it, seen in the direction in which it would be entered, as the
-//! numbers by which `scored` weighs it. Left and right count alike: an outlook is mirrored so that the heavier side
-//! lies on the right.
+//! The outlook of an unknown cell: the cells round it, seen in the direction in which the robot would enter it, as the
+//! numbers that `scored` weighs. Left and right count alike: an outlook is mirrored so that the heavier side lies on
+//! the right.
 //!
 //! ```text
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
@@ -85,7 +85,7 @@ impl<'a> Looking<'a> {
         }
     }
 
-    /// Number of unknown cells connected with this one, counted up to one more than `SMALL`.
+    /// Number of unknown cells connected with this target, counted up to one more than `SMALL`.
     fn component(&self, target: Spot) -> usize {
         let mut cells = [target; SMALL + 1];
         let (mut count, mut done) = (1, 0);

@@ -103,7 +103,8 @@ fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, thro
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
-/// Towards a goal outside `area`: to the edge from which the rest, taken to be free, is cheapest.
+/// The way towards a goal outside `area`: it leads to the edge from which the rest is cheapest, if everything beyond is
+/// free.
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;

@@ -139,7 +139,7 @@ impl Ways {
         self.ring.resize_with((2 * STEP).max(costs.turn) as usize + 1, Vec::new);
     }
 
-    /// The moves that led to a state that the last search has settled.
+    /// The moves that led to a state which the last search has settled.
     #[must_use]
     pub fn way_to(&self, grid: &Grid, end: (usize, Heading)) -> Vec<Move> {
         let (mut spot, mut heading) = end;
@@ -159,7 +159,7 @@ impl Ways {
     }
 }
 
-/// From the high end: the spot, two bits of heading, two bits of the move that leads there.
+/// The fields from the high end: the spot, two bits of heading, two bits of the move that leads there.
 const fn pack(spot: Spot, heading: Heading, by: u8) -> u64 {
     ((spot as u64) << 4) | ((heading as u64) << 2) | by as u64
 }

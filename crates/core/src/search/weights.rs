@@ -58,7 +58,7 @@ static SETS: [Set; 10] = [
     set!(Cover, 1, 4, Usual, "cover-sonar"),
     set!(Find, 0, 4, Usual, "find-bump"),
     set!(Find, 0, 6, Usual, "find-slow-turns"),
-    // Where the sonar sees two cells either set would do, and the first is taken.
+    // Where the sonar sees two cells, both of the next sets fit equally well, and the first is taken.
     set!(Find, 3, 4, Usual, "find-far-sonar"),
     set!(Find, 1, 4, Usual, "find-sonar"),
 ];
@@ -159,7 +159,7 @@ impl Weights {
         text
     }
 
-    /// In thousandths of a step, without the way; never below `least`.
+    /// The worth of an outlook in thousandths of a step, without the way; never below `least`.
     #[must_use]
     pub fn worth(&self, outlook: &Outlook) -> i32 {
         let linear: i64 = self.linear.iter().zip(outlook.linear).map(|(weight, n)| i64::from(*weight) * i64::from(n)).sum();

@@ -88,7 +88,7 @@ pub fn hours(ms: i64) -> String {
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// A phase with the one that it interrupts, or with the stage of its inspection: each stage is recorded.
+/// A phase together with the phase that it interrupts, or with the stage of its inspection: each stage is recorded.
 fn in_words(phase: &Phase) -> String {
     let name = phase.name().in_words();
     if let Some(interrupted) = phase.interrupted() {

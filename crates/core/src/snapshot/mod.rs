@@ -103,10 +103,10 @@ pub struct MissionView {
     /// The piece in front of the robot, once it has a number.
     pub inspected: Option<LuggageId>,
     pub strategy: Strategy,
-    /// Raised by every stop.
+    /// The epoch, raised by every stop.
     pub epoch: Epoch,
     pub progress: Progress,
-    /// By how many milliseconds the clock was set since the mission began.
+    /// Number of milliseconds by which the clock was set since the mission began.
     pub clock_set_ms: i64,
     pub refusals: Refusals,
 }
@@ -116,7 +116,8 @@ pub struct MissionView {
 pub struct Progress {
     /// Number of visited cells.
     pub visited: usize,
-    /// Number of places to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
+    /// Number of places that can be looked at next: unknown cells beside visited ones, and obstacles still to be
+    /// inspected.
     pub unknown: usize,
     /// The remaining driving time of the search, without photos and answers; `None` while it cannot be estimated, or
     /// nothing is open.

@@ -69,7 +69,7 @@ pub struct PersistentState {
     pub reading: Option<Celsius>,
     /// `None` where no journal has recorded them yet.
     pub conditions: Option<Conditions>,
-    /// By how many milliseconds the clock was set since the mission began.
+    /// Number of milliseconds by which the clock was set since the mission began.
     pub clock_set_ms: i64,
 }
 
@@ -218,7 +218,7 @@ impl PersistentState {
         self.last_luggage = self.last_luggage.max(record.id);
     }
 
-    /// Times that were noted earlier are shifted, as if the clock had always been as it is now.
+    /// Shifts the times that were noted earlier, as if the clock had always been set as it is now.
     fn set_clock(&mut self, by_ms: i64) {
         self.clock_set_ms = self.clock_set_ms.saturating_add(by_ms);
         let waiting: Vec<LuggageId> = self.luggage.iter().filter(|record| record.is_pending()).map(|record| record.id).collect();

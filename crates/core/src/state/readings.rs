@@ -26,7 +26,7 @@ impl Speaking {
     }
 }
 
-/// Feeds the readings of the journal, oldest first, to a thermometer, with the effect that they had when they came.
+/// Feeds the readings of the journal, oldest first, to a thermometer. They have the same effect as when they came.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
         // Entries count as a minute apart, so that each reading is shown.

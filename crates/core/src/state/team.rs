@@ -1,5 +1,5 @@
-//! The state that the team of the pair needs to go on after a restart. Routes are planned anew; the robots report
-//! themselves where they stand and what they hold.
+//! The state that the team of the pair needs to go on after a restart. Routes are planned anew; the robots themselves
+//! report where they stand and what they hold.
 
 use crate::arm::Parcel;
 use crate::pair::RetrievalFault;

@@ -99,6 +99,6 @@ pub struct ArmState {
     pub force_mn: i32,
     /// How far the paddle is from upright, in microradians.
     pub angle_urad: i32,
-    /// How much further than wanted the bases are apart, in micrometres.
+    /// The distance of the bases minus the wanted distance, in micrometres.
     pub gap_um: i32,
 }

@@ -357,7 +357,7 @@ impl Door {
 pub struct Accepted {
     /// The revision of the state that contains the command's effect.
     pub revision: super::units::Revision,
-    /// The epoch of that state, which the next movement command may carry.
+    /// The epoch of the state after the command, which the next movement command may carry.
     pub epoch: Epoch,
     pub luggage: Option<LuggageId>,
 }
@@ -366,7 +366,7 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// The default: the tuned score, or along the walls where luggage is found sooner there.
+        /// The default: along the walls if luggage is found sooner there, else the tuned score.
         #[default]
         Auto = "auto",
         /// The cell with the least tuned score, which adds the way there and the worth of its surroundings.

@@ -52,7 +52,7 @@ pub enum RobotEvent {
     /// The present state of the robot's arm. It is reported at every change of what the arm holds or does, before the
     /// answer to the order that changed it, and every now and then while the arm holds something.
     Arm(ArmState),
-    /// The parcel has slipped out of the grippers and lies here now. Both robots of the pair report it.
+    /// The parcel has slipped out of the grippers and lies here now. Both robots of the pair report this.
     ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
@@ -110,13 +110,13 @@ impl Capabilities {
 /// What the robot takes an obstacle for (mission §3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// A wall of the hall. The camera sees how many more cells the same straight wall continues to the robot's left and
-    /// right of the cell that was met; zero when it cannot tell.
+    /// A wall of the hall. The numbers say how many more cells of the same straight wall the camera sees to the robot's
+    /// left and right of the cell that was met; zero when it cannot tell.
     Wall {
         left: u16,
         right: u16,
     },
-    /// The same piece has the same number from whichever side it is met.
+    /// A piece of luggage. The piece has the same number from whichever side it is met.
     Luggage(Piece),
     Unknown,
 }

@@ -1,4 +1,4 @@
-//! The pair's calls to the operator, and why it cannot go on, each by a name and in words.
+//! The pair's calls to the operator, and the reasons why it cannot go on, each with a name and in words.
 
 named! {
     ALL by name;

@@ -42,7 +42,7 @@ impl Place {
         cells.into_iter().flatten().map(Place::Cell).chain(outer.map(Place::Outside)).chain(inner)
     }
 
-    /// Whether two different places are one step apart, by the way out too.
+    /// Whether two different places are one step apart, the way out included.
     #[must_use]
     pub fn is_beside(self, other: Place) -> bool {
         self.neighbours(true).any(|place| place == other)

@@ -1,5 +1,5 @@
-//! Every reason why a command can be refused, as a sentence for an operator and as a fixed code for programs. The doors decide
-//! how it is sent.
+//! Every reason why a command can be refused, as a sentence for an operator and as a fixed code for programs. The doors
+//! decide how a refusal is sent.
 
 use std::sync::Arc;
 
@@ -92,7 +92,7 @@ pub enum Refused {
     OtherContent(CommandId),
     #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]
     UnknownSensor(Arc<str>),
-    /// The role of the sender allows watching and STOP only; the sentence is the door's.
+    /// The role of the sender allows watching and STOP only; the sentence comes from the door.
     #[error("{0}")]
     NotAllowed(String),
     /// A refusal in the words of a door, or of another version.
@@ -110,8 +110,8 @@ pub struct Refusal {
     pub words: String,
 }
 
-/// Every code with its kind, for refusals that are read back. A test of a door compares the list with the variants. The code of
-/// `NotOnRecord` is not in it, since no command is answered with that.
+/// Every code with its kind, for refusals that are read back. A test of a door compares the list with the variants. The
+/// list lacks the code of `NotOnRecord`, because no command is answered with it.
 pub const CODES: [(&str, RefusalKind); 28] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [

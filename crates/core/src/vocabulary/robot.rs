@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub struct RobotId(Arc<str>);
 
 impl RobotId {
-    /// Longest name, in bytes: it stands in a topic, a path and a caption.
+    /// Longest name, in bytes: it is shown in a topic, a path and a caption.
     pub const MOST: usize = 32;
 
     /// `None` unless the text has 1 to `MOST` small letters, digits and hyphens, the first a letter.
@@ -39,7 +39,7 @@ impl std::fmt::Display for RobotId {
 
 named! {
     ALL by name;
-    /// What a robot does, by the words of the seeds, which have none for an arm.
+    /// What a robot does, in the words of the seeds, which have no words for an arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum RobotState {
         Stopped = "stopped",

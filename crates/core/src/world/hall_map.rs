@@ -121,7 +121,7 @@ impl HallMap {
         self.known_bounds
     }
 
-    /// The tiles of which anything is known, with the cell of their north-west corner.
+    /// The tiles of which anything is known, each with the cell of its north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.tiles.iter().filter(|(_, tile)| tile.is_known())
     }

@@ -21,7 +21,7 @@ pub struct Luggage {
     /// The piece that the camera recognised, if it could.
     pub piece: Option<Piece>,
     pub secured: Option<WallTime>,
-    /// By how many milliseconds the clock was set between the first photo and the verdict, or until now.
+    /// Number of milliseconds by which the clock was set between the first photo and the verdict, or until now.
     pub clock_set_ms: i64,
 }
 

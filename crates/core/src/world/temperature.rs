@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::command::{OPERATOR, OTHERS, ROBOT};
 use crate::units::{Celsius, Now, WallTime};
 
-/// Most sources of readings: the operator, the hall, and room for the sensors of a large hall.
+/// Maximum number of sources of readings: the operator, the robots, and the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
 /// Time without a reading after which a robot's thermometer counts as silent. Sensors have a setting of their own.
@@ -79,7 +79,7 @@ impl Thermometer {
         is_news
     }
 
-    /// Marks a source as silent, so that its last reading no longer counts as known; true when that is new.
+    /// Marks a source as silent, so that its last reading no longer counts as known; true when the silence is new.
     pub(crate) fn fall_silent(&mut self, source: &str, wall: WallTime) -> bool {
         let Some(known) = self.sources.get_mut(source).filter(|known| known.silent_since.is_none()) else { return false };
         known.silent_since = Some(wall);

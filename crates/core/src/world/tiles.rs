@@ -120,7 +120,7 @@ impl Tiles {
         blocks.flat_map(|block| Arc::make_mut(block).iter_mut().flatten().map(Arc::make_mut))
     }
 
-    /// The tiles that are not the same memory as `older`'s. Shared blocks are not compared.
+    /// The tiles that are not the same memory as in `older`. Shared blocks are not compared.
     pub(super) fn changed<'a>(&'a self, older: &'a Tiles) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
         let is_shared = |at: Cell, block: &Arc<Block>| older.block(at).is_some_and(|old| Arc::ptr_eq(old, block));
         let blocks = self.blocks().filter(move |(at, block)| !is_shared(*at, block));

@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub mean: f64,
-    /// Half the width of the interval; 0 for a single number, which has none.
+    /// Half the width of the interval; 0 if there is just one number, and so no interval.
     pub half_width: f64,
     pub count: usize,
 }

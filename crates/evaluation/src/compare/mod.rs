@@ -25,7 +25,7 @@ use hallsweep_core::search::Terms;
 pub enum Measure {
     /// The cost of all moves per reachable cell.
     MovesPerCell,
-    /// The moves before a piece of luggage was found, as the mean over all pieces, per reachable cell.
+    /// The number of moves before a piece of luggage was found, as the mean over all pieces, per reachable cell.
     ToAPiece,
     /// The steps in proportion to a lower bound for closed tours over the same cells.
     StepsOverBound,

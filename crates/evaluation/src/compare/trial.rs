@@ -130,8 +130,9 @@ pub fn trial(
     }
 }
 
-/// A lower bound for the steps of a closed tour over all cells that can be reached. Every step changes the colour, so a
-/// tour has at least two steps for each cell of the more frequent colour.
+/// A lower bound for the steps of a closed tour over all cells that can be reached. If cells were coloured like a
+/// chessboard, every step would change the colour, so a tour has at least two steps for each cell of the more frequent
+/// colour.
 #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
 fn bound(ground: &Ground) -> f64 {
     let cells = ground.cells().into_iter().filter(|cell| ground.at(*cell) == Truth::Free);

@@ -5,7 +5,7 @@ use super::{COLOURS, escaped, opening, push};
 #[derive(Clone, Debug)]
 pub struct Curve {
     pub name: String,
-    /// Abscissas, above 0 because the scale is logarithmic, with the measured values.
+    /// Pairs of abscissa and measured value. Abscissas are above 0, because the scale is logarithmic.
     pub points: Vec<(f64, f64)>,
 }
 

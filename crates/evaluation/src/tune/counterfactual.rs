@@ -25,7 +25,7 @@ use super::{Task, below};
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 
-/// Greatest score above the best at which an alternative is tried, in thousandths of a step.
+/// Greatest distance from the best score at which an alternative is tried, in thousandths of a step.
 const SLACK: i32 = 2500;
 
 /// Greatest difference that a single counterfactual may make, in steps.
@@ -252,7 +252,8 @@ impl<'a> Course<'a> {
         cost.is_finite().then(|| Trial { cost, rest, ways, outlooks: differences(&other.outlook, &chosen.outlook) })
     }
 
-    /// Enters another cell than was chosen and goes on from there: to where the walk has been, to the horizon, or home.
+    /// Enters another cell than the chosen one, and goes on from there until the walk's own course is met, the horizon
+    /// is reached, or the robot is home.
     fn follow(
         &mut self,
         other: &Candidate,
@@ -296,7 +297,7 @@ fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate,
     Some(((*chosen).clone(), (**others.get(n)?).clone()))
 }
 
-/// Where two outlooks differ: rows of tables first, then the linear part.
+/// The differences of two outlooks: rows of tables first, then the linear part.
 fn differences(other: &Outlook, chosen: &Outlook) -> Vec<(u32, f32)> {
     let rows = other.rows.iter().zip(chosen.rows).filter(|(a, b)| **a != *b);
     let linear = (ROWS as u32..).zip(other.linear.iter().zip(chosen.linear)).filter(|(_, (a, b))| **a != *b);

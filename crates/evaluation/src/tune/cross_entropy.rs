@@ -1,5 +1,5 @@
-//! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and mean and spread follow the
-//! best of them.
+//! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and the mean and the spread
+//! follow the best candidates.
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::tables::LINEAR;

@@ -125,7 +125,7 @@ fn counted(plain: [f32; PLAIN], mut neighbourhoods: Vec<u32>) -> Rest {
     rest
 }
 
-/// Coefficients of the numbers of a rest, learnt from rests within whole walks and their real costs.
+/// Learns the coefficients of the numbers of a rest, from rests within whole walks and their real costs.
 pub(super) fn worth(samples: &[Sample]) -> Vec<f64> {
     ridge::ridge(samples, NUMBERS, 30.0, 100)
 }

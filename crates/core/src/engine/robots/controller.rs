@@ -8,7 +8,7 @@ use crate::event::Capabilities;
 use crate::robot::RobotState;
 use crate::units::{Epoch, OrderId};
 
-/// Time to wait for an answer after the robot's own deadline: the way there and back.
+/// Time to wait for an answer after the robot's own deadline, for the way of the messages to the robot and back.
 const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Debug, Default)]

@@ -104,7 +104,7 @@ impl Robots {
         self.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
     }
 
-    /// The next time at which an open order of any robot counts as unanswered.
+    /// The next time at which a robot's open order counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
         self.iter().filter_map(|(_, robot)| robot.controller.due()).min()
     }

@@ -1,4 +1,4 @@
-//! The inputs that mean the same in every phase, each with its cell; and the inputs that are left to the phases
+//! The inputs that mean the same in every phase, each with its cell, and the inputs that are left to the phases
 //! (`search`, `alarm`).
 
 use crate::hold::Hold;

@@ -13,7 +13,7 @@ use super::Input;
 use super::rule::Rule;
 use crate::phase::PhaseName;
 
-/// The rules for `input` in `phase`; never empty, and the last always applies.
+/// The rules for `input` in `phase`: at least one rule, and the last rule always applies.
 pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
     let input = match row(input) {
         InputRow::Everywhere(rules) => return rules,

@@ -132,7 +132,7 @@ impl Performer<'_> {
         exact && still && self.load().is_some()
     }
 
-    /// The place by which the two can grip the piece from where they stand and carry it off.
+    /// The place by which the two can grip the piece from where they stand, and then carry it off.
     pub(super) fn grip_place(&mut self, place: Place) -> Option<Place> {
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
         still.then(|| self.grip_between(place))?

@@ -1,5 +1,5 @@
 //! Leaves that drive: each base by itself to its place, both with the parcel between them, and the last few
-//! centimetres. The way is found in `way`; how a base turns stands in `steer`.
+//! centimetres. `way` finds the ways, and `steer` turns the bases.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -86,7 +86,8 @@ impl Performer<'_> {
         Some(Plan { stands: Stands { grip, bases: [second, first] }, order: [Which::Srm2, Which::Srm1] })
     }
 
-    /// Whether the piece can be lifted and carried off, from where the two stand now or after they have been outside.
+    /// Whether the piece can be lifted and carried off, either from where the two stand now or after they have been
+    /// outside.
     pub(super) fn can_fetch(&mut self, place: Place) -> bool {
         self.grip_between(place).is_some() || self.stands(place).is_some() || self.can_fetch_from_outside(place)
     }
@@ -253,7 +254,7 @@ impl Performer<'_> {
         }
         let train = self.train(parcel.place);
         if !train.bases.iter().all(|base| base.is_beside(parcel.place)) {
-            // One of the two has reported the end of the step, and the other has not yet.
+            // One of the two has reported the end of the step; the other has not yet.
             return if is_still { self.fails(RetrievalFault::NoWayToTarget) } else { Status::Running };
         }
         let floor = self.floor(self.view.piece, self.view.others);

@@ -1,5 +1,6 @@
 //! The leaves of the three trees, as pure functions: they read a view, return statuses, proposals and sayings, and move
-//! nothing. This file has their names and ports, and the dispatch; what they do stands in `ask`, `drive` and `handle`.
+//! nothing. This file has the names and ports of the leaves, and the dispatch; `ask`, `drive` and `handle` have their
+//! work.
 //!
 //! State that must outlive the program is on the blackboard. Routes are not on it: they are planned anew from the map.
 

@@ -61,9 +61,9 @@ pub(crate) struct Tune {
     out: PathBuf,
 }
 
-/// Strength of the regression's ridge; the best of the values that were tried.
+/// Strength of the regression's ridge: the best of the values that were tried.
 const RIDGE: f64 = 1500.0;
-/// Share of decisions for which another choice is tried; the best of the values that were tried.
+/// Share of decisions for which another choice is tried: the best of the values that were tried.
 const TRIED: f64 = 0.4;
 
 /// Maximum size of a file of weights, in bytes.
