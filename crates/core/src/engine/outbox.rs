@@ -106,7 +106,7 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    /// Whether the whole state is to go on record now. It takes as much as `size` entries.
+    /// Whether the whole state is to go on record now. The state takes as much as `size` entries.
     pub(super) fn is_to_sum_up(&self, size: u64) -> bool {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }

@@ -75,8 +75,8 @@ impl Engine {
         self.robots.searching_id() == robot
     }
 
-    /// The robot's name as a source of readings. The name contains a blank, and no sensor's name does, so the two
-    /// cannot be confused.
+    /// The robot's name as a source of readings. No sensor can have this name, because the name is `ROBOT` or contains
+    /// a blank.
     fn thermometer_of(&self, robot: &RobotId) -> String {
         if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") }
     }

@@ -18,7 +18,7 @@ pub struct Forecast {
 /// Least number of cells that gives a pace.
 pub const FEW: u32 = 8;
 
-/// Least known share of wall in a side of the hall that is known to end.
+/// A side of the hall counts as known to end if at least this share of it is known to be wall.
 const ENDS: f64 = 0.25;
 
 /// Factor for the least remaining effort while the hall may go on. It multiplies the effort for the unknown cells at

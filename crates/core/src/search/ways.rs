@@ -135,7 +135,7 @@ impl Ways {
             (self.settled, self.came_by, self.search) = (vec![0; states], vec![0; states], 0);
         }
         self.search += 1;
-        // A step away from the goal costs the step and the way back.
+        // A step away from the goal raises the total cost by two steps.
         self.ring.resize_with((2 * STEP).max(costs.turn) as usize + 1, Vec::new);
     }
 

@@ -13,7 +13,7 @@ pub struct Alarm {
     pub raised: WallTime,
     pub cause: AlarmCause,
     pub luggage: Option<LuggageId>,
-    /// Who acknowledged it, and when.
+    /// Who acknowledged the alarm, and when.
     pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
@@ -24,7 +24,7 @@ pub struct AlarmView {
     pub raised: WallTime,
     pub cause: AlarmCause,
     pub luggage: Option<LuggageId>,
-    /// Who acknowledged it, and when.
+    /// Who acknowledged the alarm, and when.
     pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
