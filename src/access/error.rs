@@ -8,7 +8,7 @@ pub enum AccessError {
     Chance(String),
     #[error("the keys cannot be read from {}: {error}; make it a file that the user who runs hallsweep can read", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
-    /// Not only the owner can read or write the file, so others may know the keys.
+    /// Other users than the owner can read or write the file, and may know the keys.
     #[error(
         "the keys in {} can be read or written by others (mode {mode:03o}): make it private with `chmod 600`, \
          then replace each key with `hallsweep token rotate NAME`", .path.display()

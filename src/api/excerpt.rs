@@ -1,5 +1,5 @@
 //! Excerpts of resources that are too large to publish whole: the pieces of luggage that still matter and the newest ones; the
-//! size of the map. Each excerpt says how much there is and where all of it can be read, so that nobody mistakes a part for the
+//! size of the map. Each excerpt says how large the whole is and where it can be read, so that nobody mistakes a part for the
 //! whole.
 
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-/// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or a problem in the same way.
+/// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or the fields of a problem together with the id.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultJson<'a, T> {
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,6 +1,6 @@
 //! Moves the robot to another hall than the recorded one: the page about the move is stored in the journal before the robot's
 //! state file is begun anew, so that a kill in between leaves the robot and the map in the same hall. `data_folder` decides
-//! when that is needed.
+//! when a move is needed.
 
 use std::time::Duration;
 

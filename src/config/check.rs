@@ -179,7 +179,7 @@ fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     ))
 }
 
-/// The costs of moves; `None` for the times that the robot takes.
+/// The costs of moves; `None` if a move costs the time that the robot takes for it.
 fn costs(layers: &Layers) -> Result<Option<Costs>, SettingsError> {
     let written: String = read(layers, "mission.costs")?;
     if written == "robot" {

@@ -46,7 +46,7 @@ impl Handle {
     async fn seen(&self, accepted: Accepted) -> Arc<Snapshot> {
         let mut watch = self.watch();
         let contains = |snapshot: &Arc<Snapshot>| snapshot.revision >= accepted.revision;
-        // A loop that ended or is slow does not turn an accepted command into a refused one: the newest state is shown then.
+        // An accepted command stays accepted even if the loop has ended or is slow: then the newest known state is returned.
         let _ = tokio::time::timeout(SEEN_TIME, async { watch.wait_for(contains).await.map(|_| ()) }).await;
         self.snapshot()
     }

@@ -167,7 +167,7 @@ pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
         return Ok(());
     }
     match made.set_permissions(fs::Permissions::from_mode(shared)) {
-        // The volume does not allow modes to be set, so its own choice stands.
+        // The volume does not allow modes to be set, so the mode that it chose stays.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Ok(()),
         set => set,
     }

@@ -150,7 +150,8 @@ impl Stops {
     }
 }
 
-/// Writes every stop and tells the halter, on a thread that may block: a disk that hangs prevents no stop. Ends with the program.
+/// Writes every stop and tells the halter, on a thread that may block, so that a disk that hangs prevents no stop. Ends with
+/// the program.
 pub async fn follow(mut stops: Stops, halter: Halter) {
     let mut halts = halter.watch();
     halter.note(Some(stops.epoch()));

@@ -44,7 +44,7 @@ impl Language {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }
 
-    /// Result of a mission with its qualifications: what was not searched, and the kind of the searching robot.
+    /// Result of a mission, qualified by the parts that were not searched and by the kind of the searching robot.
     pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
         let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
         let unsearched = match state.map.unsearched() {

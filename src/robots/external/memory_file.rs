@@ -1,7 +1,8 @@
 //! Stores what the next program must know about a robot that does not know its own position, in one small file of the data
 //! folder. The file is replaced as a whole and not flushed: that outlives `kill -9`. The driver decides its contents.
 //!
-//! A file that could not be replaced names a position that the robot has left: it is renamed, so that its new name says so.
+//! If the file could not be replaced, it names a position that the robot has left. Then the file is renamed, and the new name
+//! says that it is out of date.
 
 use std::fs;
 use std::io;

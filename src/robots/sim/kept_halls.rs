@@ -27,7 +27,7 @@ pub(super) struct KeptHalls {
 
 impl KeptHalls {
     /// Finds the existing files; the log names the files beyond the maximum. A file that cannot be used is listed too, so that
-    /// whoever asks for it is told why.
+    /// a request for it is answered with the reason.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
         let names = data.map(|data| found(&names::HALLS.within(data))).unwrap_or_default();
         KeptHalls { data: data.map(Path::to_owned), names: Mutex::new(names) }

@@ -106,7 +106,7 @@ struct SimLink {
     writing: Option<JoinHandle<SimStateFile>>,
     /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
-    /// The last reading of the thermometer, and when it is repeated, by the real clock.
+    /// The last reading of the thermometer, and the time of the real clock at which it is repeated.
     reading: Option<(Celsius, Duration)>,
     floor: Floor,
     remote: Remote,

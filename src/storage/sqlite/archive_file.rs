@@ -75,7 +75,7 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
 }
 
 /// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these contents is
-/// used: a kill or a lock came between writing it and changing the journal.
+/// used: it was left by an attempt that ended, by a kill or a lock, before the journal was changed.
 pub(super) fn write_out_within(
     data: &Path,
     before: WallTime,

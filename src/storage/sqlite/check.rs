@@ -190,8 +190,8 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
     Ok(anchor.seq)
 }
 
-/// What to do about unreadable entries without losing sound ones. The tables are not compared with the entries in this case: they
-/// were built when the entries could be read, and contain more.
+/// Advice on unreadable entries, by which no sound entries are lost. The tables are not compared with the entries in this case:
+/// they were built when the entries could be read, and contain more.
 fn advice(folder: &Folder) -> String {
     let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
     let then = if goes_on {

@@ -25,7 +25,7 @@ const SHOWN: usize = 200;
 pub(super) enum Fault {
     Sql(rusqlite::Error),
     File(io::Error),
-    /// SQLite found the structure of the journal broken; its findings.
+    /// SQLite found the structure of the journal broken; the text has SQLite's findings.
     Damaged(String),
     /// The journal is missing or empty, but its write-ahead log is not.
     OnlyLog,
@@ -36,9 +36,10 @@ pub(super) enum Fault {
     Closed(PathBuf),
     /// The file was deleted or replaced while it was open.
     TakenAway(&'static str),
-    /// A newer version wrote the file; its format.
+    /// A newer version wrote the file; the number is the file's format.
     Newer(i64),
-    /// An older version wrote the file, and it cannot be migrated because nothing can be written; its format.
+    /// An older version wrote the file, and it cannot be migrated because nothing can be written; the number is the file's
+    /// format.
     Older(i64),
     Foreign,
     /// This version does not understand an entry.

@@ -32,7 +32,7 @@ const MARGIN: usize = 256 * 1024;
 pub(super) struct Patience {
     /// Pause between two attempts after a failure.
     pub(super) retry: Duration,
-    /// Looks of the watchman after which a batch is given up.
+    /// Number of looks of the watchman after which a batch is given up.
     pub(super) looks: u32,
     /// Time between two looks of the watchman.
     pub(super) look: Duration,

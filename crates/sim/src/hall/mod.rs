@@ -194,7 +194,7 @@ impl Hall {
         Reach { reachable: count(self.reached().len()), free: count(free) }
     }
 
-    /// Pieces that have no cell beside a reachable one.
+    /// Pieces that have no cell beside a reachable cell.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
         let reached = self.reachable();

@@ -293,8 +293,8 @@ fn needs_words(bag: &Bag) -> bool {
     bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
 }
 
-/// A letter for every piece that needs a description, or for the 26 that would lose most: the dangerous pieces first,
-/// then pieces of several cells.
+/// A letter for every piece that needs a description. If there are more than 26 such pieces, those that would lose most
+/// get letters: the dangerous pieces first, then pieces of several cells.
 fn letters(bags: &[Bag]) -> BTreeMap<Piece, char> {
     let mut wanted: Vec<&Bag> = bags.iter().filter(|bag| needs_words(bag)).collect();
     wanted.sort_by_key(|bag| (!bag.dangerous, bag.cells.len() == 1, bag.piece));

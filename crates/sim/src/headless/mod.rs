@@ -62,7 +62,7 @@ impl Moves {
 }
 
 impl Run {
-    /// A robot at home in `hall`. `sim.seed` seeds everything, the clock too.
+    /// A robot at home in `hall`. `sim.seed` is the seed of everything, including the clock.
     #[must_use]
     pub fn new(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
         let mut run = Run::begin(hall, sim, settings, strategy);
@@ -105,7 +105,7 @@ impl Run {
     /// Sends a command of the local operator, and handles its immediate consequences.
     ///
     /// # Errors
-    /// The core's refusal.
+    /// When the core refuses the command.
     pub fn give(&mut self, command: Command) -> Result<Accepted, Refused> {
         self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
@@ -113,7 +113,7 @@ impl Run {
     /// Like `give`, for any sender.
     ///
     /// # Errors
-    /// The core's refusal.
+    /// When the core refuses the request.
     pub fn ask(&mut self, request: Request) -> Result<Accepted, Refused> {
         let ticket = self.engine.handle_command(request, self.now);
         self.settle();

@@ -110,8 +110,8 @@ impl Grip {
         self.height > 0.0
     }
 
-    /// One step of time, with the bases driving at this many metres a second; true when the parcel is lost. Without a
-    /// load nothing creeps, because the drives of the grippers lock by themselves.
+    /// Advances by one step of time; the bases drive at `speed` in metres a second. Returns true when the parcel is
+    /// lost. Without a load nothing creeps, because the drives of the grippers lock by themselves.
     pub(super) fn advance(&mut self, at_work: Controllers, speed: f64, noise: &mut RandomStream) -> bool {
         if !self.is_loaded() {
             return false;

@@ -30,7 +30,7 @@ pub(super) enum Astray {
     Not,
     /// This share of the way to a neighbouring place.
     Along(Place, f64),
-    /// Turned by this angle, in radians clockwise.
+    /// Turned away from its heading by this angle, in radians clockwise.
     Turned(f64),
 }
 
