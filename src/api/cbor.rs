@@ -1,5 +1,5 @@
-//! CBOR (RFC 8949): writes every shape of the wire, and reads the bodies of commands. Reading is flat: a body is one map of texts
-//! and numbers, and anything nested is refused where it begins, so that no nesting can exhaust the stack or the memory.
+//! CBOR (RFC 8949): writes every shape of the wire, and reads the bodies of commands. Reading is flat: a body is one map of
+//! texts and numbers. Anything nested is refused where it begins, so that no nesting can exhaust the stack or the memory.
 
 use minicbor::Decoder;
 use minicbor::data::Type;

@@ -1,6 +1,6 @@
-//! The written form of a pair's memory: a title, its hall, and one line of JSON under a checksum. Pure bytes to values
-//! and back; files are not touched here. The file is replaced as a whole, so it may grow with the content of the
-//! container.
+//! The written form of a pair's memory: a title, its hall, and one line of JSON under a checksum. It converts pure
+//! bytes to values and back; files are not touched here. The file is replaced as a whole, so it may grow with the
+//! content of the container.
 
 use std::time::Duration;
 
