@@ -28,7 +28,7 @@ pub(crate) enum Readers {
     Owner,
     /// The owner and the group of the folder, which may replace the file anyway.
     Group,
-    /// Everybody whom the volume allows: it gives every file this mode.
+    /// Everybody whom the volume allows: it gives every new file this mode or a wider one, so nobody opened this file on purpose.
     OfVolume,
     /// Other users; the mode as in `chmod`.
     Others(u32),

@@ -38,7 +38,7 @@ pub struct Held {
     pub at_least: Option<f64>,
 }
 
-/// Sums of time over searches, each of which counts as 1, kept apart by the bounds that the forecast gave.
+/// Search time by the kind of forecast given. The duration of each search is scaled to 1, so that all searches weigh the same.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     all: f64,

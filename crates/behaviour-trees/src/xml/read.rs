@@ -111,8 +111,8 @@ struct Lines<'x> {
     text: &'x str,
     /// Where each line begins, in bytes: searching again for each node would take quadratic time.
     starts: Vec<usize>,
-    /// The last place that was looked up, in bytes, and its column. The next place is usually a little behind it, and a
-    /// file may be one long line.
+    /// The byte offset that was looked up last, and its column. The next one is usually a little further on, so columns are
+    /// counted from here: a file may be one long line.
     last: Cell<(usize, usize)>,
 }
 

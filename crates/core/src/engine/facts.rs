@@ -1,5 +1,5 @@
-//! Puts facts on record and applies them: the only way in which the engine changes `state`. Luggage and verdicts are in
-//! `records`, because nothing may follow from them before they are in the store.
+//! Applies facts to `state` at once, and puts them on record. Only luggage and verdicts are applied elsewhere, in
+//! `records`: nothing may follow from them before they are in the store.
 
 use super::Engine;
 use crate::asked::Asked;

@@ -39,7 +39,7 @@ impl std::fmt::Display for RobotId {
 
 named! {
     ALL by name;
-    /// What a robot does, in the words of the seeds, which have no words for an arm.
+    /// What a robot does. All names are from the seeds except `movingArm`: the seeds have no arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum RobotState {
         Stopped = "stopped",

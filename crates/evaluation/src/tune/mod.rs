@@ -3,9 +3,10 @@
 //!
 //! ```text
 //!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
-//!   counterfactual   at random decisions another entry is forced, and the policy followed on for a while; `rest` estimates
-//!                    the cost of what is left of the hall then. Ridge regression explains the difference of costs, less that
-//!                    of the scores, by the differences of the outlooks ─► a better policy ─► again
+//!   counterfactual   at random decisions another entry is forced, and the policy goes on from there up to a horizon; `rest`
+//!                    estimates the cost of what is then left of the hall. The target is how much more the forced entry
+//!                    really cost than the scores predicted. Ridge regression fits it to the difference of the outlooks
+//!                    ─► a better policy ─► again
 //! ```
 
 mod counterfactual;

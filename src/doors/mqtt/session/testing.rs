@@ -175,7 +175,7 @@ impl Peer {
         (connect, asked.filters.into_iter().map(|filter| filter.path).collect())
     }
 
-    /// Acknowledges publications, up to one on this topic.
+    /// Acknowledges publications until one on `topic` arrives, and returns that one.
     pub(super) async fn until(&mut self, topic: &str) -> Publish {
         loop {
             let publish = self.unacknowledged(|_| true).await;

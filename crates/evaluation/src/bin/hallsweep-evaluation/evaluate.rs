@@ -230,7 +230,6 @@ impl Evaluate {
     }
 }
 
-/// Timings of the simulated robot with default settings; a bump takes as long as a step.
 fn timings() -> Timings {
     let SimSettings { step, turn, .. } = SimSettings::default();
     Timings { step_s: step.as_secs_f64(), turn_s: turn.as_secs_f64(), bump_s: step.as_secs_f64() }
