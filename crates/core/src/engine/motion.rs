@@ -9,14 +9,14 @@ use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
 use crate::place::Place;
 use crate::robot::Part;
-use crate::search::plan::Through;
+use crate::search::plan::{Through, after};
 use crate::search::{Goal, NextGoal, Search};
 use crate::settings::Settings;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Now, OrderId};
-use crate::world::hall_map::Mark;
+use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::resource::Resource;
 
 /// Number of looks without an order after which the search must be in error. The unknown cells of a large hall bound
@@ -309,10 +309,14 @@ impl Engine {
     }
 
     fn drive(&mut self, goal: Option<Cell>, step: Option<Move>) -> Turn {
-        if let Some(step) = step.filter(|_| !std::mem::replace(&mut self.mission.is_driven, true)) {
-            return self.order(Action::Move(step));
-        }
         let here = self.state.pose;
+        if let Some(step) = step.filter(|_| !std::mem::replace(&mut self.mission.is_driven, true)) {
+            let to = after(here, step).cell;
+            if is_in_reach(to) {
+                return self.order(Action::Move(step));
+            }
+            self.world.write(self.now.wall, Tone::Warning, Said::NoWay(to));
+        }
         let wanted = goal.filter(|goal| here.cell != *goal && !self.state.map.at(*goal).is_obstacle());
         if let Some(goal) = wanted {
             if self.mission.route.is_empty() {

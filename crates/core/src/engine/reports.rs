@@ -99,7 +99,7 @@ impl Engine {
     /// The robot's own report of its place counts: it may have ended a move that is not on record (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
         if !is_in_reach(pose.cell) {
-            return self.is_too_far(robot, pose.cell);
+            return self.went_too_far(robot, pose.cell);
         }
         self.note_outside(robot, 0);
         let is_elsewhere = self.pose_of(robot) != pose;
@@ -244,7 +244,7 @@ impl Engine {
     }
 
     /// Cells beyond the reach are not stored, so the robot's place stays as it was recorded last.
-    fn is_too_far(&mut self, robot: &RobotId, cell: Cell) {
+    fn went_too_far(&mut self, robot: &RobotId, cell: Cell) {
         let said = Said::Robot(robot.clone(), Trouble::TooFar(cell));
         if self.searches(robot) {
             self.robot_failed(said.to_string());
@@ -254,12 +254,12 @@ impl Engine {
     }
 
     /// The robot stands where the move led, and is no longer off centre. This holds for a late answer, too.
-    fn moved(&mut self, robot: &RobotId, step: Move) {
+    pub(super) fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);
         let pose = after(before, step);
         if !is_in_reach(pose.cell) {
-            return self.is_too_far(robot, pose.cell);
+            return self.went_too_far(robot, pose.cell);
         }
         if self.searches(robot) {
             self.follow_move(step, before, pose);

@@ -57,23 +57,31 @@ fn a_hall_without_walls_is_searched_up_to_the_reach_of_the_robot() {
     }
 }
 
-#[test]
-fn a_step_beyond_the_reach_is_a_fault_and_the_robot_stays_where_it_was_recorded() {
-    let edge = Cell::new(0, REACH);
+/// An engine whose robot stands at the edge of its reach, and the robot's pose.
+fn at_the_edge() -> (Engine, Pose) {
     let mut engine = linked(Strategy::Snail);
-    let said = |event| Event::Robot(RobotId::discovery(), event);
-    let pose = Pose { cell: edge, heading: Heading::South };
-    engine.handle_event(said(RobotEvent::Stands(Whereabouts { pose, off_centre: false })), now(1));
+    let pose = Pose { cell: Cell::new(0, REACH), heading: Heading::South };
+    let stands = RobotEvent::Stands(Whereabouts { pose, off_centre: false });
+    engine.handle_event(Event::Robot(RobotId::discovery(), stands), now(1));
     next_order(&mut engine);
-    for _ in 0..20 {
-        give(&mut engine, Command::Start).unwrap();
-        engine.state.phase = Phase::Driving { goal: None, next: Some(Move::Forward), interrupted: Box::new(Phase::Exploring) };
-        engine.mission.is_driven = false;
-        let id = next_order(&mut engine).unwrap();
-        engine.handle_event(said(RobotEvent::Done(id)), now(1));
-        next_order(&mut engine);
-        assert_eq!((engine.phase_name(), engine.state.pose), (PhaseName::Fault, pose));
-    }
+    (engine, pose)
+}
+
+#[test]
+fn no_step_beyond_the_reach_is_ordered() {
+    let (mut engine, pose) = at_the_edge();
+    give(&mut engine, Command::Start).unwrap();
+    engine.state.phase = Phase::Driving { goal: None, next: Some(Move::Forward), interrupted: Box::new(Phase::Idle) };
+    engine.mission.is_driven = false;
+    assert_eq!((next_order(&mut engine), engine.phase_name(), engine.state.pose), (None, PhaseName::Idle, pose));
+}
+
+#[test]
+fn a_robot_that_went_beyond_the_reach_is_a_fault_and_stays_where_it_was_recorded() {
+    let (mut engine, pose) = at_the_edge();
+    give(&mut engine, Command::Start).unwrap();
+    engine.moved(&RobotId::discovery(), Move::Forward);
+    assert_eq!((engine.phase_name(), engine.state.pose), (PhaseName::Fault, pose));
 }
 
 #[test]
