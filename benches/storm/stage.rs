@@ -13,7 +13,7 @@ use hallsweep::access::{Key, KeyFile, Keys, Role, Token};
 
 use crate::course::{Course, Doors, OPERATOR, SECOND, VIEWER};
 use crate::wire;
-use crate::{floods, honest, test_app};
+use crate::{descriptors, floods, honest, test_app};
 
 /// Says to a sender, by being there, that it is to speak MQTT 5.
 const FIVE: &str = "HALLSWEEP_STORM_MQTT";
@@ -94,8 +94,11 @@ impl TestApp {
     /// Lines of its log that no storm may cause.
     pub(crate) fn broke(&self) -> Vec<String> {
         let log = std::fs::read_to_string(self.folder.join("storm.log")).unwrap_or_default();
-        let broken =
-            |line: &&str| ["panicked", "anew", "by a mistake of its own", "has ended"].iter().any(|word| line.contains(word));
+        let broken = |line: &&str| {
+            ["panicked", "anew", "begins a new file", "an internal error", "has ended", "stopped working"]
+                .iter()
+                .any(|word| line.contains(word))
+        };
         log.lines().filter(broken).map(str::to_owned).collect()
     }
 }
@@ -161,7 +164,7 @@ impl Drop for Sender {
 /// Is a flood, in a process of its own: prints a line when it has begun, and its tally at the end.
 pub(crate) fn flood(name: &str, doors: Doors) {
     wire::speak_five(std::env::var_os(FIVE).is_some());
-    let _ = rlimit::increase_nofile_limit(8192);
+    descriptors::raised(8192);
     let course = Course::new(doors);
     (floods::named(name).expect("the benchmark knows its floods").begin)(&course);
     let since = Instant::now();

@@ -4,6 +4,7 @@
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use socket2::{Domain, Socket, Type};
 
 use super::error::{AppError, Port};
@@ -16,11 +17,17 @@ const DESCRIPTORS: u64 = 4096;
 /// Asks the system for more file descriptors, as far as it allows; returns how many there are then. Most systems start a
 /// program with few descriptors and allow more on request; HTTP and MQTT together may need more than those few.
 pub(super) fn raise_descriptors() -> u64 {
-    match rlimit::increase_nofile_limit(DESCRIPTORS) {
-        Ok(most) => most,
+    let now = getrlimit(Resource::Nofile);
+    let wanted = now.maximum.map_or(DESCRIPTORS, |most| most.min(DESCRIPTORS));
+    // None is "without a limit".
+    if now.current.is_none_or(|current| current >= wanted) {
+        return now.current.unwrap_or(u64::MAX);
+    }
+    match setrlimit(Resource::Nofile, Rlimit { current: Some(wanted), ..now }) {
+        Ok(()) => wanted,
         Err(error) => {
             tracing::debug!(%error, "the number of open files and connections cannot be raised");
-            rlimit::getrlimit(rlimit::Resource::NOFILE).map_or(DESCRIPTORS, |(soft, _)| soft)
+            now.current.unwrap_or(u64::MAX)
         }
     }
 }
@@ -89,7 +96,8 @@ fn open<P>(
         bound.map_err(|(address, error)| AppError::Bind { port, address, error })?.into_iter().unzip();
     let at = addresses.first().copied().unwrap_or(bind.at.first());
     if let Some(taken) = instead_of {
-        tracing::warn!(door = port.name(), taken, %at, "another program has the usual port of a door: it is at a free one");
+        tracing::warn!(door = port.name(), taken, %at, "another program uses the default port of this door: the door uses a free \
+                                                        port");
     }
     Ok((ports, BoundPort { at, instead_of }))
 }
@@ -149,7 +157,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
             // Packets of this machine then go to the common socket, or are lost.
-            Some(Err(error)) => tracing::warn!(%address, %error, "no socket of its own for CoAP from this machine"),
+            Some(Err(error)) => tracing::warn!(%address, %error, "cannot open a separate socket for CoAP from this machine"),
             None => {}
         }
     }

@@ -2,11 +2,10 @@
 //! this file shows the progress and prints the result.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
 use super::map_file::MapFile;
@@ -26,33 +25,33 @@ mod figures;
 /// The flags of `explore`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug)]
 pub struct Explore {
-    /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
+    /// Name of a built-in hall, or a hall file (.toml, MovingAI .map, ROS .yaml, or the .txt map of old clients).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
-    /// Where the robot starts: column and row, counted from 0 in the north-west corner.
+    /// Start cell of the robot: column and row, counted from 0 in the north-west corner.
     #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
     start: Option<String>,
     #[command(flatten)]
     search: super::Search,
-    /// Where all chance comes from: the same number gives the same run.
+    /// Seed of all random numbers: the same number gives the same run.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// A settings file, laid over the defaults.
+    /// Settings file that overrides the defaults.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Who answers at the luggage.
+    /// How each piece of luggage is judged.
     #[arg(long, value_enum, default_value_t)]
     verdicts: Answers,
     /// Print one JSON object instead of the map and the figures.
     #[arg(long)]
     json: bool,
-    /// Write everything that was put on record to this file, a line each.
+    /// Write every journal entry to this file, one line per entry.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Write the map as far as it was explored to this file, which ends in .toml, .map, .yaml (with a .pgm beside it) or .txt.
+    /// Write the explored map to this file, whose name ends in .toml, .map, .yaml (adds a .pgm file) or .txt.
     #[arg(long, value_name = "FILE")]
     map: Option<String>,
-    /// Replace a map that is there.
+    /// Overwrite an existing map.
     #[arg(long, requires = "map")]
     force: bool,
 }
@@ -60,10 +59,10 @@ pub struct Explore {
 /// How the luggage is answered for.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Answers {
-    /// Danger for what the hall file says is dangerous, safe for the rest.
+    /// Judge the luggage as the hall file says.
     #[default]
     Hall,
-    /// Safe for every piece.
+    /// Judge every piece as safe.
     AllSafe,
 }
 
@@ -73,19 +72,16 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
     let sim = sim::sim_settings(&settings.robot, Camera::Stub);
-    // The bar is on standard error, and shown only on a terminal.
-    let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
-    let style = style.expect("the template is a constant and names only existing fields");
-    let bar = ProgressBar::new(hall.reachable().len() as u64).with_style(style);
+    let mut progress = Progress { cells: hall.reachable().len(), percent: 0, is_shown: io::stderr().is_terminal() };
     let mut log = flags.log.as_deref().map(Log::create).transpose()?;
     let watch = |state: &Snapshot, entries: &[Entry]| {
-        bar.set_position(state.mission.progress.visited as u64);
+        progress.show(state.mission.progress.visited);
         if let Some(log) = &mut log {
             log.write(entries);
         }
     };
     let figures = headless::explore_and_tell(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
-    bar.finish_and_clear();
+    progress.clear();
     if let Some(Log { path, file }) = log {
         file.and_then(|mut file| file.flush()).map_err(|error| unwritable(path, &error))?;
     }
@@ -123,10 +119,35 @@ impl From<Answers> for Verdicts {
     }
 }
 
+/// A line on standard error, where that is a terminal.
+struct Progress {
+    cells: usize,
+    /// What the line shows; it is written again only when this changes, so that a terminal does not slow the mission.
+    percent: usize,
+    is_shown: bool,
+}
+
+impl Progress {
+    fn show(&mut self, visited: usize) {
+        let percent = visited * 100 / self.cells.max(1);
+        if self.is_shown && percent != self.percent {
+            self.percent = percent;
+            // A line that cannot be shown is no reason to end the mission.
+            let _ = write!(io::stderr(), "\rexploring: {visited} of {} cells", self.cells);
+        }
+    }
+
+    fn clear(&self) {
+        if self.is_shown {
+            let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
 struct Log<'a> {
     path: &'a Path,
     /// An error after the first failed write.
-    file: std::io::Result<BufWriter<File>>,
+    file: io::Result<BufWriter<File>>,
 }
 
 impl<'a> Log<'a> {
@@ -146,6 +167,6 @@ impl<'a> Log<'a> {
     }
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Run(format!("the log {} cannot be written: {error}", path.display()))
 }

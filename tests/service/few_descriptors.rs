@@ -10,6 +10,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use crate::coap::client::Coap;
+use crate::descriptors;
 use crate::http_attacks::{connected, status, stop};
 use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::{PUBACK, connect, publish};
@@ -99,7 +100,7 @@ fn stop_over_mqtt(program: &Program) {
 
 /// Safety S1, S9, A5.
 fn check(comes: impl Fn(&Program) -> Vec<TcpStream>) {
-    rlimit::increase_nofile_limit(4096).expect("a test may have more");
+    descriptors::raised(4096);
     let program = program();
     let mut expected = epoch(&program);
     let crowd = comes(&program);

@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream};
 use std::time::Duration;
 
 use crate::access::Site;
+use crate::descriptors;
 use crate::program::Program;
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
@@ -125,7 +126,7 @@ fn nothing_that_is_excepted_halts() {
 #[test]
 fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
     // As many sockets as the system lets one process have; where it is fewer, the crowd is smaller.
-    let most = rlimit::increase_nofile_limit(4096).unwrap_or(1024);
+    let most = descriptors::raised(4096);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(2000);
     let program = Program::serve("empty-8x8", "max");
     let half = format!("POST /api/v1/commands/goto HTTP/1.1\r\n{HALF}");
@@ -141,7 +142,7 @@ fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
 /// Safety S9.
 #[test]
 fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
-    let most = rlimit::increase_nofile_limit(4096).unwrap_or(1024);
+    let most = descriptors::raised(4096);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(1200);
     let site = Site::new("crowd", &["HTTP__REQUIRE_TOKEN"]);
     let program = &site.program;
@@ -167,7 +168,7 @@ fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
 /// Safety S8, S9: 512 may wait, a few of which are the test's own questions.
 #[test]
 fn five_hundred_that_have_not_said_all_yet_stay_and_the_stop_of_each_halts() {
-    let most = rlimit::increase_nofile_limit(4096).unwrap_or(1024);
+    let most = descriptors::raised(4096);
     if most < 700 {
         eprintln!("left out: this system lets one process have {most} descriptors");
         return;

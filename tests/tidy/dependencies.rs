@@ -121,7 +121,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "app",
         modules: &["access", "config", "doors", "robots", "storage", "runtime"],
-        crates: &["hallsweep_core", "mqtt_gate", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "mqtt_gate", "rustix", "socket2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",
