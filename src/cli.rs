@@ -33,8 +33,8 @@ pub use failure::Failure;
 /// Search an evacuated hall for dangerous luggage: a robot drives, an operator decides.
 #[derive(Debug, Parser)]
 #[command(name = "hallsweep", version, args_conflicts_with_subcommands = true)]
-#[command(after_help = "Without a command it serves: open the address it prints.\n\
-    Every setting, with its default, stands in config/default.toml; docs/settings.md says how to change it.")]
+#[command(after_help = "Without a command, hallsweep runs `serve`: open the address that hallsweep prints.\n\
+    config/default.toml lists every setting with its default; docs/settings.md explains how to change a setting.")]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Subcommands>,
@@ -47,28 +47,29 @@ pub struct Cli {
 pub enum Subcommands {
     /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT, SIGTERM or SIGHUP (the default).
     Serve(Serve),
-    /// Run one mission without doors at full speed, and print the map and what it came to.
+    /// Run one simulated mission at full speed, without network ports, and print the map and the result.
     Explore(explore::Explore),
     /// Answers with the command of the program that compares strategies since this release; so does `tune`.
     #[command(hide = true, disable_help_flag = true)]
     Evaluate(Moved),
-    /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and what it came to.
+    /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and the result.
     Pallet(pallet::Pallet),
-    /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
+    /// Check whether a running hallsweep is healthy: exit code 0 if healthy, 1 if not.
     Healthcheck(Healthcheck),
-    /// Write halls in other formats, and make halls of the scenes of others.
+    /// Convert halls to other formats, and import halls from scene files of the virtual robot's page.
     Hall(hall::Halls),
-    /// Show, add, replace and remove the keys by which people and programs get in.
+    /// Show, add, replace and remove the keys with which people and programs sign in.
     Token(token::Keyrings),
     /// Print, check and export the journal, and rebuild its tables.
     Journal(journal::Journal),
-    /// Write the report of a mission: one page with its hall, photos, verdicts and all else that is on record, or the record as a list.
+    /// Write the report of a mission: one page with the hall, photos, verdicts and all other records, or a list of the
+    /// records.
     Report(report::Reported),
-    /// Check files of behaviour trees, write them back, and run them with mocks for their leaves.
+    /// Check, format and run behaviour tree files; mocks replace the leaves.
     Tree(tree::Trees),
-    /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
+    /// Simulate the Roomba of the laboratory, as state machine and as behaviour tree, and print the result.
     Roomba(roomba::Roomba),
-    /// Play a robot that speaks the line protocol, over TCP or a serial device: the simulated one, until SIGINT, SIGTERM or SIGHUP.
+    /// Simulate a robot that speaks the line protocol, over TCP or a serial device, until SIGINT, SIGTERM or SIGHUP.
     RobotEmulator(robot_emulator::RobotEmulator),
     /// Answers as `evaluate` does.
     #[command(hide = true, disable_help_flag = true)]
@@ -80,36 +81,36 @@ pub enum Subcommands {
 /// The flags of `serve`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Serve {
-    /// The hall: the name of a built-in one, or a file (.toml, MovingAI .map, ROS .yaml, or the text of old clients, .txt).
+    /// Name of a built-in hall, or a hall file (.toml, MovingAI .map, ROS .yaml, or the .txt map of old clients).
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
-    /// Where the simulated robot starts: column and row, counted from 0 in the north-west corner.
+    /// Start cell of the simulated robot: column and row, counted from 0 in the north-west corner.
     #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
     start: Option<String>,
-    /// Where the console and the API listen; port 0 takes a free one.
+    /// Address of the console and the API; port 0 chooses a free port.
     #[arg(long, value_name = "ADDRESS:PORT")]
     http: Option<String>,
-    /// Where the CoAP resources are, over UDP; port 0 takes a free one, "none": no such door.
+    /// Address of the CoAP resources, over UDP; port 0 chooses a free port, "none" turns CoAP off.
     #[arg(long, value_name = "ADDRESS:PORT")]
     coap: Option<String>,
-    /// Where our own MQTT broker listens, over TCP; port 0 takes a free one, "none": no such door.
+    /// Address of hallsweep's own MQTT broker, over TCP; port 0 chooses a free port, "none" turns the broker off.
     #[arg(long, value_name = "ADDRESS:PORT")]
     mqtt: Option<String>,
-    /// The robot that searches: sim, virtual-tcp, virtual-ws or line, and where it is, as line=/dev/ttyUSB0.
+    /// Kind of the searching robot (sim, virtual-tcp, virtual-ws or line) and its address, such as line=/dev/ttyUSB0.
     #[arg(long, value_name = "KIND[=ADDRESS]")]
     robot: Option<String>,
-    /// How fast the simulated robot lives: 1 = as a person would watch it, "max" = without waiting.
+    /// Speed of the simulated robot: 1 is normal, 10 is ten times faster, "max" is without waiting.
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     speed: Option<String>,
-    /// Where all chance in the simulation comes from.
+    /// Seed of all random numbers in the simulation.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     seed: Option<String>,
     #[command(flatten)]
     search: Search,
-    /// A settings file, laid over the defaults.
+    /// Settings file that overrides the defaults.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// The folder of everything that outlives the program; "none": nothing is kept.
+    /// Folder for all stored data; "none" stores nothing.
     #[arg(long, value_name = "DIR")]
     data: Option<String>,
 }
@@ -120,13 +121,13 @@ pub struct Search {
     /// The order of the search: auto, scored, frontier, columns, spiral, snail.
     #[arg(long, value_name = "NAME")]
     strategy: Option<String>,
-    /// What the search is to be good at: find, cover.
+    /// Goal of the search: find (find luggage soon) or cover (cover the whole hall in few moves).
     #[arg(long, value_name = "NAME")]
     goal: Option<String>,
-    /// How the robot learns that a cell is free: bump, sonar.
+    /// How the robot checks that a cell is free: bump (drive into the cell) or sonar.
     #[arg(long, value_name = "NAME")]
     sensing: Option<String>,
-    /// What a step, a turn and a bump cost, as 1,1,1; "robot": as long as they take it.
+    /// Costs of a step, a turn and a bump, such as 1,1,1; "robot" uses the time that each takes the robot.
     #[arg(long, value_name = "STEP,TURN,BUMP", allow_hyphen_values = true)]
     costs: Option<String>,
 }
@@ -149,7 +150,7 @@ impl Moved {
     pub fn refuse(self, name: &str) -> Result<(), Failure> {
         let flags: String = self.flags.iter().map(|flag| format!(" {flag}")).collect();
         Err(Failure::Usage(format!(
-            "`{name}` belongs to another program now; in the source of hallsweep, run:\n\
+            "`{name}` is now a command of another program; in the source folder of hallsweep, run:\n\
              cargo run --release -p hallsweep-evaluation -- {name}{flags}"
         )))
     }
@@ -158,13 +159,13 @@ impl Moved {
 /// The flags of `healthcheck`.
 #[derive(Args, Clone, Debug)]
 pub struct Healthcheck {
-    /// Where the program to be asked listens; otherwise as its settings say, on this machine.
+    /// Address of the running hallsweep; by default the address in its settings, on this machine.
     #[arg(long, value_name = "ADDRESS:PORT")]
     http: Option<String>,
-    /// The settings file it was started with.
+    /// Settings file of the running hallsweep.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Taken so that it can be asked with the flags it was started with; nothing is read there.
+    /// Accepted without effect, so that healthcheck can have the same flags as the running hallsweep.
     #[arg(long, value_name = "DIR")]
     data: Option<String>,
 }
@@ -214,7 +215,7 @@ struct Folder {
     /// The data folder.
     #[arg(long, value_name = "DIR", global = true)]
     data: Option<String>,
-    /// A settings file, laid over the defaults.
+    /// Settings file that overrides the defaults.
     #[arg(long, value_name = "FILE", global = true)]
     config: Option<PathBuf>,
 }
@@ -228,7 +229,7 @@ impl Folder {
     fn path(&self) -> Result<PathBuf, Failure> {
         let folder = settings(&self.sources(None))?.store;
         folder.ok_or_else(|| {
-            Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
+            Failure::Run("the setting store.folder is none, so nothing is stored: name a folder with --data".to_owned())
         })
     }
 }

@@ -124,17 +124,17 @@ fn without_router(filter: &str) -> String {
 /// Logs only a warning, since other software sets such variables too: see `Sources::ignored`.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
-        tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");
+        tracing::warn!(variable, "this environment variable is not a setting: write settings as HALLSWEEP__SECTION__KEY");
     }
 }
 
 /// Warns that standard output did not accept the announcement. The text is not repeated, because it may contain a key.
 pub fn warn_of_unannounced(error: &dyn fmt::Display) {
-    tracing::warn!(%error, "the addresses and the link to sign in were not announced; `hallsweep token` shows keys that are kept");
+    tracing::warn!(%error, "the addresses and the sign-in link could not be printed; `hallsweep token` shows the stored keys");
 }
 
 pub fn warn_of_idle(settings: &str) {
-    tracing::warn!(settings, "these do nothing with the robots of these settings");
+    tracing::warn!(settings, "these settings have no effect on the configured robots");
 }
 
 #[cfg(test)]

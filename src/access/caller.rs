@@ -75,7 +75,8 @@ impl Caller {
             return Ok(());
         }
         Err(format!(
-            "you are signed in as `{}`, a {}, who sees everything and may press STOP; this asks for an operator's key",
+            "you are signed in as `{}` with the role {}, which may see everything and press STOP; this request needs an \
+             operator's key",
             self.name(),
             self.role().name()
         ))

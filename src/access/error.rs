@@ -6,34 +6,34 @@ use std::path::PathBuf;
 pub enum AccessError {
     #[error("the system gives no random numbers, so no key can be made: {0}")]
     Chance(String),
-    #[error("the keys cannot be read from {}: {error}; make it a file that the user who runs hallsweep can read", .path.display())]
+    #[error("the keys cannot be read from {}: {error}; let the user who runs hallsweep read this file", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
     /// Other users than the owner can read or write the file, and may know the keys.
     #[error(
-        "the keys in {} can be read or written by others (mode {mode:03o}): make it private with `chmod 600`, \
-         then replace each key with `hallsweep token rotate NAME`", .path.display()
+        "other users can read or write the keys in {} (mode {mode:03o}): make the file private with `chmod 600`, then replace \
+         each key with `hallsweep token rotate NAME`", .path.display()
     )]
     Exposed {
         path: PathBuf,
         /// Mode of the file, as in `chmod`.
         mode: u32,
     },
-    #[error("{} does not hold keys: {problem}; mend it, or move it away and let hallsweep make a new one", .path.display())]
+    #[error("the key file {} is not valid: {problem}; correct the file, or move it away so that hallsweep makes a new one", .path.display())]
     Malformed { path: PathBuf, problem: String },
     #[error(
-        "the keys cannot be kept in {}: {error}; see that the user who runs hallsweep can write to that folder, or name another with \
-         --data DIR", .path.display()
+        "the keys cannot be written to {}: {error}; let the user who runs hallsweep write to that folder, or name another folder \
+         with --data DIR", .path.display()
     )]
     Unwritable { path: PathBuf, error: std::io::Error },
-    #[error("{0:?} cannot be the name of a key: take 1 to 32 letters, digits, - and _")]
+    #[error("{0:?} cannot be the name of a key: use 1 to 32 letters, digits, - and _")]
     Name(String),
-    #[error("there is a key `{0}` already: `hallsweep token rotate {0}` gives it a new token")]
+    #[error("the key `{0}` exists already: `hallsweep token rotate {0}` gives it a new token")]
     Taken(String),
-    #[error("there is no key `{name}`: there are {}", .there.join(", "))]
+    #[error("there is no key `{name}`; the existing keys are {}", .there.join(", "))]
     Unknown { name: String, there: Vec<String> },
     /// Without this key nobody could command the robot.
     #[error("`{0}` is the last operator's key: add another with `hallsweep token add NAME --role operator` first")]
     LastOperator(String),
-    #[error("there are {0} keys, and more are not kept: remove one first")]
+    #[error("there are {0} keys, which is the maximum: remove a key first")]
     TooMany(usize),
 }

@@ -23,7 +23,7 @@ const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can co
 /// Advice on the format, for a file that cannot be parsed.
 const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes";
 
-const NAME: &str = "take 1 to 32 letters, digits, - and _";
+const NAME: &str = "use 1 to 32 letters, digits, - and _";
 
 #[derive(Clone, Debug)]
 pub struct KeyFile(PrivateFile);
@@ -66,7 +66,8 @@ impl KeyFile {
         if let Readers::Others(mode) = readers {
             return Err(AccessError::Exposed { path: self.path().to_owned(), mode });
         }
-        let garbled = |_| AccessError::Malformed { path: self.path().to_owned(), problem: "it is no text".to_owned() };
+        let garbled =
+            |_| AccessError::Malformed { path: self.path().to_owned(), problem: "the file is not UTF-8 text".to_owned() };
         let keys = self.understood(std::str::from_utf8(&bytes).map_err(garbled)?)?;
         Ok(Some((keys, readers)))
     }
@@ -96,10 +97,10 @@ impl KeyFile {
         })?;
         let mut keys = Vec::new();
         for (number, WrittenKey { name, role, token }) in (1..).zip(read.key) {
-            let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is none")))?;
+            let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is not valid")))?;
             let key = Key::new(&name, role, token);
             // Name and token may be mixed up, so the name is not repeated.
-            keys.push(key.map_err(|_| malformed(format!("the name of key {number} is none: {NAME}")))?);
+            keys.push(key.map_err(|_| malformed(format!("the name of key {number} is not valid: {NAME}")))?);
         }
         Keys::new(keys).map_err(|error| malformed(error.to_string()))
     }

@@ -95,7 +95,7 @@ fn a_damaged_file_is_told_from_one_that_may_not_be_read() {
     overwritten(&file, "");
     fs::write(file.path(), [0xa5, 0xff]).unwrap();
     let said = file.read().expect_err("this is no text").to_string();
-    assert!(said.contains("does not hold keys: it is no text; mend it"), "{said}");
+    assert!(said.contains("is not valid: the file is not UTF-8 text; correct the file"), "{said}");
 }
 
 #[test]

@@ -117,9 +117,10 @@ fn say_who_else(file: &KeyFile, readers: Readers) {
     let file = file.path().display();
     match readers {
         Readers::Owner | Readers::Others(_) => {}
-        Readers::Group => tracing::info!(%file, "the group of the data folder, which may write there, can read the keys"),
+        Readers::Group => tracing::info!(%file, "the group that may write to the data folder can read the keys"),
         Readers::OfVolume => {
-            tracing::warn!(%file, "the volume gives every file the same mode: whoever else reaches it can read the keys");
+            tracing::warn!(%file, "all files on this volume have the same mode: everybody who can use the volume can read the \
+                                   keys");
         }
     }
 }
@@ -145,8 +146,8 @@ impl Followed {
                 *lock(current) = Arc::new(keys);
                 tracing::info!(%file, "the keys have changed");
             }
-            Ok(None) => tracing::error!(%file, "the file of keys is gone: those read before stay in force"),
-            Err(error) => tracing::error!(%error, "the keys read before stay in force"),
+            Ok(None) => tracing::error!(%file, "the key file is missing: the keys that were read before stay valid"),
+            Err(error) => tracing::error!(%error, "the new keys cannot be used: the keys that were read before stay valid"),
         }
         self.seen = stamp;
     }

@@ -8,26 +8,26 @@ use hallsweep_core::world::alarm::AlarmView;
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AlarmJson {
-    /// Its number; null until it is on record.
+    /// Number of the alarm; null until the alarm is on record.
     pub id: Option<u64>,
-    /// Whether it is on record. It is shown at once; it can be acknowledged when it is.
+    /// Whether the alarm is on record. Only a recorded alarm can be acknowledged.
     pub recorded: bool,
-    /// When it was raised, RFC 3339.
+    /// Time at which the alarm was raised, RFC 3339.
     pub raised: String,
-    /// What it says to an operator.
+    /// Message for the operator.
     pub text: String,
-    /// The number of the piece it is about, or null.
+    /// Number of the piece that the alarm is about, or null.
     pub luggage: Option<u64>,
-    /// Who has seen it and when, or null.
+    /// Acknowledgement of the alarm, or null.
     pub acknowledged: Option<Acknowledgement>,
 }
 
-/// That somebody has seen an alarm.
+/// Acknowledgement of an alarm.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Acknowledgement {
-    /// Who.
+    /// Name of the sender who acknowledged the alarm.
     pub by: String,
-    /// When, RFC 3339.
+    /// Time of the acknowledgement, RFC 3339.
     pub at: String,
 }
 

@@ -8,16 +8,16 @@ use super::luggage::LuggageJson;
 use hallsweep_core::command::Accepted;
 use hallsweep_core::snapshot::Snapshot;
 
-/// `{"accepted":true,"revision":812,"epoch":4}`, with the record where the command concerned one.
+/// Answer to an accepted command, as `{"accepted":true,"revision":812,"epoch":4}`; with the piece that it concerned.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AnswerJson {
-    /// Always true: refusals are problems.
+    /// Always true; a refused command is answered with a `Problem`.
     pub accepted: bool,
     /// The revision of the state that contains the command's effect.
     pub revision: u64,
-    /// The epoch that holds: what a movement command may carry next.
+    /// Present epoch, for the next movement command.
     pub epoch: u64,
-    /// The piece it concerned.
+    /// Piece that the command concerned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
 }

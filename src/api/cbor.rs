@@ -83,7 +83,7 @@ fn scalar(decoder: &mut Decoder<'_>, name: &str) -> Result<Value, Unread> {
         Type::F64 => number(decoder.f64().map_err(no_cbor)?, name),
         Type::U8 | Type::U16 | Type::U32 | Type::U64 => decoder.u64().map(Value::from).map_err(no_cbor),
         Type::I8 | Type::I16 | Type::I32 | Type::I64 => decoder.i64().map(Value::from).map_err(no_cbor),
-        other => Err(unusable(format!("`{}` is {}: a text or a number belongs there", in_short(name), in_words(other)))),
+        other => Err(unusable(format!("`{}` is {}: send a text or a number", in_short(name), in_words(other)))),
     }
 }
 
@@ -93,7 +93,7 @@ fn text(decoder: &mut Decoder<'_>) -> Result<String, Unread> {
 
 fn number(value: f64, name: &str) -> Result<Value, Unread> {
     let number = Number::from_f64(value).map(Value::Number);
-    number.ok_or_else(|| unusable(format!("`{}` is {value}: a number, as 21.5, belongs there", in_short(name))))
+    number.ok_or_else(|| unusable(format!("`{}` is {value}: send a number, such as 21.5", in_short(name))))
 }
 
 /// A number of 16 bits, the shortest form of most readings (RFC 8949, appendix D): 1 bit of sign, 5 of exponent, 10 of fraction.
@@ -129,7 +129,7 @@ fn in_words(kind: Type) -> &'static str {
         Type::String | Type::StringIndef => "a text",
         Type::Tag => "a tagged item",
         Type::Bool => "true or false",
-        Type::Int => "a number beyond all bounds",
+        Type::Int => "too large a number",
         Type::Null | Type::Undefined => "null",
         Type::Break | Type::Simple | Type::Unknown(_) => "no value",
         _ => "a number",
@@ -205,11 +205,11 @@ mod tests {
             (b"\x81\x64safe", "the body is a list: send a CBOR map"),
             (b"\x64safe", "the body is a text"),
             (b"\xa1\x01\x64safe", "the name of a field is a number"),
-            (b"\xa1\x67verdict\x81\x64safe", "`verdict` is a list: a text or a number belongs there"),
+            (b"\xa1\x67verdict\x81\x64safe", "`verdict` is a list: send a text or a number"),
             (b"\xa1\x67verdict\xa0", "`verdict` is a map"),
             (b"\xa1\x67verdict\x44safe", "`verdict` is a string of bytes"),
             (b"\xa1\x67verdict\xc0\x64safe", "`verdict` is a tagged item"),
-            (b"\xa2\x67verdict\x64safe\x67verdict\x66danger", "`verdict` is there twice"),
+            (b"\xa2\x67verdict\x64safe\x67verdict\x66danger", "`verdict` occurs twice"),
             (b"\xa1\x64word\x64safe", "no field `word`: its fields are verdict"),
         ];
         for (bytes, words) in cases {
@@ -218,7 +218,7 @@ mod tests {
         }
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\x7e\x00").contains("`celsius` is NaN"));
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\xfc\x00").contains("`celsius` is -inf"));
-        assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\x3b\xff\xff\xff\xff\xff\xff\xff\xff").contains("beyond all bounds"));
+        assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\x3b\xff\xff\xff\xff\xff\xff\xff\xff").contains("too large"));
     }
 
     /// Safety A7.

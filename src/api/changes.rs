@@ -21,7 +21,7 @@ use hallsweep_core::world::resource::Resource;
 /// sent, since sending all would make up most of the traffic.
 const WHOLE: usize = 256;
 
-/// The resources that changed; what did not is absent.
+/// Resources that changed; unchanged resources are absent.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ChangesJson {
     pub revision: u64,
@@ -29,15 +29,15 @@ pub struct ChangesJson {
     pub mission: Option<MissionJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotJson>,
-    /// All of them, when any has changed, or what holds it.
+    /// All robots, sent when a robot or its holds changed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
-    /// All of it, up to 256 pieces.
+    /// All luggage, sent if there are at most 256 pieces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<Vec<LuggageJson>>,
-    /// Where there are more: those that changed, each in the place of the one of its number.
+    /// New and changed pieces, sent if there are more than 256; each replaces the piece with the same `id`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pieces: Option<Vec<LuggageJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -46,7 +46,7 @@ pub struct ChangesJson {
     pub alarms: Option<Vec<AlarmJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub retrieval: Option<RetrievalJson>,
-    /// Only the lines the reader has not got.
+    /// New log lines; after a reconnection, all stored log lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log: Option<Vec<LogLineJson>>,
 }

@@ -19,23 +19,23 @@ pub use super::fields::Unusable;
 #[derive(Clone, Copy, Debug, Default, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct EpochBody {
-    /// The epoch its sender saw: what was stopped since is refused.
+    /// Epoch that the sender saw last; the command is refused if a stop happened since.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
-/// `{"move":"w"}`.
+/// One move by hand, as `{"move":"w"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct MoveBody {
     #[schemars(rename = "move", with = "vocabulary::Move")]
     word: String,
-    /// The epoch its sender saw: what was stopped since is refused.
+    /// Epoch that the sender saw last; the command is refused if a stop happened since.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
-/// `{"x":1,"y":1}`: a cell, counted from home.
+/// Target cell, counted from home, as `{"x":1,"y":1}`.
 #[derive(Clone, Copy, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct GotoBody {
@@ -45,18 +45,18 @@ pub struct GotoBody {
     /// Row, growing to the south.
     #[schemars(range(min = -REACH, max = REACH))]
     y: i64,
-    /// The epoch its sender saw: what was stopped since is refused.
+    /// Epoch that the sender saw last; the command is refused if a stop happened since.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
 
-/// `{"verdict":"safe"}` or `{"verdict":"safe","note":"a lunch box"}`.
+/// Verdict on a piece, as `{"verdict":"safe"}` or `{"verdict":"safe","note":"a lunch box"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct VerdictBody {
     #[schemars(with = "vocabulary::VerdictWord")]
     verdict: String,
-    /// What else there is to say of it, in one line of visible characters.
+    /// Remark on the piece, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
     note: Option<String>,
 }
@@ -69,7 +69,7 @@ pub struct TemperatureBody {
     status: Option<String>,
 }
 
-/// `{"name":"snail"}`.
+/// Search strategy, as `{"name":"snail"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct StrategyBody {
@@ -88,14 +88,19 @@ impl JsonSchema for TemperatureBody {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let word = generator.subschema_for::<vocabulary::TemperatureWord>();
         json_schema!({
-            "description": "A reading in °C, of the operator's own or of a sensor, or a word.",
+            "description": "Reading in °C, by the operator or by a sensor, or the operator's judgement as `status`.",
             "oneOf": [
                 {
                     "type": "object",
                     "properties": {
-                        "celsius": {"type": "number", "minimum": Celsius::LEAST, "maximum": Celsius::MOST},
+                        "celsius": {
+                            "description": "Reading, in °C.",
+                            "type": "number",
+                            "minimum": Celsius::LEAST,
+                            "maximum": Celsius::MOST,
+                        },
                         "sensor": {
-                            "description": "Its name, as in the setting `temperature.sensor`.",
+                            "description": "Name of the sensor, as in the setting `temperature.sensor`.",
                             "type": ["string", "null"],
                             "minLength": 1,
                             "maxLength": TemperatureReport::MOST,
@@ -210,7 +215,7 @@ impl TemperatureBody {
                 Ok(sensor.map_or(TemperatureReport::Reading(celsius), |sensor| TemperatureReport::Sensor(sensor, celsius)))
             }
             (None, Some(_)) if self.sensor.is_some() => {
-                Err(Unusable("a sensor reads degrees: send {\"celsius\":21.5,\"sensor\":\"roof\"}".to_owned()))
+                Err(Unusable("a sensor needs a reading: send {\"celsius\":21.5,\"sensor\":\"roof\"}".to_owned()))
             }
             (None, Some("ok")) => Ok(TemperatureReport::Ok),
             (None, Some("tooHigh")) => Ok(TemperatureReport::TooHigh),
@@ -239,7 +244,7 @@ impl StrategyBody {
     pub fn strategy(&self) -> Result<Strategy, Unusable> {
         let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         Strategy::named(&self.name)
-            .ok_or_else(|| Unusable(format!("there is no strategy {:?}: there are {}", in_short(&self.name), known.join(", "))))
+            .ok_or_else(|| Unusable(format!("there is no strategy {:?}: send one of {}", in_short(&self.name), known.join(", "))))
     }
 }
 
@@ -248,19 +253,17 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     let (text, most) = (text.trim(), Note::MOST);
     let length = text.chars().count();
     if length > most {
-        return Err(Unusable(format!("the note has {length} characters: {most} are the most")));
+        return Err(Unusable(format!("the note has {length} characters: the limit is {most}")));
     }
     if let Some(hidden) = text.chars().find(|letter| !is_visible(*letter)) {
-        return Err(Unusable(format!(
-            "the note has a character that is not seen, {hidden:?}: write it in one line, without such"
-        )));
+        return Err(Unusable(format!("the note has the invisible character {hidden:?}: write one line of visible characters")));
     }
     Ok(Note::new(text))
 }
 
 /// The error for a command id that cannot be used or was sent more than once; `place` says where the door reads the id.
 pub fn no_command_id(place: &str, name: &str) -> String {
-    format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
+    format!("{place} is {:?}: send one name of 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }
 
 /// Removes the command id from the fields of a body, for doors where it is sent as `id` beside them.
@@ -296,7 +299,7 @@ pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
     let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
     match (within(x), within(y)) {
         (Some(x), Some(y)) => Ok(Command::Goto(Cell::new(x, y))),
-        _ => Err(Unusable(format!("({x}, {y}) is out of reach: x and y lie between -{REACH} and {REACH}"))),
+        _ => Err(Unusable(format!("({x}, {y}) is out of reach: x and y must be between -{REACH} and {REACH}"))),
     }
 }
 
@@ -306,7 +309,7 @@ pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
 
 fn celsius(degrees: f64) -> Result<Celsius, Unusable> {
     let (least, most) = (Celsius::LEAST, Celsius::MOST);
-    Celsius::new(degrees).ok_or_else(|| Unusable(format!("{degrees:?} °C cannot be: celsius lies between {least} and {most}")))
+    Celsius::new(degrees).ok_or_else(|| Unusable(format!("{degrees:?} °C is not plausible: celsius must be {least} to {most}")))
 }
 
 #[cfg(test)]

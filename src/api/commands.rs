@@ -79,25 +79,26 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
 pub const COMMANDS: [CommandRow; 12] = [
-    word("start", "/commands/start", "begin, or go on", CommandKind::Start, EPOCH),
+    word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
-    word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, &[]),
-    CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "one move by hand", CommandKind::Move,
+    word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
+    CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
     CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut, takes: Takes::Verdict,
-        ..word("verdict", "/luggage/{id}/verdict", "safe or danger", CommandKind::Verdict,
+        ..word("verdict", "/luggage/{id}/verdict", "declare a piece safe or dangerous", CommandKind::Verdict,
             &[r#"{"luggage":3,"verdict":"safe"}"#, r#"{"luggage":3,"verdict":"danger","note":"wires"}"#]) },
     CommandRow { subject: Subject::Luggage,
         ..word("retake", "/luggage/{id}/photo", "take the photo again", CommandKind::Retake, &[r#"{"luggage":3}"#]) },
     CommandRow { subject: Subject::Alarm,
-        ..word("acknowledge", "/alarms/{id}/acknowledge", "the alarm was seen", CommandKind::Acknowledge, &[r#"{"alarm":2}"#]) },
+        ..word("acknowledge", "/alarms/{id}/acknowledge", "acknowledge an alarm", CommandKind::Acknowledge,
+            &[r#"{"alarm":2}"#]) },
     CommandRow { methods: Methods::Put, takes: Takes::Strategy,
         ..word("strategy", "/strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]) },
     CommandRow { methods: Methods::Put, takes: Takes::Temperature,
-        ..word("temperature", "/temperature", "what is known of the temperature", CommandKind::Temperature,
+        ..word("temperature", "/temperature", "report the temperature", CommandKind::Temperature,
             &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#]) },
 ];
 

@@ -62,7 +62,7 @@ impl BodyFields {
     }
 
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
-        self.field(name, "a whole number, as 3,", integer)
+        self.field(name, "a whole number, such as 3", integer)
     }
 
     pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
@@ -70,7 +70,7 @@ impl BodyFields {
     }
 
     pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
-        self.field(name, "a number, as 21.5,", Value::as_f64)
+        self.field(name, "a number, such as 21.5", Value::as_f64)
     }
 
     /// Removes a field that does not belong to the command, and reads it with `read`; the command is read from the other
@@ -88,7 +88,7 @@ impl BodyFields {
 
     pub(super) fn put(&mut self, name: String, value: Value) -> Result<(), Unusable> {
         if self.left.contains_key(&name) {
-            return Err(Unusable(format!("`{}` is there twice: send it once", in_short(&name))));
+            return Err(Unusable(format!("`{}` occurs twice: send it once", in_short(&name))));
         }
         self.left.insert(name, value);
         Ok(())
@@ -100,7 +100,7 @@ impl BodyFields {
 
     pub(super) fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
         let there = self.left.get(name).filter(|value| !value.is_null());
-        let wrong = |value: &Value| Unusable(format!("`{name}` is {}: {kind} belongs there", in_short(&value.to_string())));
+        let wrong = |value: &Value| Unusable(format!("`{name}` is {}: send {kind}", in_short(&value.to_string())));
         there.map(|value| read(value).ok_or_else(|| wrong(value))).transpose()
     }
 
@@ -201,10 +201,10 @@ mod tests {
             ("\"w\"", "the body is a text"),
             ("3", "the body is a number"),
             ("null", "the body is null"),
-            (r#"{"text":1}"#, "`text` is 1: a text in quotes belongs there"),
-            (r#"{"number":"hot"}"#, "`number` is \"hot\": a number, as 21.5, belongs there"),
-            (r#"{"number":1.5}"#, "`number` is 1.5: a whole number, as 3, belongs there"),
-            (r#"{"text":"a","text":"b"}"#, "`text` is there twice"),
+            (r#"{"text":1}"#, "`text` is 1: send a text in quotes"),
+            (r#"{"number":"hot"}"#, "`number` is \"hot\": send a number, such as 21.5"),
+            (r#"{"number":1.5}"#, "`number` is 1.5: send a whole number, such as 3"),
+            (r#"{"text":"a","text":"b"}"#, "`text` occurs twice"),
             (r#"{"txt":"a"}"#, "no field `txt`: its fields are text, number"),
             (r#"{"text":"#, "the body is not JSON"),
         ];
@@ -231,7 +231,7 @@ mod tests {
         assert_eq!(read(r#"{"id":"a-7","number":3}"#), (Ok(Some("a-7".to_owned())), Ok(())));
         assert_eq!(read(r#"{"number":3}"#), (Ok(None), Ok(())));
         let (id, body) = read(r#"{"id":7,"nummer":3}"#);
-        assert_eq!(id.unwrap_err().to_string(), "`id` is 7: a text in quotes belongs there");
+        assert_eq!(id.unwrap_err().to_string(), "`id` is 7: send a text in quotes");
         assert!(body.unwrap_err().to_string().contains("no field `nummer`: its fields are text, number, id"));
     }
 

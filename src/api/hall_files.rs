@@ -13,24 +13,28 @@ const SAID: usize = 20;
 /// The line that ends the YAML; the image follows.
 const END_OF_YAML: &[u8] = b"\n...\n";
 
-/// A file that was read.
+/// Hall that was read from a file.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ReadHall {
     name: String,
+    /// Number of columns.
     width: i32,
+    /// Number of rows.
     height: i32,
+    /// Side of a cell, in metres.
     cell_m: f64,
+    /// Number of pieces of luggage.
     pieces: usize,
-    /// The whole hall, as a hall file.
+    /// Text of the whole hall as a hall file.
     pub toml: String,
     pub findings: Vec<Finding>,
 }
 
-/// Something that a search of the hall would not come to.
+/// Finding about the hall, for example a piece that a search cannot reach.
 #[derive(Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
-    /// Where, if it is somewhere.
+    /// Cell of the finding, if the finding has a cell.
     #[serde(flatten)]
     pub at: Option<Place>,
     #[serde(flatten)]
@@ -41,15 +45,17 @@ pub struct Finding {
 /// A cell of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Place {
-    /// As in the map, from home.
+    /// Column in the map, counted from home to the east.
     pub x: i32,
+    /// Row in the map, counted from home to the south.
     pub y: i32,
-    /// From 0 in the north-west corner of the drawing.
+    /// Column in the drawing, counted from 0 in the west.
     pub column: i32,
+    /// Row in the drawing, counted from 0 in the north.
     pub row: i32,
 }
 
-/// What a search would not come to. `Display` is the sentence; the code and its values are for whoever says it otherwise.
+/// Code and values of a finding, for programs that write their own sentence. `text` is the sentence in English.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error, JsonSchema)]
 #[serde(tag = "code", rename_all = "camelCase")]
 pub enum Found {
@@ -57,9 +63,9 @@ pub enum Found {
     PieceUnreached { name: String },
     #[error("this free cell cannot be reached from home")]
     CellUnreached,
-    #[error("and {count} more that cannot be reached")]
+    #[error("{count} more places cannot be reached")]
     More { count: usize },
-    #[error("there is no luggage in it: a search has nothing to inspect")]
+    #[error("the hall contains no luggage: a search has nothing to inspect")]
     NoLuggage,
 }
 
@@ -191,13 +197,13 @@ mod tests {
     fn a_great_many_findings_are_counted() {
         let walls = format!("drawing = \"\"\"\nS#{}\n\"\"\"\n", ".".repeat(100));
         let findings = read("m.toml", walls.as_bytes()).findings;
-        assert!(findings.len() < 30 && findings.iter().any(|finding| finding.text == "and 80 more that cannot be reached"));
+        assert!(findings.len() < 30 && findings.iter().any(|finding| finding.text == "80 more places cannot be reached"));
     }
 
     #[test]
     fn what_cannot_be_read_is_said_with_its_file() {
         for (file, bytes, words) in [
-            ("m.toml", &b"drawing = \"\"\"\n...\n\"\"\"\n"[..], "m.toml:1: no start"),
+            ("m.toml", &b"drawing = \"\"\"\n...\n\"\"\"\n"[..], "m.toml:1: there is no start"),
             ("m.js", b"nonsense", "m.js:1: "),
             ("m.yaml", b"image: m.pgm\n", "m.yaml: "),
             ("m.yaml", b"image: m.pgm\n...\nP5 9 9 255\n", "m.yaml: "),

@@ -9,14 +9,14 @@ use hallsweep_core::snapshot::log::LogLine;
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LogLineJson {
-    /// Its number, from 1 without gaps.
+    /// Number of the line, counted from 1 without gaps.
     pub number: u64,
-    /// When, RFC 3339.
+    /// Time of the event, RFC 3339.
     pub at: String,
-    /// `info`, `warning` or `alarm`.
+    /// Severity: `info`, `warning` or `alarm`.
     #[schemars(with = "vocabulary::Tone")]
     pub tone: &'static str,
-    /// What happened, as a sentence.
+    /// Sentence that says what happened.
     pub text: String,
 }
 

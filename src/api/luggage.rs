@@ -9,55 +9,55 @@ use super::vocabulary;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
-/// One record.
+/// Record of a piece of luggage.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LuggageJson {
-    /// Its number, never used for another piece.
+    /// Number of the piece, never used for another piece.
     pub id: u64,
-    /// `pending`, `safe` or `danger`.
+    /// Verdict: `pending`, `safe` or `danger`.
     #[schemars(with = "vocabulary::Verdict")]
     pub verdict: &'static str,
-    /// The cell of the bag.
+    /// Cell of the piece.
     pub cell: PositionJson,
-    /// The cell from which it was photographed.
+    /// Cell from which the piece was photographed.
     pub position: PositionJson,
-    /// The way the robot faced then.
+    /// Direction in which the robot faced for the photo.
     #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
-    /// When the photo was taken or failed, RFC 3339 with zone.
+    /// Time at which the photo was taken or failed, RFC 3339 with zone.
     pub taken: String,
-    /// What became of the photo.
+    /// The photo, or the reason why the photo failed.
     pub photo: PhotoJson,
-    /// Who decided and when, or null while it is pending.
+    /// Decision on the piece; null while the verdict is pending.
     pub decided: Option<DecisionJson>,
-    /// When it was put into the container, RFC 3339 with zone; null while it is in the hall.
+    /// Time at which the piece was put into the container, RFC 3339 with zone; null while the piece is in the hall.
     pub secured: Option<String>,
 }
 
-/// A photo, or why there is none; what does not apply is null.
+/// A photo, or the reason why the photo failed; fields that do not apply are null.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PhotoJson {
-    /// `taken` or `failed`.
+    /// Result: `taken` or `failed`.
     #[schemars(with = "vocabulary::PhotoState")]
     pub state: &'static str,
-    /// Where it can be fetched. It changes with every take.
+    /// Address of the photo, different for every take.
     pub url: Option<String>,
-    /// Its size in bytes.
+    /// Size of the photo, in bytes.
     pub bytes: Option<usize>,
-    /// 1 for the first photo, more after a retake.
+    /// Number of the photo, counted from 1; each retake adds one.
     pub take: Option<u32>,
-    /// Why there is none.
+    /// Reason why the photo failed.
     pub reason: Option<String>,
 }
 
-/// Who decided, when, and what was noted.
+/// Decision on a piece: sender, time and note.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DecisionJson {
-    /// Who: the name of the key, and behind it in brackets the name that a person gave when signing in, as `operator (Anna)`.
+    /// Name of the key, then in brackets the name that a person gave when signing in, as `operator (Anna)`.
     pub by: String,
-    /// When, RFC 3339 with zone.
+    /// Time of the decision, RFC 3339 with zone.
     pub at: String,
-    /// What else was said of it, where something was.
+    /// Remark of the operator, or null.
     pub note: Option<String>,
 }
 

@@ -18,32 +18,33 @@ pub struct Plan<'a> {
     pub robot: Cell,
 }
 
-/// Every cell of which anything is known, borders included: `rows[y - origin.y][x - origin.x]`.
+/// Known part of the hall, borders included; the mark of cell (x, y) is `rows[y - origin.y][x - origin.x]`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapJson {
-    /// When the map or the robot's place in it last changed; absent in a mission's record, since revisions are of one run.
+    /// Revision at which the map or the robot last changed; absent in a mission's record, because a revision
+    /// is valid in one run only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revision: Option<u64>,
-    /// The cell of the first character of the first row.
+    /// Cell of the first character of the first row.
     pub origin: PositionJson,
-    /// Columns.
+    /// Number of columns.
     pub width: i32,
-    /// Rows.
+    /// Number of rows.
     pub height: i32,
-    /// From north to south, a character per cell: `r` robot, `1` visited, `0` unknown, `X` obstacle.
+    /// Rows from north to south, with one character per cell: `r` robot, `1` visited, `0` unknown, `X` obstacle.
     pub rows: Vec<String>,
 }
 
-/// The cells that differ from what the reader has. There is one robot: an `r` turns an earlier one into `1`.
+/// Changed cells. The map shows one robot: a new `r` turns the previous `r` into `1`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapCells {
-    /// When the map or the robot's place in it last changed.
+    /// Revision at which the map or the robot last changed.
     pub revision: u64,
-    /// The cell of the first character of the first row.
+    /// Cell of the first character of the first row.
     pub origin: PositionJson,
-    /// Columns.
+    /// Number of columns.
     pub width: i32,
-    /// Rows.
+    /// Number of rows.
     pub height: i32,
     pub cells: Vec<CellJson>,
 }
@@ -55,17 +56,17 @@ pub struct CellJson {
     pub x: i32,
     /// Row.
     pub y: i32,
-    /// `r`, `1`, `0` or `X`.
+    /// Mark of the cell: `r` robot, `1` visited, `0` unknown, `X` obstacle.
     pub mark: char,
 }
 
-/// What a stream sends of the map.
+/// Change of the map in a stream of events.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MapChange {
-    /// All of it.
+    /// The whole map.
     Whole(MapJson),
-    /// What is different.
+    /// The changed cells.
     Cells(MapCells),
 }
 

@@ -32,9 +32,9 @@ const USUAL_CELL_M: f64 = 0.5;
 pub const FILES: [MapFileRow; 5] = [
     row("hall.toml", "application/toml", "A hall file", MapPart::File(Format::Toml)),
     row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", MapPart::File(Format::MovingAi)),
-    row("hall.yaml", "application/yaml", "What ROS `map_server` reads, of `hall.pgm`", MapPart::File(Format::Occupancy)),
-    row("hall.pgm", "image/x-portable-graymap", "Its image, a pixel a cell", MapPart::Image),
-    row("hall.txt", "text/plain; charset=utf-8", "The text of old clients, from the first cell known", MapPart::File(Format::SeedText)),
+    row("hall.yaml", "application/yaml", "Description of `hall.pgm` for ROS `map_server`", MapPart::File(Format::Occupancy)),
+    row("hall.pgm", "image/x-portable-graymap", "Image for `hall.yaml`, one pixel per cell", MapPart::Image),
+    row("hall.txt", "text/plain; charset=utf-8", "Map text of old clients, from the first known cell", MapPart::File(Format::SeedText)),
 ];
 
 const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: MapPart) -> MapFileRow {

@@ -10,72 +10,72 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 use hallsweep_core::units::Revision;
 
-/// Where the mission stands.
+/// State of the mission.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MissionJson {
-    /// When it last changed.
+    /// Revision at which the mission last changed.
     pub revision: u64,
-    /// Its number; 0 before the first.
+    /// Number of the mission; 0 before the first mission.
     pub id: u64,
-    /// The phase, by its name in the protocol.
+    /// Phase of the mission.
     #[schemars(with = "vocabulary::Phase")]
     pub phase: &'static str,
-    /// The phase that is interrupted while driving by hand or in fault, or null.
+    /// Phase that driving by hand or a fault interrupts, or null.
     #[schemars(with = "Option<vocabulary::Phase>")]
     pub interrupted: Option<&'static str>,
-    /// Why it is in fault, or null.
+    /// Cause of the fault, or null.
     pub fault: Option<String>,
-    /// What holds the robot.
+    /// Reasons why the robot must not move.
     #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
-    /// Why nothing can be recorded just now, in words, or null.
+    /// Reason why nothing can be recorded now, in words, or null.
     pub store_failure: Option<String>,
-    /// The cell it is on its way to, or null.
+    /// Cell to which the robot is driving, or null.
     pub goal: Option<PositionJson>,
-    /// The cells it means to pass, the next one first.
+    /// Planned cells, beginning with the next cell.
     pub route: Vec<PositionJson>,
-    /// The order of the search.
+    /// Search strategy.
     #[schemars(with = "vocabulary::StrategyName")]
     pub strategy: &'static str,
-    /// Raised by every stop.
+    /// Epoch: a number that every stop raises.
     pub epoch: u64,
-    /// How far the search has come.
+    /// Progress of the search.
     pub progress: ProgressJson,
-    /// For each button the sentence it would be refused with just now, or null.
+    /// For each button, the sentence with which the button would be refused now, or null.
     pub refusals: RefusalsJson,
 }
 
-/// How far the search has come.
+/// Progress of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProgressJson {
-    /// Cells visited.
+    /// Number of visited cells.
     pub visited: usize,
-    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
+    /// Number of open places: unknown cells beside visited cells, and obstacles still to be inspected.
     pub unknown: usize,
-    /// 100 when nothing is open, else null: what the hall will come to nobody knows before.
+    /// 100 when no place is open; null before, because the size of the hall is not known until then.
     pub percent: Option<u8>,
-    /// How long the search will go on driving, photos and answers left out, or null while nobody can tell.
+    /// Remaining driving time of the search, without photos and answers; null while there is no estimate.
     pub seconds_left: Option<SecondsLeftJson>,
-    /// Free cells that can be reached from here; left out where the hall is not known beforehand.
+    /// Number of free cells that can be reached from the start; absent if the hall is not known beforehand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reachable: Option<u32>,
-    /// All free cells; left out where the hall is not known beforehand.
+    /// Number of all free cells; absent if the hall is not known beforehand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free: Option<u32>,
 }
 
-/// How long a search will go on, as a range.
+/// Estimate of the remaining time of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SecondsLeftJson {
-    /// It will hardly be less.
+    /// Shortest likely time, in seconds.
     pub least: u64,
-    /// Nor more, or null while the hall may go on.
+    /// Longest likely time, in seconds; null while the hall may extend further.
     pub most: Option<u64>,
 }
 
-/// What each button would be refused with; null where it would not be.
+/// For each button, the sentence with which the button would be refused now; null for a button that would be accepted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RefusalsJson {
@@ -88,7 +88,7 @@ pub struct RefusalsJson {
     pub retake: Option<String>,
 }
 
-/// The order of the search alone, in the shape in which it is chosen.
+/// Search strategy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct StrategyJson {
     #[schemars(with = "vocabulary::StrategyName")]

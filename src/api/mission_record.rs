@@ -15,38 +15,39 @@ use hallsweep_core::engine::Past;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// A mission in one line.
+/// Summary of a mission.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionRecordJson {
-    /// Its number.
+    /// Number of the mission.
     pub id: u64,
-    /// The order of its search.
+    /// Search strategy.
     pub strategy: String,
-    /// When it began, RFC 3339 with zone.
+    /// Time at which the mission began, RFC 3339 with zone.
     pub began: String,
-    /// When it was put away, or null while it is the present one.
+    /// Time at which the mission ended by RESET or the next START; null for the present mission.
     pub archived: Option<String>,
-    /// The last phase it came to, by its name in the protocol.
+    /// Last phase of the mission.
     pub phase: String,
-    /// How many pieces of luggage were found.
+    /// Number of pieces of luggage found.
     pub pieces: u64,
+    /// Number of dangerous pieces.
     pub dangerous: u64,
-    /// The numbers of the dangerous pieces that were left in place when it was put away.
+    /// Numbers of the dangerous pieces that were still in place when the mission ended.
     pub left: Vec<u64>,
-    /// Where there is more of it.
+    /// Addresses of further data of the mission.
     pub links: Links,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Links {
-    /// The mission with its luggage and its map.
+    /// Address of the mission with its luggage and its map.
     #[serde(rename = "self")]
     pub itself: String,
-    /// Everything that happened in it.
+    /// Address of all events of the mission.
     pub events: String,
-    /// Its map alone.
+    /// Address of the map alone.
     pub map: String,
-    /// Its page for people.
+    /// Address of the mission's page for people.
     pub page: String,
 }
 
@@ -54,22 +55,22 @@ pub struct Links {
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionListJson {
     pub missions: Vec<MissionRecordJson>,
-    /// Where the list goes on, or null at its end.
+    /// Address of the rest of the list; null at the end.
     pub next: Option<String>,
 }
 
-/// A mission with everything that stood when it was put away, or that stands now.
+/// A mission with its luggage, map and conditions, at its end or at present.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MissionWholeJson {
     #[serde(flatten)]
     pub record: MissionRecordJson,
-    /// In which hall it was at its end, and what counted as too hot then; null where no record says so.
+    /// Hall and temperature threshold at the mission's end or at present; null if they are not recorded.
     pub conditions: Option<ConditionsShape>,
-    /// Its luggage, by number.
+    /// Luggage of the mission, sorted by number.
     pub luggage: Vec<LuggageJson>,
-    /// Its hall as far as it was known, or null when that is not kept.
+    /// Known part of the hall; null if the map is not stored.
     pub map: Option<MapJson>,
-    /// What of the record cannot be understood, a sentence each: what follows from it is not in here.
+    /// One sentence for each part of the record that cannot be understood; the effects of such parts are missing here.
     pub damage: Vec<String>,
 }
 
@@ -93,48 +94,49 @@ fn conditions(state: &PersistentState) -> Option<ConditionsShape> {
     state.conditions.as_ref().map(ConditionsShape::from)
 }
 
-/// How a mission stood after one of its entries.
+/// State of a mission after one of its entries.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MomentJson {
-    /// The mission.
+    /// Number of the mission.
     pub mission: u64,
-    /// The entry, and when it was written, RFC 3339 with zone.
+    /// Number of the entry.
     pub seq: u64,
+    /// Time at which the entry was written, RFC 3339 with zone.
     pub time: String,
-    /// Where the mission stood, by its name in the protocol.
+    /// Phase of the mission.
     #[schemars(with = "vocabulary::Phase")]
     pub phase: &'static str,
-    /// What held the robot.
+    /// Reasons why the robot had to stand still.
     #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
-    /// The cell it was on its way to, or null.
+    /// Cell to which the robot was driving, or null.
     pub goal: Option<PositionJson>,
-    /// Where the robot that searches stood after its last completed step or turn.
+    /// Cell and heading of the robot that searches, after its last completed step or turn.
     pub robot: StandsJson,
-    /// The last reading in °C, or null where there was none not long before.
+    /// Last reading in °C; null if no recent reading is recorded.
     pub celsius: Option<f64>,
-    /// When it was read; null where that is not known.
+    /// Time of the reading; null if the time is not known.
     pub read_at: Option<String>,
-    /// Since when its source was silent, so that the temperature was not known; null while it was.
+    /// Time since which the source of the reading was silent; null if the temperature was known.
     pub silent_since: Option<String>,
-    /// In which hall it was, and what counted as too hot; null where no record says so.
+    /// Hall and temperature threshold; null if they are not recorded.
     pub conditions: Option<ConditionsShape>,
-    /// The luggage that had been found, by number.
+    /// Luggage found until then, sorted by number.
     pub luggage: Vec<LuggageJson>,
-    /// The hall as far as it was known.
+    /// Known part of the hall.
     pub map: MapJson,
-    /// What of the record cannot be understood, a sentence each.
+    /// One sentence for each part of the record that cannot be understood.
     pub damage: Vec<String>,
-    /// What happened from then on, and the page that shows this moment.
+    /// Addresses of the later events and of the page that shows this moment.
     pub links: MomentLinks,
 }
 
-/// Where a robot stands.
+/// Cell and heading of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StandsJson {
     pub position: PositionJson,
-    /// `north`, `east`, `south` or `west`.
+    /// Direction in which the robot faces: `north`, `east`, `south` or `west`.
     #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
 }
@@ -170,13 +172,13 @@ impl MomentJson {
     }
 }
 
-/// `events`, as its schema has it.
+/// Events of a mission.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "it is there for its schema")]
 pub struct EventListJson {
-    /// Oldest first.
+    /// Events, oldest first.
     events: Vec<journal::ListedLine>,
-    /// Where the list goes on, or null at its end.
+    /// Address of the rest of the list; null at the end.
     next: Option<String>,
 }
 

@@ -86,7 +86,7 @@ pub fn may_drive(command: &Command, manual_driving: bool) -> Result<(), Refused>
     if manual_driving || !matches!(command, Command::Move(_) | Command::Goto(_)) {
         return Ok(());
     }
-    let words = "old clients may not drive the robot here: set old_clients.manual_driving to let them; h halts it always";
+    let words = "old clients may not drive the robot here: set old_clients.manual_driving to allow it; h always halts the robot";
     Err(Refused::NotAllowed(words.to_owned()))
 }
 

@@ -31,16 +31,16 @@ pub struct ProblemJson<'a> {
     /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.
     #[serde(rename = "type")]
     pub kind: String,
-    /// The status in words.
+    /// Status in words.
     pub title: &'static str,
     pub status: u16,
-    /// What was wrong, with what value, and what to do.
+    /// Sentence for people: the fault, the wrong value, and what to do.
     pub detail: &'a str,
-    /// A short fixed word for programs.
+    /// Short word for programs, which never changes.
     pub code: &'static str,
-    /// Always false, so that whoever looks at the body alone does not take it for a success.
+    /// Always false, for clients that look at the body alone.
     pub accepted: bool,
-    /// The record a refused verdict was about.
+    /// Record of the piece, if a verdict or a retake was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
 }

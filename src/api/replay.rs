@@ -13,19 +13,19 @@ use behaviour_trees::log::NodeState;
 use behaviour_trees::{TickLog, Tree};
 use hallsweep_core::snapshot::retrieval::{NodeShown, TreeView, TreesView};
 
-/// The ticks of trees on one blackboard.
+/// Ticks of behaviour trees that share one blackboard.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ReplayJson {
-    /// In the order in which they are ticked.
+    /// Trees, in the order in which they are ticked.
     pub trees: Vec<TreeLogJson>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TreeLogJson {
     pub id: String,
-    /// In preorder.
+    /// Nodes of the tree, in preorder.
     pub nodes: Vec<NodeLabelJson>,
-    /// The ticks that are known, oldest first.
+    /// Recorded ticks, oldest first.
     pub ticks: Vec<TickJson>,
 }
 
@@ -37,17 +37,17 @@ pub struct NodeLabelJson {
     pub depth: usize,
 }
 
-/// What one tick changed; the first one of a log, everything that stands then.
+/// Changes by one tick; for the first tick of a list, the whole state after that tick.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TickJson {
-    /// Seconds since the run began.
+    /// Time since the run began, in seconds.
     pub t: f64,
     /// The number of the tick, counted from 1.
     pub tick: u64,
-    /// Of each node that stands otherwise its place in `nodes`, its status as in `retrieval`, and whether it was ticked.
+    /// For each changed node: its index in the `nodes` of the tree, its status, and whether the node was ticked.
     #[schemars(with = "Vec<(usize, vocabulary::NodeStatus, bool)>")]
     pub nodes: Vec<(usize, &'static str, bool)>,
-    /// Entries of the blackboard that hold something else, as it would stand in a file; null where they hold nothing any more.
+    /// Changed entries of the blackboard, written as in a tree file; null for an entry that is empty now.
     pub entries: BTreeMap<String, Option<String>>,
 }
 

@@ -54,18 +54,19 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 /// The doors and `docs/` list the resources in this order.
 #[rustfmt::skip]
 pub const RESOURCES: [ResourceRow; 12] = [
-    row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),
-    row(ResourceKind::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
+    row(ResourceKind::State, "state", "/state", "The whole state at one revision", SHAPES),
+    row(ResourceKind::Strategy, "strategy", "/strategy", "The search strategy", WITH_TEXT),
     of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
-    of(Resource::Robot, "/robot", "What the robot does, and where", MEASURED),
-    of(Resource::Map, "/map", "The hall as far as it is known", WITH_TEXT),
+    of(Resource::Robot, "/robot", "Activity and place of the robot", MEASURED),
+    of(Resource::Map, "/map", "The known part of the hall", WITH_TEXT),
     of(Resource::Luggage, "/luggage", "The luggage of this mission", SHAPES),
-    of(Resource::Temperature, "/temperature", "The temperature, and what follows", MEASURED),
+    of(Resource::Temperature, "/temperature", "The temperature and its effect", MEASURED),
     of(Resource::Alarms, "/alarms", "The alarms", SHAPES),
-    of(Resource::Retrieval, "/retrieval", "What is fetched, and the trees at work", WITH_TEXT),
+    of(Resource::Retrieval, "/retrieval", "The retrieval and its behaviour trees", WITH_TEXT),
     of(Resource::Log, "/log", "The latest lines of the log", SHAPES),
     row(ResourceKind::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
-    ResourceRow { is_observable: false, ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
+    ResourceRow { is_observable: false,
+        ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Photo of a piece of luggage", &[Form::Picture]) },
 ];
 
 const fn of(resource: Resource, path: &'static str, title: &'static str, forms: &'static [Form]) -> ResourceRow {

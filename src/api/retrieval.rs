@@ -12,33 +12,33 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::retrieval::{NodeShown, RetrievalView, TreeView};
 use hallsweep_core::units::Revision;
 
-/// The retrieval; its stage is `none` while there is none.
+/// Retrieval of a dangerous piece; `stage` is `none` while no retrieval runs.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RetrievalJson {
-    /// When it last changed.
+    /// Revision at which the retrieval last changed.
     pub revision: u64,
-    /// `none`, `makingRoom`, `fetching`, `lettingGo`, `goingOut` or `comingHome`.
+    /// Stage: `none`, `makingRoom`, `fetching`, `lettingGo`, `goingOut` or `comingHome`.
     #[schemars(with = "vocabulary::RetrievalStage")]
     pub stage: &'static str,
-    /// The piece that is fetched.
+    /// Number of the piece that is fetched.
     pub luggage: Option<u64>,
-    /// `pair` or `discovery`.
+    /// Robots that fetch: `pair` or `discovery`.
     #[schemars(with = "Option<vocabulary::Fetcher>")]
     pub fetcher: Option<&'static str>,
-    /// Why it cannot be fetched, once that is known.
+    /// Reason why the piece cannot be fetched; null while no reason is known.
     pub reason: Option<String>,
-    /// How often the trees have been ticked.
+    /// Number of ticks of the trees.
     pub ticks: u64,
-    /// The trees in the order in which they are ticked.
+    /// Behaviour trees, in the order in which they are ticked.
     pub trees: Vec<TreeJson>,
-    /// What they share, as it would stand in a file.
+    /// Blackboard that the trees share: entries by name, written as in a tree file.
     pub blackboard: BTreeMap<String, String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TreeJson {
     pub id: String,
-    /// In preorder.
+    /// Nodes of the tree, in preorder.
     pub nodes: Vec<NodeJson>,
 }
 
@@ -48,28 +48,30 @@ pub struct NodeJson {
     pub name: String,
     pub kind: String,
     pub depth: usize,
-    /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`: what it said in the last tick if it was ticked in it, else how it stands.
+    /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`: the result of the last tick if `ticked` is true, else the
+    /// present status.
     #[schemars(with = "vocabulary::NodeStatus")]
     pub status: &'static str,
-    /// Whether it was ticked in the last tick.
+    /// Whether the last tick visited the node.
     pub ticked: bool,
 }
 
-/// An arm, as its robot says it is.
+/// State of an arm, as its robot reports it.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ArmJson {
-    /// `open` or `closed`.
+    /// State of the gripper: `open` or `closed`.
     #[schemars(with = "vocabulary::Gripper")]
     pub gripper: &'static str,
-    /// Whether a parcel is in the gripper, and whether it is off the floor.
+    /// Whether a parcel is in the gripper.
     pub holds: bool,
+    /// Whether a parcel is in the gripper and off the floor.
     pub lifted: bool,
-    /// Newtons.
+    /// Gripping force, in newtons; 0 when nothing is held.
     pub force_n: f64,
-    /// How far the paddle is from upright, in degrees.
+    /// Angle of the paddle from upright, in degrees.
     pub angle_deg: f64,
-    /// How much further than wanted the bases are apart, in millimetres.
+    /// Distance of the two bases minus the wanted distance, in millimetres.
     pub gap_mm: f64,
 }
 

@@ -15,30 +15,30 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::state::Retrieval;
 
-/// A retrieval from its beginning to its end, or as far as it has come.
+/// Record of a retrieval, from the beginning to the end or to the present stage.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RetrievalRecordJson {
-    /// The piece that was fetched, or was to be.
+    /// Number of the piece to fetch.
     pub luggage: u64,
-    /// `pair` or `discovery`.
+    /// Robots that fetch: `pair` or `discovery`.
     #[schemars(with = "vocabulary::Fetcher")]
     pub fetcher: &'static str,
-    /// RFC 3339, with zone.
+    /// Time at which the retrieval began, RFC 3339 with zone.
     pub began: String,
-    /// From then to the last that is known of it, by the wall clock.
+    /// Time from the beginning to the last recorded event, in seconds of the wall clock.
     pub seconds: f64,
-    /// Whether everything of it is here; else its later part is missing.
+    /// Whether the record is complete; otherwise its later part is missing.
     pub complete: bool,
     pub events: Vec<EventJson>,
     #[serde(flatten)]
     pub replay: ReplayJson,
 }
 
-/// Something that happened, in words.
+/// Event of a retrieval, in words.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "RetrievalEvent")]
 pub struct EventJson {
-    /// Seconds since it began.
+    /// Time since the beginning, in seconds.
     pub t: f64,
     pub words: String,
     /// What it was, for whoever says it in another language.

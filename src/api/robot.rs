@@ -12,7 +12,7 @@ use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::state::Participant;
 use hallsweep_core::units::{Cell, Revision};
 
-/// A cell: `{"x":1,"y":2}`.
+/// A cell, counted from home, as `{"x":1,"y":2}`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct PositionJson {
     /// Column, growing to the east.
@@ -27,32 +27,33 @@ impl From<Cell> for PositionJson {
     }
 }
 
-/// What is known of the robot.
+/// Known state of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RobotJson {
-    /// When it last changed.
+    /// Revision at which a robot last changed.
     pub revision: u64,
-    /// `stopped`, `movingForward`, `movingBackward`, `rotateLeft`, `rotateRight`, `takingPhoto` or `sendingPhoto`.
+    /// Activity: `stopped`, `movingForward`, `movingBackward`, `rotateLeft`, `rotateRight`, `takingPhoto`,
+    /// `sendingPhoto` or `movingArm`.
     #[schemars(with = "vocabulary::RobotState")]
     pub state: &'static str,
-    /// Whether it was told to halt and has not said since that it stands.
+    /// Whether the robot must halt and has not yet reported that it has stopped.
     pub halting: bool,
-    /// `north`, `east`, `south` or `west`.
+    /// Direction in which the robot faces: `north`, `east`, `south` or `west`.
     #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
-    /// The cell it stands in.
+    /// Cell of the robot.
     pub position: PositionJson,
-    /// Whether it stands away from the cell's centre, after a halt in mid-step.
+    /// Whether the robot is away from the centre of its cell, after a halt within a step.
     pub off_centre: bool,
-    /// Whether it is before the entrance; then its position is home's.
+    /// Whether the robot is outside, in front of the entrance; then `position` is home.
     pub outside: bool,
-    /// Centimetres to what is ahead, or null beyond the sonar's range.
+    /// Distance to the next obstacle, in centimetres; null beyond the sonar's range.
     pub sonar: Option<u16>,
-    /// `off` or `blinking`.
+    /// State of the LED: `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
-    /// Since when it cannot be reached, so that all of this is what it last said; null while it can, and before it was first tried.
+    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last report.
     pub unreached_since: Option<String>,
 }
 
@@ -74,48 +75,50 @@ impl RobotJson {
     }
 }
 
-/// One of all robots: its name, what it has, what holds it, and beside these what is said of the one that searches.
+/// State of one robot, with its name, parts and holds.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NamedRobotJson {
-    /// Its name in the settings.
+    /// Name of the robot in the settings.
     pub name: String,
+    /// Whether this is the robot that searches.
     pub searches: bool,
-    /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`, `acknowledgedMoves`; null before its link is
-    /// up.
+    /// Parts and abilities: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`,
+    /// `acknowledgedMoves`; null before the link is up.
     #[schemars(with = "Option<Vec<vocabulary::Part>>")]
     pub parts: Option<Vec<&'static str>>,
-    /// What the robot that searches has not, and what is done instead; nothing of the others, and null before its link is up.
+    /// Parts that the robot that searches lacks, and what replaces them; empty for other robots, null before the
+    /// link is up.
     pub replaced: Option<Vec<ReplacedJson>>,
-    /// Why it cannot be reached; null while it is, and where no reason is known.
+    /// Reason why the robot cannot be reached; null while its link is up, or if no reason is known.
     pub unreached: Option<String>,
-    /// What holds it: what holds all, and what holds it alone.
+    /// Reasons why the robot must not move: for all robots, and for this robot alone.
     #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
-    /// When any robot last changed.
+    /// Revision at which any robot last changed.
     pub revision: u64,
-    /// What it does.
+    /// Present activity of the robot.
     #[schemars(with = "vocabulary::RobotState")]
     pub state: &'static str,
-    /// Whether it was told to halt and has not said since that it stands.
+    /// Whether the robot must halt and has not yet reported that it has stopped.
     pub halting: bool,
-    /// Where it looks.
+    /// Direction in which the robot faces.
     #[schemars(with = "vocabulary::Heading")]
     pub heading: &'static str,
-    /// The cell it stands in.
+    /// Cell of the robot.
     pub position: PositionJson,
-    /// Whether it stands away from the cell's centre.
+    /// Whether the robot is away from the centre of its cell.
     pub off_centre: bool,
-    /// Whether it is before the entrance.
+    /// Whether the robot is outside, in front of the entrance.
     pub outside: bool,
-    /// Centimetres to what is ahead, or null.
+    /// Distance to the next obstacle, in centimetres, or null.
     pub sonar: Option<u16>,
-    /// `off` or `blinking`.
+    /// State of the LED: `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
-    /// Since when it cannot be reached, so that all of this is what it last said; null while it can.
+    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last report.
     pub unreached_since: Option<String>,
-    /// Its arm; null where it has none, and before its link is up.
+    /// State of the arm; null if the robot has no arm, and before the link is up.
     pub arm: Option<ArmJson>,
 }
 
@@ -146,12 +149,12 @@ impl NamedRobotJson {
     }
 }
 
-/// One of all robots, with what the settings say of it.
+/// State of one robot, with its kind and address from the settings.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RobotBySettingsJson {
-    /// `sim`, `virtual-tcp`, `virtual-ws` or `line`; null where it is not known.
+    /// Kind of robot: `sim`, `virtual-tcp`, `virtual-ws` or `line`; null if the kind is not known.
     pub kind: Option<String>,
-    /// Where it is reached, as `localhost:8999` or `/dev/ttyUSB0`; null for one that is part of this program.
+    /// Address of the robot, as `localhost:8999` or `/dev/ttyUSB0`; null for a robot that is part of this program.
     pub address: Option<String>,
     #[serde(flatten)]
     pub robot: NamedRobotJson,

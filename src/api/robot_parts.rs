@@ -8,17 +8,17 @@ use hallsweep_core::robot::{Part, Parts};
 
 /// Replacements for missing parts. Nothing replaces the base; and without arm or gripper the robot fetches nothing.
 const REPLACED: [(Part, &str); 5] = [
-    (Part::Camera, "a drawing, which says that it is one"),
-    (Part::Sonar, "driving into what is there"),
-    (Part::Led, "the console alone shows it"),
+    (Part::Camera, "a drawing marked as a drawing"),
+    (Part::Sonar, "touching obstacles on the way"),
+    (Part::Led, "the display on the console alone"),
     (Part::Thermometer, "the operator's buttons and the hall's sensors"),
     (Part::AcknowledgedMoves, "moves are timed"),
 ];
 
-/// A part that is missing, and what is done instead.
+/// A missing part, and what replaces the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ReplacedJson {
-    /// As in the list of parts.
+    /// Name of the part, as in `parts`.
     #[schemars(with = "vocabulary::Part")]
     pub part: &'static str,
     pub by: &'static str,

@@ -12,12 +12,12 @@ use super::robot::PositionJson;
 use crate::runtime::simulator::{Change, HallSource, MOST_BLOCKED, OtherHall, Pace, Simulator, SimulatorState};
 use hallsweep_core::units::Cell;
 
-/// `GET simulator`
+/// State of the simulator.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SimulatorJson<'a> {
     hall: HallJson<'a>,
-    /// In digits and quotes: not every reader has whole numbers so large.
+    /// Seed of the simulation, as digits in quotes, because some clients round large numbers.
     #[serde(serialize_with = "in_digits")]
     #[schemars(with = "String", regex(pattern = "^[0-9]+$"))]
     seed: u64,
@@ -29,10 +29,11 @@ pub struct SimulatorJson<'a> {
     no_thermometer: bool,
     camera_fails: bool,
     blocked: Vec<PositionJson>,
-    /// The names of the halls that are offered, and which of them somebody has kept.
+    /// Names of the offered halls.
     halls: Vec<String>,
+    /// Names of the offered halls that users stored.
     kept_halls: Vec<String>,
-    /// Why the robots cannot be put down in another hall just now.
+    /// Reason why the hall cannot be changed now; null if the hall can be changed.
     bound: Option<String>,
 }
 
@@ -40,10 +41,13 @@ pub struct SimulatorJson<'a> {
 #[serde(rename_all = "camelCase")]
 struct HallJson<'a> {
     name: &'a str,
-    /// In cells.
+    /// Number of columns.
     width: u32,
+    /// Number of rows.
     height: u32,
+    /// Side of a cell, in metres.
     cell_m: f64,
+    /// Number of pieces of luggage.
     pieces: usize,
 }
 
@@ -78,7 +82,7 @@ fn speed<S: Serializer>(speed: &Pace, to: S) -> Result<S::Ok, S::Error> {
     }
 }
 
-/// How many times as fast as life, or as fast as it goes.
+/// Speed as a multiple of real time, or `max` for the highest possible speed.
 struct Speed;
 
 impl JsonSchema for Speed {
@@ -88,17 +92,17 @@ impl JsonSchema for Speed {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
-            "description": "How many times as fast as life, or as fast as it goes.",
+            "description": "Speed as a multiple of real time, or `max` for the highest possible speed.",
             "oneOf": [{"type": "number", "minimum": Pace::SLOWEST, "maximum": Pace::FASTEST}, {"const": "max"}],
         })
     }
 }
 
-/// `PUT simulator`
+/// Body of `PUT simulator`.
 #[derive(JsonSchema)]
 pub struct ChangeBody(#[schemars(with = "ChangeShape")] pub Change);
 
-/// What is to be other than it is; what is absent stays as it is.
+/// Changes to the simulator; absent fields are left unchanged.
 #[derive(JsonSchema)]
 #[schemars(rename = "SimulatorChange", rename_all = "camelCase", deny_unknown_fields)]
 #[expect(dead_code, reason = "it is read field by field, so that what is wrong is said in words")]
@@ -108,7 +112,7 @@ struct ChangeShape {
     link_lost: Option<bool>,
     no_thermometer: Option<bool>,
     camera_fails: Option<bool>,
-    /// Free cells in which there is to be an obstacle, all of them.
+    /// All free cells that have an obstacle from now on.
     #[schemars(length(max = MOST_BLOCKED))]
     blocked: Option<Vec<PositionJson>>,
 }
@@ -120,8 +124,8 @@ impl Body for ChangeBody {
         let whether = |name| fields.field(name, "true or false", Value::as_bool);
         let max = |value: &Value| value.as_str().filter(|text| *text == "max").map(str::to_owned);
         let number_or_max = |value: &Value| max(value).or_else(|| Some(value.as_f64()?.to_string()));
-        let speed = fields.field("speed", "a number, as 2, or \"max\"", number_or_max)?;
-        let blocked = fields.field("blocked", "a list of cells, as [{\"x\":1,\"y\":2}],", |value| {
+        let speed = fields.field("speed", "a number, such as 2, or \"max\"", number_or_max)?;
+        let blocked = fields.field("blocked", "a list of cells, such as [{\"x\":1,\"y\":2}]", |value| {
             let side = |cell: &Value, name: &str| i32::try_from(cell.get(name)?.as_i64()?).ok();
             value.as_array()?.iter().map(|cell| Some(Cell::new(side(cell, "x")?, side(cell, "y")?))).collect()
         })?;
@@ -144,7 +148,7 @@ pub fn pace(text: &str) -> Result<Pace, Unusable> {
     let range = Pace::SLOWEST..=Pace::FASTEST;
     let factor = text.trim().replace(',', ".").parse().ok().filter(|factor| range.contains(factor));
     factor.map(Pace::Times).ok_or_else(|| {
-        let words = format!("`speed` is {}: {} to {} belongs there, or max", in_short(text), Pace::SLOWEST, Pace::FASTEST);
+        let words = format!("`speed` is {}: send {} to {}, or max", in_short(text), Pace::SLOWEST, Pace::FASTEST);
         Unusable::new(words)
     })
 }
@@ -165,7 +169,7 @@ impl JsonSchema for HallBody {
                     (named): {"type": "string", "description": what},
                     (other): {"const": null},
                     "seed": {
-                        "description": "Where its dice begin, in digits and quotes or not; the one that stands where it is absent.",
+                        "description": "Seed of the simulation, as a number or as digits in quotes; the present seed if absent.",
                         "oneOf": [
                             {"type": "integer", "minimum": 0, "maximum": u64::MAX},
                             {"type": "string", "pattern": "^[0-9]{1,20}$"},
@@ -178,8 +182,8 @@ impl JsonSchema for HallBody {
             })
         };
         json_schema!({
-            "description": "A hall that is offered, or one that is sent, and where its dice begin.",
-            "oneOf": [form("name", "toml", "The name of one that is offered."), form("toml", "name", "A hall file.")],
+            "description": "Name of an offered hall, or a hall file, with an optional seed.",
+            "oneOf": [form("name", "toml", "Name of an offered hall."), form("toml", "name", "Contents of a hall file.")],
         })
     }
 }
@@ -191,9 +195,9 @@ impl Body for HallBody {
         let source = match (fields.text("name")?, fields.text("toml")?) {
             (Some(name), None) => HallSource::Named(name),
             (None, Some(toml)) => HallSource::Toml(toml),
-            (Some(_), Some(_)) => return Err(Unusable::new("`name` and `toml` are both there: send one of them".to_owned())),
+            (Some(_), Some(_)) => return Err(Unusable::new("send either `name` or `toml`, not both".to_owned())),
             (None, None) => {
-                let words = "a hall is missing: send `name`, as \"airport\", or `toml`, a hall file as a text".to_owned();
+                let words = "the body has no hall: send `name`, as \"airport\", or `toml`, the text of a hall file".to_owned();
                 return Err(Unusable::new(words));
             }
         };
@@ -239,11 +243,11 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_its_field() {
         for (body, words) in [
-            (r#"{"speed":0}"#, "`speed` is 0: 0.1 to 1000 belongs there, or max"),
-            (r#"{"speed":"fast"}"#, "`speed` is \"fast\": a number, as 2, or \"max\" belongs there"),
+            (r#"{"speed":0}"#, "`speed` is 0: send 0.1 to 1000, or max"),
+            (r#"{"speed":"fast"}"#, "`speed` is \"fast\": send a number, such as 2, or \"max\""),
             (r#"{"speed":"2"}"#, "`speed` is \"2\""),
-            (r#"{"paused":"yes"}"#, "`paused` is \"yes\": true or false belongs there"),
-            (r#"{"blocked":[{"x":1}]}"#, "`blocked` is [{\"x\":1}]: a list of cells"),
+            (r#"{"paused":"yes"}"#, "`paused` is \"yes\": send true or false"),
+            (r#"{"blocked":[{"x":1}]}"#, "`blocked` is [{\"x\":1}]: send a list of cells"),
             (r#"{"blocked":[{"x":1,"y":5000000000}]}"#, "`blocked` is"),
             (r#"{"hall":"airport"}"#, "this command has no field `hall`"),
         ] {
@@ -259,8 +263,8 @@ mod tests {
         assert_eq!(hall(r#"{"name":"seed","seed":"18446744073709551615"}"#), Ok(named));
         let sent = OtherHall { source: HallSource::Toml("width = 2".to_owned()), seed: None };
         assert_eq!(hall(r#"{"toml":"width = 2"}"#), Ok(sent));
-        assert!(hall("{}").is_err_and(|why| why.contains("a hall is missing")));
-        assert!(hall(r#"{"name":"a","toml":"b"}"#).is_err_and(|why| why.contains("both there")));
+        assert!(hall("{}").is_err_and(|why| why.contains("the body has no hall")));
+        assert!(hall(r#"{"name":"a","toml":"b"}"#).is_err_and(|why| why.contains("not both")));
         assert!(hall(r#"{"name":"a","seed":-1}"#).is_err_and(|why| why.contains("`seed` is -1")));
     }
 }

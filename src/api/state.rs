@@ -14,21 +14,21 @@ use super::temperature::TemperatureJson;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 
-/// The whole state.
+/// The whole state at one revision.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StateJson {
-    /// Which run of the program this is.
+    /// Identifier of this run of the program.
     pub run: String,
-    /// How often anything has changed in this run.
+    /// Revision of the state, raised by every change in this run.
     pub revision: u64,
     pub mission: MissionJson,
     /// The robot that searches.
     pub robot: RobotJson,
-    /// All robots, the one that searches first.
+    /// All robots, beginning with the robot that searches.
     pub robots: Vec<NamedRobotJson>,
-    /// The hall as far as it is known.
+    /// Known part of the hall.
     pub map: MapJson,
-    /// The luggage of this mission, by number.
+    /// Luggage of this mission, sorted by number.
     pub luggage: Vec<LuggageJson>,
     pub temperature: TemperatureJson,
     /// The alarms, oldest first.

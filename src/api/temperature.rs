@@ -8,26 +8,27 @@ use super::vocabulary;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::temperature::TemperatureView;
 
-/// The temperature and what it means.
+/// Temperature of the hall, and its effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TemperatureJson {
-    /// When it last changed.
+    /// Revision at which the temperature last changed.
     pub revision: u64,
-    /// The latest reading in °C of all sources that are not silent, else of all; null before the first.
+    /// Latest reading in °C of the sources that are not silent, or of all sources if all are silent; null before the
+    /// first reading.
     pub celsius: Option<f64>,
-    /// When it was read, to 5 seconds; null where that is not known.
+    /// Time of the reading, to within 5 seconds; null if the time is not known.
     pub read_at: Option<String>,
-    /// Since when its source is silent, so that the temperature is not known; null while it is.
+    /// Time since which the source of the reading is silent; null while the temperature is known.
     pub silent_since: Option<String>,
-    /// `ok`, `tooHigh` or `stale`.
+    /// Effect: `ok`, `tooHigh` or `stale`.
     #[schemars(with = "vocabulary::TemperatureStatus")]
     pub status: &'static str,
-    /// In °C; above it nothing moves.
+    /// Temperature above which no robot moves, in °C.
     pub threshold: f64,
-    /// In °C; a source that was too hot is cool again at this reading or below.
+    /// Highest reading at which a source that was too hot counts as cool again, in °C.
     pub cool: f64,
-    /// The sources that keep the hall too hot, each with its last reading; empty when no reading does.
+    /// Sources that still make the hall too hot, each with its last reading.
     pub hot: Vec<HotJson>,
 }
 
@@ -36,7 +37,7 @@ pub struct TemperatureJson {
 pub struct HotJson {
     /// `operator`, `robot`, or the name of a sensor.
     pub source: String,
-    /// Its last reading in °C.
+    /// Last reading of the source, in °C.
     pub celsius: f64,
 }
 

@@ -29,40 +29,41 @@ macro_rules! lists {
 }
 
 lists! {
-    /// Where a mission stands.
+    /// Phase of a mission.
     Phase = phase::PhaseName::ALL.map(phase::PhaseName::name);
-    /// Why nothing moves.
+    /// Reason why a robot must not move.
     Hold = hold::Hold::ALL.map(hold::Hold::name);
-    /// Which way a robot faces.
+    /// Direction in which a robot faces.
     Heading = units::Heading::ALL.map(units::Heading::name);
-    /// What a robot does.
+    /// Present activity of a robot.
     RobotState = robot::RobotState::ALL.map(robot::RobotState::name);
-    /// What a robot has.
+    /// Part or ability of a robot.
     Part = robot::Part::ALL.map(robot::Part::name);
-    /// What the LED does.
+    /// State of the LED.
     Led = ["off", "blinking"];
-    /// What a gripper does.
+    /// State of a gripper.
     Gripper = hallsweep_core::arm::Gripper::ALL.map(hallsweep_core::arm::Gripper::name);
-    /// The order of a search.
+    /// Search strategy: the rule that chooses the next cell.
     StrategyName = command::Strategy::ALL.map(command::Strategy::name);
-    /// What was decided of a piece of luggage, if anything was.
+    /// Verdict on a piece of luggage; `pending` until an operator decides.
     Verdict = ["pending", "safe", "danger"];
-    /// What may be decided of a piece of luggage.
+    /// Verdict that an operator can give on a piece of luggage.
     VerdictWord = [command::Verdict::Safe, command::Verdict::Danger].map(command::Verdict::name);
-    /// What became of a photo.
+    /// Whether a photo was taken or failed.
     PhotoState = ["taken", "failed"];
-    /// What the temperature means.
+    /// Effect of the temperature: `tooHigh` and `stale` stop the robots.
     TemperatureStatus = temperature::TemperatureStatus::ALL.map(temperature::TemperatureStatus::name);
-    /// What an operator may say of the temperature without a reading.
+    /// Operator's judgement of the temperature, without a reading.
     TemperatureWord = ["ok", "tooHigh"];
-    /// A move by hand: forward, backward, left (two words), right (two words), small turns, and STOP (two words).
+    /// Move by hand: `w` forward, `s` backward, `a` or `l` left, `d` or `r` right, `z` and `x` small turns, `h` or
+    /// `stop` STOP.
     Move = ["w", "s", "a", "l", "d", "r", "z", "x", "h", "stop"];
-    /// How loud a line of the log is.
+    /// Severity of a log line.
     Tone = log::Tone::ALL.map(log::Tone::name);
-    /// How far a retrieval has come.
+    /// Stage of a retrieval; `none` while no retrieval runs.
     RetrievalStage = ["none", "makingRoom", "fetching", "lettingGo", "goingOut", "comingHome"];
-    /// Who fetches.
+    /// Robots that fetch a dangerous piece: the pair SRM1 and SRM2, the robot that searches, or none.
     Fetcher = not_fetched::Fetcher::ALL.map(not_fetched::Fetcher::name);
-    /// What a node of a behaviour tree said.
+    /// Status of a node of a behaviour tree.
     NodeStatus = Status::ALL.map(Status::word);
 }

@@ -32,7 +32,7 @@ pub(super) fn open(
         let door = thread.handle().spawn(door);
         Ok(tokio::spawn(async {
             if door.await.is_err() {
-                tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
+                tracing::error!("the CoAP door stopped after an internal error: start hallsweep again to use CoAP");
             }
         }))
     };

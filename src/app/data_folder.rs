@@ -101,10 +101,10 @@ impl DataFolder {
     /// The message when the last STOP may be missing from the records: the robot is then held as if by a STOP.
     pub(super) fn stop_in_doubt(&self) -> Option<String> {
         let (file, was_set_aside) = self.stops.as_ref().and_then(Stops::damaged)?;
-        let aside = format!("; what was there stands in {} beside it", names::STOPS_DAMAGED.written());
+        let aside = format!("; the damaged content is now in {} in the same folder", names::STOPS_DAMAGED.written());
         Some(format!(
-            "{} was damaged and is begun anew{}. Whether STOP was pressed last is not known, so the robot is held as by a STOP: press \
-             START to go on",
+            "{} was damaged, and hallsweep begins a new file{}. The robot is halted as if by STOP, because the last STOP may be \
+             missing: press START to continue",
             file.display(),
             if was_set_aside { &aside } else { "" }
         ))
@@ -124,19 +124,20 @@ pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
         Ok(Some(Archived { what, left, .. })) => {
             let (first, last) = what.missions;
             let file = what.file;
-            tracing::info!(%first, %last, file, left, "old missions are in an archive alone now; what is left goes at the next starts");
+            tracing::info!(%first, %last, file, left, "old missions were moved to an archive; the next starts move those that \
+                                                       are left");
             None
         }
-        Err(error) => Some(format!("old missions stay in the journal: they could not be written out: {error}")),
+        Err(error) => Some(format!("old missions stay in the journal, because they could not be archived: {error}")),
     }
 }
 
 fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     let robot = names::SIMULATED.within(folder);
     format!(
-        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start hallsweep again with --hall \
-         {remembered}, or give {given} a folder of its own with --data DIR; where that hall is no more, move {} away, start hallsweep \
-         again, and press RESET",
+        "a mission is under way in another hall: the record in {} is for the hall {remembered}, not for {given}; start hallsweep \
+         again with --hall {remembered}, or choose another folder for {given} with --data DIR; if the hall {remembered} does not \
+         exist any more, move {} away, start hallsweep again, and press RESET",
         folder.display(),
         robot.display()
     )
@@ -148,7 +149,7 @@ fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalle
     for luggage in pending {
         let words = match archive.photo(luggage.id) {
             Ok(Some(_)) => continue,
-            Ok(None) => "the photo is gone from the record".to_owned(),
+            Ok(None) => "the photo is missing from the record".to_owned(),
             Err(unreadable) => unreadable.to_string(),
         };
         tracing::error!(luggage = luggage.id.0, words, "a photo is lost: take it again");

@@ -33,7 +33,7 @@ pub(super) async fn put_down(
     engine.handle_event(Event::Recorded(kept), clock.now());
     let is_kept = is_settled && kept >= last;
     if !is_kept {
-        tracing::warn!("that the robot was put down in another hall cannot be put on record: the next start tries it again");
+        tracing::warn!("the move of the robot to another hall could not be recorded: the next start tries again");
     }
     is_kept
 }

@@ -60,26 +60,28 @@ pub enum AppError {
     Bind { port: Port, address: SocketAddr, error: std::io::Error },
     #[error(transparent)]
     Store(#[from] OpenError),
-    #[error("{} is closed to the user who runs hallsweep: see that this user can read the data folder, or choose another with --data DIR", .0.display())]
+    #[error("the user who runs hallsweep cannot use the data folder {}: give this user access to the folder, or choose another \
+             folder with --data DIR", .0.display())]
     ClosedFolder(PathBuf),
-    #[error("the system does not let the program start: {0}")]
+    #[error("the program cannot start: {0}")]
     System(std::io::Error),
     /// The loop that joins everything is gone: a mistake in the program.
-    #[error("hallsweep ended by a mistake of its own: start it again and look at the log above")]
+    #[error("hallsweep ended after an internal error: start hallsweep again, and look at the log above")]
     LoopEnded,
 }
 
 fn what_to_do(port: Port, error: &std::io::Error) -> String {
     let flag = port.flag();
     if error.kind() == std::io::ErrorKind::AddrInUse {
-        let without = if port == Port::Http { String::new() } else { format!(", or do without with {flag} none") };
+        let without = if port == Port::Http { String::new() } else { format!(", or turn {} off with {flag} none", port.name()) };
         format!(
-            "another program has this port: end it, or choose another with {flag}, as {flag} localhost:0 for a free one{without}"
+            "another program uses this port: end that program, or choose another port with {flag}, such as {flag} localhost:0 \
+             for a free port{without}"
         )
     } else if error.kind() == std::io::ErrorKind::PermissionDenied {
-        format!("ports below 1024 are for privileged programs: choose a higher one with {flag}")
+        format!("ports below 1024 are for privileged programs: choose a higher port with {flag}")
     } else {
-        format!("choose an address of this machine with {flag}, as 127.0.0.1:{}", port.usual())
+        format!("choose an address of this machine with {flag}, such as 127.0.0.1:{}", port.usual())
     }
 }
 
@@ -100,9 +102,9 @@ mod tests {
             let taken = said(port, ErrorKind::AddrInUse);
             assert!(taken.starts_with(&format!("cannot listen on 127.0.0.1:999 for {name}: ")), "{taken}");
             assert!(taken.contains(&format!("{flag} localhost:0")), "{taken}");
-            assert!(said(port, ErrorKind::PermissionDenied).ends_with(&format!("choose a higher one with {flag}")));
+            assert!(said(port, ErrorKind::PermissionDenied).ends_with(&format!("choose a higher port with {flag}")));
             let foreign = said(port, ErrorKind::AddrNotAvailable);
-            assert!(foreign.contains(&format!("of this machine with {flag}, as 127.0.0.1:{}", port.usual())), "{foreign}");
+            assert!(foreign.contains(&format!("of this machine with {flag}, such as 127.0.0.1:{}", port.usual())), "{foreign}");
         }
     }
 }

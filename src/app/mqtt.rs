@@ -74,7 +74,7 @@ impl Mqtt {
     pub(super) async fn ended(self) {
         for task in [Some(self.session), self.broker].into_iter().flatten() {
             if task.await.is_err() {
-                tracing::error!("a part of the MQTT door has ended by a mistake of its own");
+                tracing::error!("a part of the MQTT door stopped after an internal error");
             }
         }
     }
@@ -95,8 +95,8 @@ impl Common {
 pub(super) fn note(settings: &Settings) -> Option<String> {
     let asks = matches!(settings.mqtt.broker, Some(config::Broker::Own { router: MqttRouter::Rumqttd, .. }));
     (asks && !cfg!(feature = "rumqttd-router")).then(|| {
-        "mqtt.router is rumqttd, which this hallsweep was built without, so its own router brings MQTT messages: set mqtt.router to own, or \
-         build hallsweep with --features rumqttd-router"
+        "mqtt.router is rumqttd, but this hallsweep was built without rumqttd and uses its own router: set mqtt.router to own, \
+         or build hallsweep with --features rumqttd-router"
             .to_owned()
     })
 }

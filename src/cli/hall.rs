@@ -18,17 +18,18 @@ pub struct Halls {
 
 #[derive(Clone, Debug, Subcommand)]
 enum What {
-    /// Write a hall in the format that the name of the file says, and print what is lost on the way.
+    /// Convert a hall to the format of the output file's name, and print what this format cannot store.
     Convert(Convert),
-    /// Make a hall of a scene file of the virtual robot's page, and print what is lost on the way.
+    /// Make a hall from a scene file of the virtual robot's page, and print what the conversion loses.
     Import(Import),
 }
 
 /// The flags of `hall convert`.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "Formats: .toml (our own), .map (MovingAI), .yaml with a .pgm beside it (ROS map_server), .txt (as old clients show a map).\n\
-    docs/halls.md says what each can hold."
+    after_help = "Formats: .toml (our own), .map (MovingAI), .yaml with a .pgm beside it (ROS map_server), .txt (the map of old \
+                  clients).\n\
+    docs/halls.md says what each format can store."
 )]
 struct Convert {
     /// A built-in hall, or a file: .toml, .map, .yaml, .txt, or the .pgm or .png image beside a .yaml of the same name.
@@ -37,10 +38,10 @@ struct Convert {
     /// The file to write, which ends in .toml, .map, .yaml or .txt.
     #[arg(value_name = "TO")]
     to: String,
-    /// The side of a cell, where FROM is a map of pixels; half a metre when left out.
+    /// Side of a cell in metres, if FROM is a map of pixels; 0.5 by default.
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     cell: Option<f64>,
-    /// Replace files that are there.
+    /// Overwrite existing files.
     #[arg(long)]
     force: bool,
 }
@@ -51,10 +52,10 @@ struct Import {
     /// The scene file: a JavaScript module with one object.
     #[arg(value_name = "FILE")]
     file: String,
-    /// The file to write, which ends as one of `hall convert`; when left out, FILE's name with .toml, in this folder.
+    /// The file to write, in a format of `hall convert`; by default the name of FILE with .toml, in the current folder.
     #[arg(value_name = "TO")]
     to: Option<String>,
-    /// Replace files that are there.
+    /// Overwrite existing files.
     #[arg(long)]
     force: bool,
 }

@@ -25,8 +25,7 @@ pub fn run(address: SocketAddr) -> Result<(), Failure> {
         Ok(answer) if answer.first() == Some(&ALERT) => {
             let at = format!("https://{address}/healthz");
             if !address.ip().is_loopback() {
-                let advice =
-                    "its certificate is not checked here, so it is asked on its own machine only: use --http 127.0.0.1:PORT";
+                let advice = "healthcheck does not verify certificates, so run it on the same machine with --http 127.0.0.1:PORT";
                 return Err(Failure::Run(format!("{at} speaks TLS: {advice}")));
             }
             (at, ask(address, unverified::encrypted))

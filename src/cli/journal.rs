@@ -26,46 +26,46 @@ pub struct Journal {
 
 #[derive(Clone, Debug, Subcommand)]
 enum What {
-    /// Print the entries, a line each (the default).
+    /// Print the entries, one per line (the default).
     Print(Which),
-    /// Print the entries as JSON, an object a line; all that is in the journal is in them, but for the pixels of photos.
+    /// Print the entries as JSON, one object per line, with everything in the journal except the pixels of photos.
     Export(Which),
-    /// Check the file, the entries, the tables and the photos: exit code 0 when all is well, 1 if not.
+    /// Check the file, the entries, the tables and the photos: exit code 0 without faults, 1 with faults.
     Check {
-        /// Hold this report against the journal as well.
+        /// Also compare this report with the journal.
         #[arg(long, value_name = "FILE")]
         report: Option<PathBuf>,
-        /// Hold this archive against the journal as well; may be given several times.
+        /// Also compare this archive with the journal; may be given several times.
         #[arg(long, value_name = "FILE")]
         archive: Vec<PathBuf>,
     },
-    /// Write the missions that were put away before a day into an archive, check it, and take them out of the journal. No hallsweep may be running in
-    /// the folder.
+    /// Move the missions that were put away (by RESET or the next START) before a day to an archive, and check the
+    /// archive. No hallsweep may be using the data folder.
     Archive {
-        /// The day, as 2026-01-01, at the beginning of which a mission had been put away.
+        /// The day, such as 2026-01-01: missions that were put away before its beginning are moved.
         #[arg(long, value_name = "DATE", value_parser = day)]
         before: WallTime,
-        /// The file to be written, which must not be there yet, but for a whole one of a run that was killed.
+        /// The archive file to write; it must not exist, except as the complete file of a run that was killed.
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
-    /// Make a data folder of an archive, which can then be served: name the folder with --data.
+    /// Make a data folder from an archive, for `hallsweep serve`: name the folder with --data.
     Unpack {
         /// The archive.
         #[arg(value_name = "FILE")]
         archive: PathBuf,
     },
-    /// Make the tables that follow from the entries anew. No hallsweep may be running in the folder.
+    /// Rebuild the tables of the journal from its entries. No hallsweep may be using the data folder.
     Rebuild,
 }
 
 /// Which entries are meant.
 #[derive(Args, Clone, Copy, Debug, Default)]
 struct Which {
-    /// Only those of this mission.
+    /// Only the entries of this mission.
     #[arg(long, value_name = "NUMBER")]
     mission: Option<u64>,
-    /// Only the last ones, so many.
+    /// Only this number of last entries.
     #[arg(long, value_name = "COUNT")]
     last: Option<u64>,
 }
@@ -74,7 +74,7 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
     let folder = asked.folder.path()?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
-        return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
+        return super::print(&format!("the tables were rebuilt from {entries} entries"));
     }
     if let Some(What::Archive { before, output }) = &asked.what {
         return write_out(&folder, *before, output);
@@ -133,11 +133,11 @@ fn list(
     if unclear == 0 {
         return Ok(());
     }
-    Err(Failure::Run(format!("entries that cannot be understood: {unclear}; each stands in its place, with the reason")))
+    Err(Failure::Run(format!("entries that cannot be understood: {unclear}; the reason is printed in place of each")))
 }
 
 fn day(text: &str) -> Result<WallTime, String> {
-    midnight(text).ok_or_else(|| "a day belongs there, as 2026-01-31".to_owned())
+    midnight(text).ok_or_else(|| "write a day, such as 2026-01-31".to_owned())
 }
 
 fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
@@ -145,12 +145,13 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     drop(ReadOnlyJournal::open(folder)?);
     let now = Clock::default().now().wall;
     let Some(archived) = sqlite::write_out(folder, before, now, file)? else {
-        return Err(Failure::Run("no mission was put away before that day: nothing is changed".to_owned()));
+        return Err(Failure::Run("no mission was put away before that day: nothing was changed".to_owned()));
     };
     let Archived { what, last, photos, .. } = archived;
     let (first, latest) = what.missions;
     super::print(&format!(
-        "missions {first} to {latest}, {photos} photos and the entries up to {}, are in {} and were read again; the journal begins with entry {} now\n\
+        "missions {first} to {latest}, {photos} photos and the entries up to {}, were moved to {} and verified; the journal now \
+         begins with entry {}\n\
          head {} · file SHA-256 {}",
         last.seq,
         file.display(),
@@ -164,7 +165,7 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
 fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), Failure> {
     let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;
-    let looked_at = format!("archives that were held against the journal: {archives}");
+    let looked_at = format!("archives compared with the journal: {archives}");
     if faults.is_empty() {
         return super::print(&format!("{looked_at}: all is well"));
     }
@@ -175,7 +176,7 @@ fn tell(findings: &Findings) -> Result<(), Failure> {
     for words in findings.faults.iter().chain(&findings.notes) {
         super::print(words)?;
     }
-    let looked_at = format!("{} entries and {} photos were looked at", findings.entries, findings.photos);
+    let looked_at = format!("{} entries and {} photos were checked", findings.entries, findings.photos);
     if findings.faults.is_empty() {
         return super::print(&format!("{looked_at}: all is well"));
     }

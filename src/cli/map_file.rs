@@ -20,7 +20,7 @@ impl<'a> MapFile<'a> {
         let path = Path::new(path);
         let format = Format::of_file(path).ok_or_else(|| {
             let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
-            Failure::Usage(format!("{} says no format that can be written: end its name with one of {known}", path.display()))
+            Failure::Usage(format!("the file name {} does not end with a known format: use one of {known}", path.display()))
         })?;
         let file = MapFile { path, format, replace };
         file.paths().iter().try_for_each(|path| file.check(path))?;
@@ -106,7 +106,7 @@ pub(super) fn unfinished(path: &Path) -> PathBuf {
 }
 
 fn taken(path: &Path) -> Failure {
-    Failure::Run(format!("{} is there already: choose another name, or let --force replace it", path.display()))
+    Failure::Run(format!("{} exists already: choose another name, or overwrite the file with --force", path.display()))
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {

@@ -94,7 +94,7 @@ pub(super) fn distinct<'a>(
         let place = place(path);
         // Pipes and terminals may be named twice.
         if taken.contains(&place) && (place.is_file() || !place.exists()) {
-            return Err(Failure::Usage(format!("{} is named for something else already: name another file", path.display())));
+            return Err(Failure::Usage(format!("the file {} is given twice: give another file", path.display())));
         }
         taken.push(place);
     }

@@ -12,20 +12,21 @@ use hallsweep_laboratory::pallet::{asked, drawing, missed, parcel_number, rows, 
 /// The flags of `pallet`.
 #[derive(Args, Clone, Debug)]
 pub struct Pallet {
-    /// How many parcels are on the pallet, from 1 to 24.
+    /// Number of parcels on the pallet, from 1 to 24.
     #[arg(long, value_name = "NUMBER", default_value_t = 3, value_parser = parcel_number, allow_hyphen_values = true)]
     parcels: u32,
-    /// Where all chance comes from: the same number gives the same yard and the same run.
+    /// Seed of all random numbers: the same number gives the same yard and the same run.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
-    /// Let something go wrong, at the first parcel or at this one: lost (on the way), lostLifting, unrecognised, blocked (the way is
-    /// closed for good), jammed (a gripper does not close), absent (the operator never comes). May be given several times.
+    /// Simulate a fault, at the first parcel or at the parcel with this number: lost (on the way), lostLifting,
+    /// unrecognised, blocked (the way stays closed), jammed (a gripper does not close), absent (the operator never
+    /// comes). May be given several times.
     #[arg(long = "fault", value_name = "NAME[@PARCEL]")]
     faults: Vec<AskedFault>,
     /// Print one JSON object instead of the phases and the figures.
     #[arg(long)]
     json: bool,
-    /// Draw the yard and the ways that were driven to this file as SVG; "-": to standard output, and nothing else there.
+    /// Write a drawing of the yard and the driven paths to this file, as SVG; "-" prints only the drawing.
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     svg: Option<PathBuf>,
 }
@@ -72,7 +73,7 @@ fn outcome(faults: &[AskedFault], run: &PalletRun, figures: &Figures) -> Result<
 impl Pallet {
     fn asked(&self) -> Result<Asked, Failure> {
         asked(self.parcels, &self.faults).map_err(|BeyondError { parcel }| {
-            Failure::Usage(format!("--fault names parcel {parcel}, and --parcels puts {} on the pallet", self.parcels))
+            Failure::Usage(format!("--fault names parcel {parcel}, but --parcels puts only {} on the pallet", self.parcels))
         })
     }
 
@@ -99,7 +100,7 @@ mod tests {
     #[test]
     fn what_is_to_go_wrong_at_a_parcel_that_is_not_there_is_a_mistake_of_the_flags() {
         let words = flags(1, &["lost@2"]).asked().map(drop).unwrap_err().to_string();
-        assert_eq!(words, "--fault names parcel 2, and --parcels puts 1 on the pallet");
+        assert_eq!(words, "--fault names parcel 2, but --parcels puts only 1 on the pallet");
     }
 
     #[test]
@@ -121,7 +122,7 @@ mod tests {
     /// Twelve yards, some with a path of two steps from the pallet to the target area.
     #[test]
     fn what_is_asked_to_go_wrong_happens_or_the_run_fails_and_says_why_it_did_not() {
-        const EARLY: &str = "the run ended before it could happen";
+        const EARLY: &str = "the run ended earlier";
         /// The requested faults, and those of them that do not happen, with the reason.
         type Row<'a> = (&'a [&'a str], &'a [(&'a str, &'a str)]);
         let table: [Row<'_>; 9] = [

@@ -22,13 +22,14 @@ pub struct Reported {
     /// The number of the mission.
     #[arg(value_name = "MISSION")]
     mission: u64,
-    /// Write it to this file; "-": to standard output.
+    /// Write the report to this file; "-" is standard output.
     #[arg(short, long, value_name = "FILE", default_value = STANDARD_OUTPUT)]
     output: PathBuf,
-    /// The page (html), every entry as JSON, a line each (jsonl), or as a table of words for spreadsheets (csv).
+    /// Format of the report: a page (html), one JSON object per entry (jsonl), or a table in words for spreadsheets
+    /// (csv).
     #[arg(long, value_name = "FORMAT", default_value = "html")]
     format: Format,
-    /// The language of its words: en, it.
+    /// Language of the report: en, it.
     #[arg(long, value_name = "LANGUAGE", default_value = "en", value_parser = language)]
     language: Language,
     #[command(flatten)]
@@ -44,7 +45,7 @@ enum Format {
 
 fn language(tag: &str) -> Result<Language, String> {
     let known = || Language::ALL.map(Language::tag).join(" or ");
-    Language::ALL.into_iter().find(|language| language.tag() == tag).ok_or_else(|| format!("{} belongs there", known()))
+    Language::ALL.into_iter().find(|language| language.tag() == tag).ok_or_else(|| format!("write {}", known()))
 }
 
 pub fn run(asked: &Reported) -> Result<(), Failure> {
@@ -52,7 +53,8 @@ pub fn run(asked: &Reported) -> Result<(), Failure> {
     let mission = MissionId(asked.mission);
     if archive.mission(mission)?.is_none() {
         return Err(Failure::Run(format!(
-            "there is no mission {mission} on record: `hallsweep journal` lists what is; one that is in an archive is there with --data ARCHIVE"
+            "there is no mission {mission} in the journal: `hallsweep journal` lists the entries; for a mission in an archive, \
+             add --data ARCHIVE"
         )));
     }
     let path = &*asked.output;
@@ -60,7 +62,7 @@ pub fn run(asked: &Reported) -> Result<(), Failure> {
         let data = asked.folder.path()?;
         distinct([&*data], [path])?;
         if sqlite::is_within(&data, path) {
-            let words = "would lie among the files of the data folder: name one elsewhere";
+            let words = "is inside a data folder: choose a file in another folder";
             return Err(Failure::Usage(format!("{} {words}", path.display())));
         }
     }
@@ -74,7 +76,7 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
         Format::Csv => list::write_table(archive, mission, asked.language, out),
         Format::Html => match Report::new(archive, mission, asked.language)? {
             Some(report) => report.write(out),
-            None => return Err(Failure::Run(format!("nothing is on record of mission {mission}"))),
+            None => return Err(Failure::Run(format!("the journal has no entries of mission {mission}"))),
         },
     };
     match written.and_then(|()| out.flush().map_err(report::Failure::from)) {
@@ -96,17 +98,20 @@ pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Fail
     let refused = |why: &dyn std::fmt::Display| Failure::Run(format!("{shown} is not confirmed: {why}"));
     let claim = Claim::read(&beginning).map_err(|why| refused(&why))?;
     if !(1..=EDITION).contains(&claim.edition) {
-        return Err(refused(&format!("it is of edition {}, which this hallsweep does not know: ask a newer one", claim.edition)));
+        return Err(refused(&format!(
+            "the report has edition {}, which this hallsweep does not know: use a newer hallsweep",
+            claim.edition
+        )));
     }
     let archive = journal.archive();
     let Some(report) = Report::again(&*archive, claim)? else {
         let Claim { mission, until, .. } = claim;
         let why = match journal.archive_with(mission)? {
             Some((file, digest)) => format!(
-                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal; \
-                 `hallsweep journal check --data FILE --report {shown}`, with the path of the archive as FILE, holds the report against it"
+                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal; `hallsweep journal \
+                 check --data FILE --report {shown}`, with the path of the archive as FILE, compares the report with the archive"
             ),
-            None => format!("the journal holds no mission {mission} up to entry {until}, or is another one"),
+            None => format!("the journal has no mission {mission} up to entry {until}; this may be the wrong journal"),
         };
         return Err(refused(&why));
     };
@@ -116,7 +121,7 @@ pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Fail
     let digest = report.head().map(|head| head.hex()).unwrap_or_default();
     let Claim { mission, until, .. } = claim;
     super::print(&format!(
-        "{shown} is confirmed: it is what the journal has of mission {mission} up to entry {until}, head {digest}"
+        "{shown} is confirmed: the report agrees with the journal for mission {mission} up to entry {until}, head {digest}"
     ))
 }
 

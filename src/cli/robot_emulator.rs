@@ -13,44 +13,42 @@ use crate::telemetry;
 
 /// The flags of `robot-emulator`. What is not said of the hall and the robot is as in the settings.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "In another window: hallsweep serve --robot line=ADDRESS:PORT, or line=DEVICE. docs/robot-line-protocol.md has the \
-    protocol."
-)]
+#[command(after_help = "Then run in another terminal: hallsweep serve --robot line=ADDRESS:PORT, or line=DEVICE. \
+                  docs/robot-line-protocol.md describes the protocol.")]
 pub struct RobotEmulator {
     #[command(flatten)]
     at: At,
-    /// How fast the serial device is, in bits a second.
+    /// Speed of the serial device, in bits per second.
     #[arg(long, value_name = "BAUD", default_value = "115200", conflicts_with = "listen", value_parser = baud, allow_hyphen_values = true)]
     baud: u32,
-    /// What the robot calls itself.
+    /// Name that the robot reports.
     #[arg(long, value_name = "NAME", default_value = "emulator", value_parser = robot_name)]
     name: RobotName,
-    /// The hall: the name of a built-in one, or a file.
+    /// Name of a built-in hall, or a hall file.
     #[arg(long, value_name = "HALL")]
     hall: Option<String>,
-    /// How fast the robot lives: 1 = as a person would watch it, "max" = without waiting.
+    /// Speed of the robot: 1 is normal, 10 is ten times faster, "max" is without waiting.
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     speed: Option<String>,
-    /// Where all chance comes from, that of the wire too.
+    /// Seed of all random numbers, including those of the connection faults.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// How the robot learns that a cell is free: bump, sonar.
+    /// How the robot checks that a cell is free: bump (drive into the cell) or sonar.
     #[arg(long, value_name = "NAME")]
     sensing: Option<String>,
-    /// Photos are at least so many bytes long.
+    /// Minimum size of a photo, in bytes.
     #[arg(long, value_name = "BYTES", default_value = "0", value_parser = photo_bytes, allow_hyphen_values = true)]
     photo_bytes: usize,
-    /// How likely a byte is lost in a line, or in 16 kB of a photo, from 0 to 1; both ways.
+    /// Probability, from 0 to 1, that a line, or 16 kB of a photo, loses a byte; in both directions.
     #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
     lose: f64,
-    /// How likely a byte is changed in it, from 0 to 1.
+    /// Probability, from 0 to 1, that a byte of a line, or of 16 kB of a photo, is changed; in both directions.
     #[arg(long, value_name = "RATE", default_value = "0", value_parser = rate, allow_hyphen_values = true)]
     garble: f64,
-    /// How late everything comes, in milliseconds.
+    /// Delay of the connection, in milliseconds.
     #[arg(long, value_name = "MS", default_value = "0", value_parser = delay, allow_hyphen_values = true)]
     delay: Duration,
-    /// Every connection is cut after so many seconds.
+    /// Cut every connection after this number of seconds.
     #[arg(long, value_name = "SECONDS", value_parser = cut_after, allow_hyphen_values = true)]
     cut_after: Option<Duration>,
 }
@@ -59,10 +57,10 @@ pub struct RobotEmulator {
 #[derive(Args, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct At {
-    /// Where programs connect to it, over TCP; port 0 takes a free one.
+    /// Address at which programs connect to the robot, over TCP; port 0 chooses a free port.
     #[arg(long, value_name = "ADDRESS:PORT")]
     listen: Option<String>,
-    /// The serial device at whose other end the program is.
+    /// Serial device that connects the robot with the program.
     #[arg(long, value_name = "DEVICE")]
     serial: Option<String>,
 }
@@ -108,18 +106,18 @@ impl RobotEmulator {
 
 fn robot_name(text: &str) -> Result<RobotName, String> {
     let most = RobotName::MOST;
-    RobotName::new(text).ok_or_else(|| format!("write 1 to {most} letters, digits and signs of ASCII without a blank or a star"))
+    RobotName::new(text).ok_or_else(|| format!("write 1 to {most} ASCII letters, digits or signs, with no blank and no star"))
 }
 
 fn baud(text: &str) -> Result<u32, String> {
     let baud = text.parse().ok().filter(|baud| (300..=4_000_000).contains(baud));
-    baud.ok_or_else(|| "write a whole number from 300 to 4000000, as the robot has it, which is often 115200".to_owned())
+    baud.ok_or_else(|| "write a whole number from 300 to 4000000, the same as at the other end, often 115200".to_owned())
 }
 
 fn photo_bytes(text: &str) -> Result<usize, String> {
     let most = MOST_BYTES as usize;
     let bytes = text.parse().ok().filter(|bytes| *bytes <= most);
-    bytes.ok_or_else(|| format!("write a whole number from 0 to {most}, the longest photo that is taken"))
+    bytes.ok_or_else(|| format!("write a whole number from 0 to {most}, the size of the largest accepted photo"))
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -178,7 +176,7 @@ mod tests {
             ("--listen a --serial b", "cannot be used with"),
             ("--listen a --baud 9600", "cannot be used with"),
             ("--serial a --baud 1", "from 300 to 4000000"),
-            ("--listen a --name two*", "without a blank or a star"),
+            ("--listen a --name two*", "with no blank and no star"),
             ("--listen a --lose 2", "from 0 (never) to 1 (always)"),
             ("--listen a --garble -1", "from 0 (never) to 1 (always)"),
             ("--listen a --delay -1", "whole milliseconds from 0"),

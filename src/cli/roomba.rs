@@ -10,25 +10,26 @@ use hallsweep_laboratory::roomba::{Controller, Roomba as Runs, RunLength};
 
 /// The flags of `roomba`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "With neither --fsm nor --tree both are run and compared; the exit code is 1 if they part.\n\
-    Floor: squares of 5 cm whose centre the body passed over, of those that it can reach.")]
+#[command(after_help = "Without --fsm and --tree, both controllers run and are compared; the exit code is 1 if their runs \
+                        differ.\n\
+    Floor: share of the reachable 5 cm squares whose centre the body passed over.")]
 pub struct Roomba {
-    /// Only the finite state machine.
+    /// Run only the finite state machine.
     #[arg(long, conflicts_with = "tree")]
     fsm: bool,
-    /// Only the behaviour tree.
+    /// Run only the behaviour tree.
     #[arg(long)]
     tree: bool,
-    /// Where the angles of its turns come from: the same number gives the same run.
+    /// Seed of the turn angles: the same number gives the same run.
     #[arg(long, value_name = "NUMBER", default_value = "1", value_parser = seed, allow_hyphen_values = true)]
     seed: u64,
-    /// How long it runs, in simulated seconds, from 1 to 3600.
+    /// Length of the run in simulated seconds, from 1 to 3600.
     #[arg(long, value_name = "SECONDS", default_value = "60", allow_hyphen_values = true)]
     seconds: RunLength,
     /// Print one JSON object, frames included, instead of the figures.
     #[arg(long)]
     json: bool,
-    /// Draw room, way and floor as SVG into this file; "-": print the drawing instead of the figures.
+    /// Write a drawing of room, path and floor to this file, as SVG; "-" prints the drawing instead of the figures.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
@@ -112,9 +113,9 @@ mod tests {
             ("--seed -1", "write a whole number from 0 to 18446744073709551615"),
             ("--seed 18446744073709551616", "write a whole number from 0 to"),
             ("--seed many", "write a whole number from 0 to"),
-            ("--seconds -5", "\"-5\" is no length of a run: give seconds, from 1 to 3600"),
-            ("--seconds 1e9", "\"1e9\" is no length of a run"),
-            ("--seconds NaN", "\"NaN\" is no length of a run"),
+            ("--seconds -5", "\"-5\" is not a length of a run: give 1 to 3600 seconds"),
+            ("--seconds 1e9", "\"1e9\" is not a length of a run"),
+            ("--seconds NaN", "\"NaN\" is not a length of a run"),
         ] {
             let said = typed(flags).unwrap_err();
             assert!(said.contains(words), "{flags}: {said}");

@@ -9,8 +9,7 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
     telemetry::queue_lines();
     let settings = super::settings(&flags.sources())?;
     if let Some(archive) = settings.store.as_ref().filter(|store| store.is_file()) {
-        let words =
-            "is a file: an archive is only read; make a data folder of it with `hallsweep journal unpack`, and serve that";
+        let words = "is a file, and `serve` needs a folder: make a data folder from an archive with `hallsweep journal unpack`";
         return Err(Failure::Usage(format!("{} {words}", archive.display())));
     }
     if let Some(idle) = without_effect(&settings) {
@@ -21,10 +20,10 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
 }
 
 fn announcement(settings: &Settings, doors: Doors, entry: &FirstAccess) -> String {
-    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}", found(coap, "--coap")));
-    let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
+    let coap = doors.coap.map(|coap| format!("\nThe CoAP resources are at coap://{}", found(coap, "--coap")));
+    let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nThe MQTT topics are at {mqtt}"));
     let console_entry = if settings.http.asks_for_keys { entry } else { &FirstAccess::Open };
-    let idle = without_effect(settings).map(|idle| format!("\nThese do nothing with the robots of these settings: {idle}"));
+    let idle = without_effect(settings).map(|idle| format!("\nThese settings have no effect on the configured robots: {idle}"));
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt, idle].into_iter().flatten().collect()
 }
 
@@ -40,16 +39,18 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String
     let place = doors.mqtt?;
     let other = place.instead_of.map(|port| {
         format!(
-            "\nTo use the broker at port {port} instead: HALLSWEEP__MQTT__BROKER=mqtt://localhost:{port}, as docs/mqtt.md says"
+            "\nTo use the broker at port {port} instead, set HALLSWEEP__MQTT__BROKER=mqtt://localhost:{port} (see docs/mqtt.md)"
         )
     });
     let at = format!("mqtt://{}{}", found(place, "--mqtt"), other.unwrap_or_default());
     Some(match entry {
         FirstAccess::NewKey(token) | FirstAccess::BriefKey(token) if asks && !settings.http.asks_for_keys => {
-            format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
+            format!("{at}\nFor MQTT the user name is operator, and the password is {}", token.reveal())
         }
         FirstAccess::Key | FirstAccess::NewKey(_) | FirstAccess::BriefKey(_) if asks => {
-            format!("{at}\nThere the user name is that of a key, and the password its token: `hallsweep token` shows them.")
+            format!(
+                "{at}\nFor MQTT the user name is the name of a key, and the password is its token: `hallsweep token` shows both."
+            )
         }
         FirstAccess::Open | FirstAccess::Key | FirstAccess::NewKey(_) | FirstAccess::BriefKey(_) | FirstAccess::Unusable(_) => at,
     })
@@ -60,7 +61,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String
 fn found(place: BoundPort, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {
-        Some(port) => format!("{here} (another program has port {port}; {flag} localhost:PORT chooses one)"),
+        Some(port) => format!("{here} (another program uses port {port}; choose a port with {flag} localhost:PORT)"),
         None if here != place.at => format!("{here} (and at the other addresses of this machine)"),
         None => here.to_string(),
     }
@@ -71,13 +72,14 @@ fn console(http: &HttpSettings, place: BoundPort, entry: &FirstAccess) -> String
     let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {
         FirstAccess::Open => at,
-        FirstAccess::Unusable(why) => format!("{at}\nIt asks for a key, and nobody can sign in: {why}"),
-        FirstAccess::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
+        FirstAccess::Unusable(why) => format!("{at}\nhallsweep requires a key, and nobody can sign in: {why}"),
+        FirstAccess::Key => format!("{at}\nhallsweep requires a key: `hallsweep token` shows links for signing in."),
         FirstAccess::NewKey(token) => {
-            format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, place.at, token))
+            format!("{at}\nhallsweep made its first key. Sign in as operator: {}", link::sign_in(http, place.at, token))
         }
         FirstAccess::BriefKey(token) => format!(
-            "{at}\nNothing is kept (store.folder = \"none\"), so its key is good until it ends. Sign in as operator: {}",
+            "{at}\nNothing is stored (store.folder = \"none\"), so this key is valid until hallsweep ends. Sign in as operator: \
+             {}",
             link::sign_in(http, place.at, token)
         ),
     }
@@ -122,9 +124,11 @@ mod tests {
         let token = Token::draw().unwrap();
         let new = announcement(&settings, doors, &FirstAccess::NewKey(token.clone()));
         assert!(new.starts_with("hallsweep is at http://127.0.0.1:8080\n") && !new.contains("sign-in"), "{new}");
-        assert!(new.ends_with(&format!("the user name is operator, and the password {}", token.reveal())), "{new}");
+        assert!(new.ends_with(&format!("the user name is operator, and the password is {}", token.reveal())), "{new}");
         let later = announcement(&settings, doors, &FirstAccess::Key);
-        assert!(later.ends_with("the user name is that of a key, and the password its token: `hallsweep token` shows them."));
+        assert!(
+            later.ends_with("the user name is the name of a key, and the password is its token: `hallsweep token` shows both.")
+        );
     }
 
     #[test]
@@ -132,8 +136,8 @@ mod tests {
         let settings = load(&Sources::default()).unwrap();
         let (coap, mqtt) = (Some(at("127.0.0.1:40123")), Some(at("127.0.0.1:40124")));
         let doors = Doors { http: at("127.0.0.1:8080"), coap, mqtt };
-        let expect = "hallsweep is at http://127.0.0.1:8080\nIts CoAP resources are at coap://127.0.0.1:40123\n\
-                      Its MQTT topics are at mqtt://127.0.0.1:40124";
+        let expect = "hallsweep is at http://127.0.0.1:8080\nThe CoAP resources are at coap://127.0.0.1:40123\n\
+                      The MQTT topics are at mqtt://127.0.0.1:40124";
         assert_eq!(announcement(&settings, doors, &FirstAccess::Open), expect);
     }
 
@@ -143,7 +147,7 @@ mod tests {
         let environment = vec![set("BROKER", "mqtts://[::1]"), set("NAME", "me"), set("PASSWORD", "secret")];
         let settings = load(&Sources { environment, ..Sources::default() }).unwrap();
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
-        assert!(announcement(&settings, doors, &FirstAccess::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
+        assert!(announcement(&settings, doors, &FirstAccess::Open).ends_with("The MQTT topics are at mqtts://[::1]:8883"));
     }
 
     #[test]
@@ -153,7 +157,7 @@ mod tests {
         let settings = load(&Sources { flags, ..Sources::default() }).unwrap();
         let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
         let said = announcement(&settings, doors, &FirstAccess::Open);
-        assert!(said.ends_with("\nThese do nothing with the robots of these settings: flag --speed"), "{said}");
+        assert!(said.ends_with("\nThese settings have no effect on the configured robots: flag --speed"), "{said}");
     }
 
     #[test]
@@ -167,10 +171,12 @@ mod tests {
         };
         assert_eq!(
             announcement(&settings, doors, &FirstAccess::Open),
-            "hallsweep is at http://127.0.0.1:40001 (another program has port 8080; --http localhost:PORT chooses one)\n\
-             Its CoAP resources are at coap://127.0.0.1:40002 (another program has port 5683; --coap localhost:PORT chooses one)\n\
-             Its MQTT topics are at mqtt://127.0.0.1:40003 (another program has port 1883; --mqtt localhost:PORT chooses one)\n\
-             To use the broker at port 1883 instead: HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883, as docs/mqtt.md says"
+            "hallsweep is at http://127.0.0.1:40001 (another program uses port 8080; choose a port with --http localhost:PORT)\n\
+             The CoAP resources are at coap://127.0.0.1:40002 (another program uses port 5683; choose a port with --coap \
+             localhost:PORT)\n\
+             The MQTT topics are at mqtt://127.0.0.1:40003 (another program uses port 1883; choose a port with --mqtt \
+             localhost:PORT)\n\
+             To use the broker at port 1883 instead, set HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883 (see docs/mqtt.md)"
         );
     }
 }

@@ -13,7 +13,7 @@ pub struct Keyrings {
     what: Option<What>,
     #[command(flatten)]
     folder: Folder,
-    /// Where the program listens, for the links.
+    /// Address of hallsweep in the links.
     #[arg(long, value_name = "ADDRESS:PORT", global = true)]
     http: Option<String>,
 }
@@ -22,20 +22,20 @@ pub struct Keyrings {
 enum What {
     /// Show every key with its role, its token and a link to sign in (the default).
     Show,
-    /// Give a key a new token: the old one, and whoever signed in with it, is not let in any more.
+    /// Give a key a new token: the old token, and all sign-ins with it, become invalid.
     Rotate {
         /// The name of the key.
         name: String,
     },
     /// Make a key.
     Add {
-        /// Its name: 1 to 32 letters, digits, - and _.
+        /// Name of the key: 1 to 32 letters, digits, - and _.
         name: String,
-        /// What it is good for.
+        /// Role of the key.
         #[arg(long, value_enum)]
         role: RoleArgument,
     },
-    /// Take a key away; the last operator's stays.
+    /// Remove a key; the last key of an operator cannot be removed.
     Remove {
         /// The name of the key.
         name: String,
@@ -44,9 +44,9 @@ enum What {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum RoleArgument {
-    /// Sees everything, and may stop the robot.
+    /// May see everything and stop the robot.
     Viewer,
-    /// Sees, stops and acts.
+    /// May see everything, stop the robot and give commands.
     Operator,
 }
 
@@ -80,7 +80,7 @@ pub fn run(asked: &Keyrings) -> Result<(), Failure> {
         What::Remove { name } => {
             keys.remove(name)?;
             file.write(&keys)?;
-            format!("The key `{name}` is gone; a hallsweep that runs lets nobody in with it any more.")
+            format!("The key `{name}` was removed; a running hallsweep does not accept it any more.")
         }
     };
     super::print(&said)
@@ -88,7 +88,7 @@ pub fn run(asked: &Keyrings) -> Result<(), Failure> {
 
 fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     let folder = settings.store.as_deref().ok_or_else(|| {
-        let said = "nothing is kept (store.folder = \"none\"), so keys live and end with the running program: name a folder with \
+        let said = "nothing is stored (store.folder = \"none\"), so keys exist only while hallsweep runs: name a folder with \
                     --data DIR";
         Failure::Run(said.to_owned())
     })?;
@@ -99,8 +99,8 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
 fn none_yet(file: &KeyFile) -> Failure {
     let there = file.path().display();
     Failure::Run(format!(
-        "there are no keys yet, since there is no {there}: start hallsweep, whose first start that asks for keys makes one; or make \
-         one with `hallsweep token add NAME --role operator`; and if it should be there, look at --data and --config"
+        "there are no keys yet, because the file {there} does not exist: make a key with `hallsweep token add NAME --role \
+         operator`, or start hallsweep with a setting that requires keys; if the file should exist, check --data and --config"
     ))
 }
 
@@ -113,11 +113,11 @@ fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a
     let asked = if http.asks_for_keys {
         ""
     } else {
-        ", and asked for only beyond loopback, with http.require_token = true or with mqtt.require_password = true"
+        ", and required only beyond loopback, or with http.require_token = true or mqtt.require_password = true"
     };
     let whose =
-        format!("The links are for {}, the address of these settings: another is named with --http or --config", http.bind.at);
-    format!("{keys}Kept in {}{asked}.\n{whose}.", file.path().display())
+        format!("The links use {}, the address in these settings: choose another address with --http or --config", http.bind.at);
+    format!("{keys}The keys are stored in {}{asked}.\n{whose}.", file.path().display())
 }
 
 impl Keyrings {

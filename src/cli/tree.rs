@@ -28,64 +28,64 @@ pub struct Trees {
 
 #[derive(Clone, Debug, Subcommand)]
 enum What {
-    /// Say of each file what it holds, or everything that is wrong: `file:line:column: reason`, and exit code 1. What is no fault and
-    /// worth knowing is a note.
+    /// Print the contents of each file, or all its faults as `file:line:column: reason` with exit code 1. A note is not
+    /// a fault.
     Check {
         /// The files; `-` is standard input.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
-        /// A file whose `<TreeNodesModel>` declares nodes that the others use.
+        /// A file whose `<TreeNodesModel>` declares nodes that the other files use.
         #[arg(long, value_name = "FILE")]
         model: Vec<PathBuf>,
     },
-    /// Print a file as it is written here: the same trees, laid out in one way, without comments.
+    /// Print a file in the standard layout: the same trees, without comments.
     Write {
         /// The file; `-` is standard input.
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
-    /// Tick a tree with mocks for its leaves, and print what every node says, tick by tick.
+    /// Tick a tree with mocks for its leaves, and print the status of every node after each tick.
     Run(RunTree),
 }
 
 /// The flags of `tree run`.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "It ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING, 3 the file\n\
-    or a mock is refused or a node cannot be performed, 4 SKIPPED.\n\
-    With --json each tick is one line: {\"tick\":1,\"timeMs\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}. Of each node,\n\
-    in preorder: \"uid\", \"path\" (as BehaviorTree.CPP's fullPath; no two are the same), \"name\", \"kind\", \"status\" (what it said in this tick\n\
-    if it was ticked in it, else how it stands), \"after\" (how it stands once the tick is over: IDLE where its parent has reset it),\n\
-    \"ticked\", and \"halted\" where a leaf was halted in this tick."
+    after_help = "The run ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING,\n\
+    3 the file or a mock is refused or a node cannot be performed, 4 SKIPPED.\n\
+    With --json each tick is one line: {\"tick\":1,\"timeMs\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}.\n\
+    Each node, in preorder, has \"uid\", \"path\" (unique, as BehaviorTree.CPP's fullPath), \"name\", \"kind\", \"status\" (the result\n\
+    of this tick if the node was ticked, else its present status), \"after\" (the status after the tick: IDLE if the parent\n\
+    reset the node), \"ticked\", and \"halted\" if a leaf was halted in this tick."
 )]
 struct RunTree {
     /// The file; `-` is standard input.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// The tree that runs; otherwise that which the file names, or its only one.
+    /// The tree to run; by default the main tree of the file, or its only tree.
     #[arg(long, value_name = "ID")]
     tree: Option<String>,
     /// A file whose `<TreeNodesModel>` declares nodes that the tree uses.
     #[arg(long, value_name = "FILE")]
     model: Vec<PathBuf>,
-    /// Stop after so many ticks.
+    /// Stop after this number of ticks.
     #[arg(long, value_name = "COUNT", default_value_t = 1000)]
     ticks: u64,
     /// The simulated time between two ticks, in milliseconds.
     #[arg(long, value_name = "MILLISECONDS", default_value_t = 100)]
     period: u64,
-    /// What successive ticks of a leaf say, by its path, its name, or the name of its kind ("*": every other leaf). The last status
-    /// stays; RUNNING*3 is three ticks.
+    /// Results of successive ticks of a leaf, named by its path, its name or its kind ("*" is every other leaf). The
+    /// last status repeats; RUNNING*3 is three ticks.
     #[arg(long, value_name = "NAME=STATUS,STATUS*3,…")]
     mock: Vec<String>,
-    /// What a leaf writes to a port whenever it succeeds (NAME.port=value), or what an entry of the blackboard holds at first
+    /// Value that a leaf writes to a port whenever it succeeds (NAME.port=value), or first value of a blackboard entry
     /// (entry=value).
     #[arg(long, value_name = "NAME.PORT=VALUE|ENTRY=VALUE")]
     set: Vec<String>,
-    /// What an entry of the blackboard holds at first.
+    /// First value of a blackboard entry.
     #[arg(long, value_name = "ENTRY=VALUE")]
     blackboard: Vec<String>,
-    /// Print one line of JSON a tick.
+    /// Print one line of JSON per tick.
     #[arg(long)]
     json: bool,
 }
@@ -155,7 +155,7 @@ fn checked(file: &Path, models: &[Document]) -> Result<String, String> {
     }
     let is_unknown = |fault: &&TreeError| matches!(fault.reason, Reason::UnknownNode(_) | Reason::UnknownParent(_));
     if models.is_empty() && findings.faults().iter().any(is_unknown) {
-        lines.push(format!("{name}: note: nodes that another file declares are known with --model FILE"));
+        lines.push(format!("{name}: note: use --model FILE for nodes that another file declares"));
     }
     lines.extend(findings.notes().iter().map(|note| format!("{name}:{}: note: {}", note.place, note.reason)));
     if is_good { Ok(lines.join("\n")) } else { Err(lines.join("\n")) }
@@ -176,8 +176,8 @@ fn held(document: &Document) -> String {
     let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({})", tree.id, size(&tree.root))).collect();
     let main = match &document.main {
         _ if trees.len() < 2 => String::new(),
-        Some(main) => format!("; {main} runs"),
-        None => "; none of them is the main one".to_owned(),
+        Some(main) => format!("; {main} is the main tree"),
+        None => "; no tree is the main tree".to_owned(),
     };
     if trees.is_empty() {
         return format!("well formed: no tree, {} declared nodes", document.models.len());
@@ -206,7 +206,7 @@ fn text(file: &Path) -> Result<String, String> {
         if is_cut {
             format!("{}:1:1: the file is longer than {} bytes", file.display(), xml::LONGEST_FILE)
         } else {
-            format!("{} is no UTF-8: {}", file.display(), error.utf8_error())
+            format!("{} is not UTF-8: {}", file.display(), error.utf8_error())
         }
     })
 }
@@ -223,7 +223,7 @@ fn tick(flags: &RunTree) -> Result<(), Failure> {
         let hint = if let Reason::UnknownNode(id) = &error.reason {
             mock_it(id)
         } else if matches!(error.reason, Reason::NoMain(_)) {
-            ": --tree names the one".to_owned()
+            ": choose a tree with --tree".to_owned()
         } else {
             String::new()
         };
@@ -252,7 +252,7 @@ fn tick(flags: &RunTree) -> Result<(), Failure> {
         match ticked {
             Ok(Status::Running) => {}
             Ok(Status::Success) => return Ok(()),
-            Ok(Status::Failure) => return Err(Failure::Tree(format!("the tree came to FAILURE in tick {number}"), 1)),
+            Ok(Status::Failure) => return Err(Failure::Tree(format!("the tree returned FAILURE in tick {number}"), 1)),
             Ok(Status::Skipped | Status::Idle) => return Err(Failure::Tree(format!("the tree was skipped in tick {number}"), 4)),
             Err(fault) => return Err(Failure::Tree(format!("{}: in tick {number}: {fault}", flags.file.display()), 3)),
         }
@@ -261,7 +261,7 @@ fn tick(flags: &RunTree) -> Result<(), Failure> {
 }
 
 fn mock_it(name: &str) -> String {
-    format!(": say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all")
+    format!(": add --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all leaves")
 }
 
 fn scripted(flags: &RunTree) -> Result<(Mocks, Vec<(String, String)>), String> {

@@ -84,7 +84,11 @@ fn hall_start(layers: &Layers) -> Result<Option<(u32, u32)>, SettingsError> {
     let written: String = read(layers, "hall.start")?;
     let number = |text: &str| text.trim().parse::<u32>().ok();
     let start = written.split_once(',').and_then(|(column, row)| Some((number(column)?, number(row)?)));
-    if start.is_none() && !written.is_empty() { Err(layers.wrong("hall.start", "it is no column and row")) } else { Ok(start) }
+    if start.is_none() && !written.is_empty() {
+        Err(layers.wrong("hall.start", "it is not a column and a row"))
+    } else {
+        Ok(start)
+    }
 }
 
 fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
@@ -111,8 +115,8 @@ fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
         return Ok(Some(bind));
     }
     let problem = "everybody who reaches this address could read everything there, unencrypted and without a key";
-    let advice = "write an address of this machine alone, as localhost:5683, or none for no such door; or set \
-                  coap.open_to_others = true if that is meant";
+    let advice = "write a loopback address, such as localhost:5683, or none to turn CoAP off; or set coap.open_to_others = true \
+                  to allow this";
     Err(layers.wrong_with_advice("coap.bind", problem, advice))
 }
 
@@ -120,8 +124,8 @@ fn tls(layers: &Layers) -> Result<Option<TlsFiles>, SettingsError> {
     let (certificate, key): (String, String) = (read(layers, "http.tls_certificate")?, read(layers, "http.tls_key")?);
     match (certificate.as_str(), key.as_str()) {
         ("", "") => Ok(None),
-        (_, "") => Err(layers.wrong("http.tls_key", "http.tls_certificate is set, and is of no use without its key")),
-        ("", _) => Err(layers.wrong("http.tls_certificate", "http.tls_key is set, and is of no use without its certificate")),
+        (_, "") => Err(layers.wrong("http.tls_key", "http.tls_certificate is set, and needs its key")),
+        ("", _) => Err(layers.wrong("http.tls_certificate", "http.tls_key is set, and needs its certificate")),
         (certificate, key) => Ok(Some(TlsFiles { certificate: certificate.into(), key: key.into() })),
     }
 }
@@ -131,7 +135,7 @@ fn store(layers: &Layers) -> Result<Option<PathBuf>, SettingsError> {
         "none" => Ok(None),
         "" => {
             let usual = folder::usual(|name| std::env::var_os(name));
-            let unknown = || layers.wrong("store.folder", "this user has no home, where it would be");
+            let unknown = || layers.wrong("store.folder", "the home folder of this user is unknown");
             usual.map(Some).ok_or_else(unknown)
         }
         named => Ok(Some(named.into())),
@@ -144,7 +148,7 @@ fn strategy(layers: &Layers) -> Result<Strategy, SettingsError> {
 
 fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
     let threshold = Celsius::new(read(layers, "temperature.threshold_celsius")?)
-        .ok_or_else(|| layers.wrong("temperature.threshold_celsius", "no hall has this temperature"))?;
+        .ok_or_else(|| layers.wrong("temperature.threshold_celsius", "it is out of range"))?;
     Ok(CoreSettings {
         threshold,
         hysteresis: number(layers, "temperature.hysteresis_celsius")?,
@@ -160,7 +164,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
 /// The simulated pair stands in the simulator's hall, so the pair cannot fetch if the searching robot is not simulated.
 fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     let key = "mission.retrieval";
-    let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "nobody of this name fetches")?;
+    let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "there is no such fetcher")?;
     let kind = robots::kind(layers, "robot.kind")?;
     if fetcher != Fetcher::Pair || kind == RobotKind::Sim {
         return Ok(fetcher);
@@ -168,14 +172,11 @@ fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     if !layers.is_chosen(key) {
         return Ok(Fetcher::None);
     }
-    let problem = format!(
-        "the pair is simulated and stands in the simulator's hall, and the robot that searches is of the kind {}",
-        kind.name()
-    );
+    let problem = format!("the pair is simulated, but the searching robot is of the kind {}", kind.name());
     Err(layers.wrong_with_advice(
         key,
         problem,
-        "write none, or discovery where that robot has a gripper; or search with the robot sim",
+        "write none, or discovery if that robot has a gripper; or search with the robot sim",
     ))
 }
 
@@ -187,7 +188,7 @@ fn costs(layers: &Layers) -> Result<Option<Costs>, SettingsError> {
     }
     let costs = Costs::read(&written);
     costs.map(Some).ok_or_else(|| {
-        layers.wrong("mission.costs", "it is not three numbers, the first above 0, the others up to 25 times as large")
+        layers.wrong("mission.costs", "it is not three numbers, the first above 0, the others at most 25 times the first")
     })
 }
 
@@ -196,9 +197,9 @@ fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {
     let mut sensors = Vec::new();
     for name in names.split(',').map(str::trim).filter(|_| !names.trim().is_empty()) {
         let sensor = TemperatureReport::sensor_name(name)
-            .ok_or_else(|| layers.wrong("temperature.sensor", format!("{name:?} is no sensor's name")))?;
+            .ok_or_else(|| layers.wrong("temperature.sensor", format!("{name:?} is not a sensor name")))?;
         if sensors.contains(&sensor) {
-            return Err(layers.wrong("temperature.sensor", format!("{name:?} is there twice")));
+            return Err(layers.wrong("temperature.sensor", format!("{name:?} is named twice")));
         }
         sensors.push(sensor);
     }

@@ -104,14 +104,14 @@ fn sensors_are_named_in_one_line_each_once() {
     assert_eq!(named("roof, gate-3").expect("two names"), ["roof".into(), "gate-3".into()]);
     let many: Vec<String> = (0..61).map(|number| format!("s{number}")).collect();
     for (names, problem) in [
-        ("roof,", "\"\" is no sensor's name"),
-        ("roof,operator", "\"operator\" is no sensor's name"),
-        ("the roof", "\"the roof\" is no sensor's name"),
-        ("roof,gate,roof", "\"roof\" is there twice"),
+        ("roof,", "\"\" is not a sensor name"),
+        ("roof,operator", "\"operator\" is not a sensor name"),
+        ("the roof", "\"the roof\" is not a sensor name"),
+        ("roof,gate,roof", "\"roof\" is named twice"),
         (&many.join(","), "there are 61 names"),
     ] {
         let said = message(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names));
-        assert!(said.contains(problem) && said.contains("as roof,gate-3"), "{said}");
+        assert!(said.contains(problem) && said.contains("such as roof,gate-3"), "{said}");
     }
 }
 
@@ -137,8 +137,8 @@ fn other_environment_variables_are_none_of_our_business() {
 fn a_variable_with_too_few_underscores_is_refused_with_its_right_name() {
     assert_eq!(
         message(&environment("HALLSWEEP_ROBOT_SPEED", "max")),
-        "there is no setting `HALLSWEEP_ROBOT_SPEED` (from environment variable HALLSWEEP_ROBOT_SPEED): \
-         the variable for robot.speed is HALLSWEEP__ROBOT__SPEED, with two underscores each"
+        "there is no setting `HALLSWEEP_ROBOT_SPEED` (from environment variable HALLSWEEP_ROBOT_SPEED): the variable for \
+         robot.speed is HALLSWEEP__ROBOT__SPEED, with two underscores before each part"
     );
 }
 
@@ -162,12 +162,12 @@ fn the_range_said_for_the_seed_is_the_one_that_is_accepted() {
 #[test]
 fn a_wrong_value_is_shown_as_it_was_given_and_told_in_words_for_people() {
     let begins = [
-        ("--speed", "robot.speed", "nan", "nan (from flag --speed): it stands for no number; write a factor"),
+        ("--speed", "robot.speed", "nan", "nan (from flag --speed): it is not a number; write a factor"),
         ("--speed", "robot.speed", "inf", "inf (from flag --speed): it is out of range; write a factor"),
         ("--speed", "robot.speed", "-inf", "-inf (from flag --speed): it is out of range; write a factor"),
         ("--speed", "robot.speed", "99999999999999999999", "99999999999999999999 (from flag --speed): it is out of range; write"),
         ("--speed", "robot.speed", "[1]", "[1] (from flag --speed): it is a list; write a factor"),
-        ("--speed", "robot.speed", "true", "true (from flag --speed): it is a yes or no; write a factor"),
+        ("--speed", "robot.speed", "true", "true (from flag --speed): it is true or false; write a factor"),
         ("--seed", "robot.seed", "1.5", "1.5 (from flag --seed): it is not a whole number; write a whole number"),
         ("--seed", "robot.seed", "many", "\"many\" (from flag --seed): it is a text; write a whole number"),
         ("-", "http.require_token", "1", "1 (from flag -): it is a number; write true or false"),
@@ -186,8 +186,8 @@ fn a_mistyped_key_is_refused_with_the_names_there_are() {
     let said = message(&environment("HALLSWEEP__HTTP__BNID", "127.0.0.1:1"));
     assert_eq!(
         said,
-        "there is no setting `http.bnid` (from environment variable HALLSWEEP__HTTP__BNID): \
-         in [http] there are http.bind, http.require_token, http.hosts, http.tls_certificate, http.tls_key"
+        "there is no setting `http.bnid` (from environment variable HALLSWEEP__HTTP__BNID): [http] has the settings http.bind, \
+         http.require_token, http.hosts, http.tls_certificate, http.tls_key"
     );
     let file = File::new("mistyped", "[robott]\nseed = 2\n");
     assert!(message(&file.sources()).starts_with("there is no setting `robott` (from file "));
@@ -198,8 +198,8 @@ fn a_wrong_value_is_named_with_its_origin_and_what_to_do() {
     let said = message(&flag("--http", "http.bind", "8080"));
     assert_eq!(
         said,
-        "setting http.bind = \"8080\" (from flag --http): it is not an address with a port; \
-         write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"
+        "setting http.bind = \"8080\" (from flag --http): it is not an address with a port; write localhost:PORT, or \
+         ADDRESS:PORT with a number for an address, such as 127.0.0.1:8080 or [::1]:8080"
     );
 }
 
@@ -365,10 +365,13 @@ fn topics_are_called_by_plain_words_and_old_ones_do_not_lie_among_new_ones() {
     for (name, wrong) in [("PREFIX", "a//b"), ("PREFIX", "a/#"), ("PREFIX", ""), ("ID", "a/b"), ("ID", "ü"), ("OLD_PREFIX", "/a")]
     {
         let said = message(&environment(&format!("HALLSWEEP__MQTT__{name}"), wrong));
-        assert!(said.contains("no topic can be called so"), "{said}");
+        assert!(said.contains("it is not a valid part of a topic"), "{said}");
     }
     for among in ["hallsweep", "hallsweep/old"] {
-        assert!(message(&environment("HALLSWEEP__MQTT__OLD_PREFIX", among)).contains("among those of mqtt.prefix"), "{among}");
+        assert!(
+            message(&environment("HALLSWEEP__MQTT__OLD_PREFIX", among)).contains("mixed with the topics of mqtt.prefix"),
+            "{among}"
+        );
     }
 }
 

@@ -21,6 +21,6 @@ pub enum SettingsError {
         problem: String,
         advice: String,
     },
-    #[error("settings file {} (from --config): {problem}; mend it, or start without --config", .path.display())]
+    #[error("settings file {} (from --config): {problem}; correct the file, or start without --config", .path.display())]
     File { path: PathBuf, problem: String },
 }

@@ -72,12 +72,14 @@ const STEP_MS: SettingKind = SettingKind::Number { least: 50.0, most: 5000.0 };
 /// Seconds: a sensor that reports less than once an hour does not tell the present temperature.
 const SENSOR_SILENCE_S: SettingKind = SettingKind::Number { least: 1.0, most: 3600.0 };
 
-const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
+const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, such as 127.0.0.1:5683 or \
+                         [::1]:5683, or none to turn CoAP off";
 
-const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
+const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, such as 127.0.0.1:1883 or \
+                         [::1]:1883, or none to turn this broker off";
 
 const ROBOT_ADDRESS: &str =
-    "write HOST:PORT, or for a robot of the kind line the path of a serial device, as /dev/ttyUSB0 or COM3";
+    "write HOST:PORT, or, for a robot of the kind line, the path of a serial device, such as /dev/ttyUSB0 or COM3";
 
 /// The section with a subsection for each further robot, such as `[robots.porter]`.
 pub(super) const ROBOTS: &str = "robots";
@@ -87,18 +89,20 @@ pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
 pub const KEYS: [Key; 50] = [
-    text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
-    text("hall.start", "write column and row, counted from 0 in the north-west corner, as 3,0; or nothing").set_by("--start"),
-    text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
+    text("hall.file", "name a built-in hall, such as airport, or the path of a hall file (.toml, .map, .yaml or .txt)")
+        .set_by("--hall"),
+    text("hall.start", "write column and row, counted from 0 in the north-west corner, such as 3,0; or leave it empty")
+        .set_by("--start"),
+    text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, such as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
     yes_no("http.require_token"),
-    key("http.hosts", SettingKind::Texts, "write names without a port in a list, as [\"hall.example\"]"),
+    key("http.hosts", SettingKind::Texts, "write names without a port in a list, such as [\"hall.example\"]"),
     text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
     text(
         "http.tls_key",
         "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
     ),
-    key("console.evacuation_m", EVACUATION_M, "write a number of metres from 1 to 5000, as 100"),
+    key("console.evacuation_m", EVACUATION_M, "write a number of metres from 1 to 5000, such as 100"),
     text("coap.bind", COAP_BIND).set_by("--coap"),
     yes_no("coap.open_to_others"),
     text("mqtt.bind", MQTT_BIND).set_by("--mqtt"),
@@ -106,30 +110,33 @@ pub const KEYS: [Key; 50] = [
     text("mqtt.router", "write own or rumqttd"),
     text(
         "mqtt.broker",
-        "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",
+        "write mqtt://HOST:PORT or mqtts://HOST:PORT, and the login of this broker in mqtt.name and mqtt.password; or leave it \
+         empty",
     ),
     text("mqtt.version", "write 3.1.1 or 5 (in a file between quotes), for the broker of mqtt.broker"),
-    text("mqtt.name", "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
-    text("mqtt.password", "write the password that goes with mqtt.name, or nothing"),
+    text("mqtt.name", "write the user name for the broker of mqtt.broker, or leave it empty"),
+    text("mqtt.password", "write the password for mqtt.name, or leave it empty"),
     text(
         "mqtt.certificates",
-        "name a PEM file of the certificates that are believed, for mqtts:// alone; or leave it empty for the system's",
+        "name a PEM file of trusted certificates, only for mqtts://; or leave it empty to trust the system's certificates",
     ),
-    text("mqtt.prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep"),
-    text("mqtt.id", "write 1 to 64 letters, digits, - or _, as discovery"),
-    text("mqtt.old_prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak"),
+    text("mqtt.prefix", "write 1 to 64 letters, digits, - or _, with single slashes between them if needed, such as hallsweep"),
+    text("mqtt.id", "write 1 to 64 letters, digits, - or _, such as discovery"),
+    text(
+        "mqtt.old_prefix",
+        "write 1 to 64 letters, digits, - or _, with single slashes between them if needed, such as unibo/qak",
+    ),
     yes_no("mqtt.home_assistant"),
     yes_no("old_clients.manual_driving"),
-    text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept")
+    text("store.folder", "name a folder; or leave it empty for the default folder, or write none to store nothing")
         .set_by("--data"),
-    key("store.keep_days", KEEP_DAYS, "write a whole number of days from 0 to 36500; 0 is for ever"),
+    key("store.keep_days", KEEP_DAYS, "write a whole number of days from 0 to 36500; 0 means for ever"),
     text("robot.kind", "write one of: sim, virtual-tcp, virtual-ws, line").set_by("--robot"),
     text("robot.address", ROBOT_ADDRESS).set_by("--robot"),
-    key("robot.baud", BAUD, "write a whole number of bits a second from 300 to 4000000"),
+    key("robot.baud", BAUD, "write a whole number of bits per second from 300 to 4000000"),
     key("robot.step_ms", STEP_MS, "write a whole number of milliseconds from 50 to 5000"),
-    text("robot.scene", "name the scene file of the virtual robot's page; or nothing"),
-    key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting")
-        .set_by("--speed"),
+    text("robot.scene", "name the scene file of the virtual robot's page; or leave it empty"),
+    key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 is normal speed), or max for no waiting").set_by("--speed"),
     key("robot.seed", SettingKind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
     key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
@@ -140,18 +147,22 @@ pub const KEYS: [Key; 50] = [
     text("mission.strategy", "write one of: auto, scored, frontier, columns, spiral, snail").set_by("--strategy"),
     text("mission.goal", "write one of: find, cover").set_by("--goal"),
     text("mission.sensing", "write one of: bump, sonar").set_by("--sensing"),
-    text("mission.costs", "write robot, or what a step, a turn and a bump cost, as 1,1,1").set_by("--costs"),
+    text("mission.costs", "write robot, or what a step, a turn and a bump cost, such as 1,1,1").set_by("--costs"),
     text("mission.retrieval", "write one of: pair, discovery, none"),
     yes_no("mission.inspect_everything"),
     yes_no("mission.wall_lines"),
-    key("temperature.threshold_celsius", CELSIUS, "write degrees Celsius from -60 to 1000, as 25.0"),
-    key("temperature.hysteresis_celsius", HYSTERESIS, "write a number of degrees from 0 to 50, as 1.0"),
+    key("temperature.threshold_celsius", CELSIUS, "write degrees Celsius from -60 to 1000, such as 25.0"),
+    key("temperature.hysteresis_celsius", HYSTERESIS, "write a number of degrees from 0 to 50, such as 1.0"),
     text(
         "temperature.sensor",
-        "write at most 60 names set apart by commas, each of 1 to 64 visible characters and not operator, robot or others, as roof,gate-3; or nothing",
+        "write at most 60 names separated by commas, each of 1 to 64 visible characters and not operator, robot or others, such \
+         as roof,gate-3; or leave it empty",
     ),
-    key("temperature.sensor_silence_s", SENSOR_SILENCE_S, "write a number of seconds from 1 to 3600, as 10"),
-    text("log.filter", "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug"),
+    key("temperature.sensor_silence_s", SENSOR_SILENCE_S, "write a number of seconds from 1 to 3600, such as 10"),
+    text(
+        "log.filter",
+        "write a level (error, warn, info, debug, trace) or targets with levels, such as info,hallsweep::doors=debug",
+    ),
 ];
 
 impl Key {
@@ -194,7 +205,7 @@ impl Key {
         if section == ROBOTS {
             let own: Vec<&str> = KEYS.iter().filter_map(|key| key.name.strip_prefix(ROBOT)?.strip_prefix('.')).collect();
             return format!(
-                "in [{ROBOTS}.NAME] there are {}, and NAME is 1 to {} small letters, digits and hyphens, the first a letter",
+                "[{ROBOTS}.NAME] has the settings {}, and NAME has 1 to {} small letters, digits and hyphens, the first a letter",
                 own.join(", "),
                 RobotId::MOST
             );
@@ -203,7 +214,7 @@ impl Key {
         if siblings.is_empty() {
             format!("the sections are {}", Key::sections().join(", "))
         } else {
-            format!("in [{section}] there are {}", siblings.join(", "))
+            format!("[{section}] has the settings {}", siblings.join(", "))
         }
     }
 }
@@ -258,14 +269,17 @@ mod tests {
             assert_eq!(Key::named(unknown), None, "{unknown}");
         }
         let advice = Key::advice_for_unknown("robots.porter.sed");
-        assert!(advice.starts_with("in [robots.NAME] there are kind, address, baud, step_ms, scene, speed, seed, "), "{advice}");
+        assert!(
+            advice.starts_with("[robots.NAME] has the settings kind, address, baud, step_ms, scene, speed, seed, "),
+            "{advice}"
+        );
     }
 
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_near() {
         assert_eq!(
             Key::advice_for_unknown("mission.order"),
-            "in [mission] there are mission.strategy, mission.goal, mission.sensing, mission.costs, mission.retrieval, mission.inspect_everything, mission.wall_lines"
+            "[mission] has the settings mission.strategy, mission.goal, mission.sensing, mission.costs, mission.retrieval, mission.inspect_everything, mission.wall_lines"
         );
         assert!(
             Key::advice_for_unknown("htpp.bind")

@@ -163,8 +163,8 @@ fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
                     key: format!("{ROBOTS}.{}.{own}", RobotId::discovery()),
                     value: written(value),
                     origin: layer.origin.clone(),
-                    problem: format!("{ROBOT}.{own} means the same robot, and is set too (from {})", other.origin),
-                    advice: "write only one of them".to_owned(),
+                    problem: format!("{ROBOT}.{own} means the same setting, and is set too (from {})", other.origin),
+                    advice: "set only one of the two".to_owned(),
                 });
             }
         }
@@ -206,8 +206,11 @@ impl Layer {
     fn variable(name: &str, value: &str) -> Result<Option<Layer>, SettingsError> {
         let origin = format!("environment variable {name}");
         if let Some(meant) = environment::nearly(name) {
-            let advice =
-                format!("the variable for {} is {}, with two underscores each", meant.name, environment::variable(meant));
+            let advice = format!(
+                "the variable for {} is {}, with two underscores before each part",
+                meant.name,
+                environment::variable(meant)
+            );
             return Err(SettingsError::Unknown { key: name.to_owned(), origin, advice });
         }
         let Some(key) = name.strip_prefix(PREFIX) else { return Ok(None) };

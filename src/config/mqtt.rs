@@ -97,11 +97,11 @@ pub(super) fn mqtt(layers: &Layers) -> Result<MqttSettings, SettingsError> {
 fn own(layers: &Layers) -> Result<Option<Broker>, SettingsError> {
     for key in ["mqtt.name", "mqtt.password", "mqtt.certificates"] {
         if !read::<String>(layers, key)?.is_empty() {
-            return Err(layers.wrong_unseen(key, "it is for a broker of somebody else's, and mqtt.broker names none"));
+            return Err(layers.wrong_unseen(key, "it is only for another broker, and mqtt.broker is empty"));
         }
     }
     if is_five(layers)? {
-        return Err(layers.wrong("mqtt.version", "it is for a broker of somebody else's: at our own each client chooses"));
+        return Err(layers.wrong("mqtt.version", "it is only for another broker; at hallsweep's own broker each client chooses"));
     }
     if read::<String>(layers, "mqtt.bind")? == "none" {
         return Ok(None);
@@ -129,17 +129,17 @@ fn other(layers: &Layers, url: &str) -> Result<OtherBroker, SettingsError> {
     let (is_encrypted, rest) = match url.split_once("://") {
         Some(("mqtt", rest)) => (false, rest),
         Some(("mqtts", rest)) => (true, rest),
-        Some(_) | None => return Err(wrong("it begins with neither mqtt:// nor mqtts://")),
+        Some(_) | None => return Err(wrong("it does not begin with mqtt:// or mqtts://")),
     };
     let rest = rest.strip_suffix('/').unwrap_or(rest);
     if rest.contains('@') {
-        return Err(layers.wrong_unseen("mqtt.broker", "name and password have settings of their own"));
+        return Err(layers.wrong_unseen("mqtt.broker", "the user name and the password belong in mqtt.name and mqtt.password"));
     }
-    let (host, port) = host_and_port(rest).ok_or_else(|| wrong("it names no host, or no port that can be"))?;
+    let (host, port) = host_and_port(rest).ok_or_else(|| wrong("its host is missing, or its port is not valid"))?;
     let port = port.unwrap_or(if is_encrypted { ENCRYPTED } else { PLAIN });
     let certificates = Some(read::<String>(layers, "mqtt.certificates")?).filter(|path| !path.is_empty()).map(PathBuf::from);
     if certificates.is_some() && !is_encrypted {
-        return Err(layers.wrong("mqtt.certificates", "mqtt.broker is not reached by TLS"));
+        return Err(layers.wrong("mqtt.certificates", "mqtt.broker does not use TLS"));
     }
     Ok(OtherBroker { host, port, is_five: is_five(layers)?, is_encrypted, login: login(layers)?, certificates })
 }
@@ -148,7 +148,7 @@ fn login(layers: &Layers) -> Result<Option<Login>, SettingsError> {
     let (name, password): (String, String) = (read(layers, "mqtt.name")?, read(layers, "mqtt.password")?);
     match (name.is_empty(), password.is_empty()) {
         (true, true) => Ok(None),
-        (true, false) => Err(layers.wrong("mqtt.name", "mqtt.password is set, and a password is of no use without a name")),
+        (true, false) => Err(layers.wrong("mqtt.name", "mqtt.password is set, and needs a name")),
         (false, _) => Ok(Some(Login { name, password })),
     }
 }
@@ -160,7 +160,7 @@ fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsErr
     let mut words = written.split('/');
     let are_plain = words.all(|word| !word.is_empty() && word.bytes().all(is_plain));
     if written.len() > LONGEST || !are_plain || (!slashes && written.contains('/')) {
-        return Err(layers.wrong(key, "no topic can be called so"));
+        return Err(layers.wrong(key, "it is not a valid part of a topic"));
     }
     Ok(written)
 }
@@ -170,7 +170,7 @@ fn old_prefix(layers: &Layers, prefix: &str) -> Result<String, SettingsError> {
     let old = name(layers, "mqtt.old_prefix", true)?;
     let (ours, theirs) = (format!("{prefix}/"), format!("{old}/"));
     if ours.starts_with(&theirs) || theirs.starts_with(&ours) {
-        return Err(layers.wrong("mqtt.old_prefix", "these topics would lie among those of mqtt.prefix"));
+        return Err(layers.wrong("mqtt.old_prefix", "these topics would be mixed with the topics of mqtt.prefix"));
     }
     Ok(old)
 }

@@ -25,7 +25,7 @@ fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
     let is_whole = Key::named(key).is_some_and(|key| key.kind == SettingKind::Whole);
     let problem = match layers.figment().find_value(key) {
         Ok(Value::String(..) | Value::Char(..)) => "it is a text",
-        Ok(Value::Bool(..)) => "it is a yes or no",
+        Ok(Value::Bool(..)) => "it is true or false",
         Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if is_whole => "it is not a whole number",
         Ok(Value::Num(..)) if is_whole => "it is out of range",
         Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
@@ -69,7 +69,7 @@ pub(super) fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
 }
 
 pub(super) fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {
-    let problem = if value.is_nan() { "it stands for no number" } else { "it is out of range" };
+    let problem = if value.is_nan() { "it is not a number" } else { "it is out of range" };
     let is_beyond = Key::named(key).is_some_and(|key| key.is_beyond(value));
     if is_beyond { Err(layers.wrong(key, problem)) } else { Ok(value) }
 }

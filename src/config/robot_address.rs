@@ -91,12 +91,12 @@ pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Resu
     match kind {
         RobotKind::Sim if written.is_empty() => Ok(RobotAddress::Here),
         RobotKind::Sim => {
-            let advice = "leave it empty, or write the kind of the robot that is there: virtual-tcp, virtual-ws or line";
+            let advice = "leave the address empty, or choose another kind of robot: virtual-tcp, virtual-ws or line";
             Err(layers.wrong_with_advice(key, "the simulated robot is part of this program and has no address", advice))
         }
         RobotKind::VirtualTcp => network(&written, Some(8999)).ok_or_else(|| no_host(layers, key, 8999)),
         RobotKind::VirtualWs => network(&written, Some(8091)).ok_or_else(|| no_host(layers, key, 8091)),
-        RobotKind::Line if written.is_empty() => Err(layers.wrong(key, "a robot of the kind line has no usual address")),
+        RobotKind::Line if written.is_empty() => Err(layers.wrong(key, "a robot of the kind line needs an address")),
         RobotKind::Line if is_device => Ok(RobotAddress::Device(written)),
         RobotKind::Line => {
             let problem = "it is neither a host with a port nor the path of a serial device";
@@ -113,8 +113,9 @@ fn network(written: &str, usual: Option<u16>) -> Option<RobotAddress> {
 }
 
 fn no_host(layers: &Layers, key: &str, usual: u16) -> SettingsError {
-    let advice = format!("write HOST or HOST:PORT, as localhost:{usual}; or nothing for this machine and the usual port");
-    layers.wrong_with_advice(key, "it names no host, or no port that can be", &advice)
+    let advice =
+        format!("write HOST or HOST:PORT, such as localhost:{usual}; or leave it empty for this machine and the default port");
+    layers.wrong_with_advice(key, "its host is missing, or its port is not valid", &advice)
 }
 
 #[cfg(test)]
@@ -167,7 +168,7 @@ mod tests {
             ),
             (
                 "line",
-                "setting robot.address = \"\" (from flag --robot): a robot of the kind line has no usual address; write HOST:PORT",
+                "setting robot.address = \"\" (from flag --robot): a robot of the kind line needs an address; write HOST:PORT",
             ),
             (
                 "line=ttyUSB0",
@@ -179,15 +180,15 @@ mod tests {
             ),
             (
                 "virtual-tcp=a:0",
-                "setting robot.address = \"a:0\" (from flag --robot): it names no host, or no port that can be; write",
+                "setting robot.address = \"a:0\" (from flag --robot): its host is missing, or its port is not valid; write",
             ),
             (
                 "virtual-ws=/dev/tty",
-                "setting robot.address = \"/dev/tty\" (from flag --robot): it names no host, or no port that can",
+                "setting robot.address = \"/dev/tty\" (from flag --robot): its host is missing, or its port is not",
             ),
             (
                 "virtual-ws=ws://a",
-                "setting robot.address = \"ws://a\" (from flag --robot): it names no host, or no port that can be",
+                "setting robot.address = \"ws://a\" (from flag --robot): its host is missing, or its port is not valid",
             ),
         ] {
             let said = given(robot).expect_err(robot);

@@ -31,7 +31,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     let names = layers.further_robots();
     let count = names.len() + 1;
     if count > MOST_ROBOTS {
-        let advice = format!("name at most {} beside {}", MOST_ROBOTS - 1, RobotId::discovery());
+        let advice = format!("add at most {} robots to {}", MOST_ROBOTS - 1, RobotId::discovery());
         let last = names.last().unwrap_or_default();
         return Err(layers.wrong_with_advice(&format!("{ROBOTS}.{last}.kind"), format!("there are {count} robots"), &advice));
     }
@@ -39,7 +39,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
         let robot = RobotId::new(name).expect("an invalid name was refused when the layers were read");
         if Which::ALL.into_iter().any(|which| which.robot() == robot) {
             let key = format!("{ROBOTS}.{name}.kind");
-            return Err(layers.wrong_with_advice(&key, "one of the pair that fetches has this name", "give it another name"));
+            return Err(layers.wrong_with_advice(&key, "a robot of the fetching pair has this name", "give it another name"));
         }
         Ok((robot, self::robot(layers, &format!("{ROBOTS}.{name}"))?))
     };
@@ -55,7 +55,7 @@ pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), Se
         if let Some(first) = taken.insert(place, robot) {
             return Err(layers.wrong_with_advice(
                 &key,
-                format!("{first} is there already"),
+                format!("the robot {first} has this address already"),
                 "give each robot an address of its own",
             ));
         }
@@ -99,7 +99,7 @@ fn speed(layers: &Layers, key: &str) -> Result<Speed, SettingsError> {
     match read(layers, key)? {
         NumberOrWord::Number(factor) => within(layers, key, factor).map(Speed::Times),
         NumberOrWord::Word(word) if word == "max" => Ok(Speed::Max),
-        NumberOrWord::Word(_) => Err(layers.wrong(key, "this word is no speed")),
+        NumberOrWord::Word(_) => Err(layers.wrong(key, "this word is not a speed")),
     }
 }
 
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(settings.robot.seed, 6, "the later place wins, whatever name it uses");
         let wrong = said(given(&[("ROBOTS__DISCOVERY__SPEED", "fast")]));
         let begins = "setting robots.discovery.speed = \"fast\" (from environment variable HALLSWEEP__ROBOTS__DISCOVERY__SPEED): \
-                      this word is no speed; write a factor";
+                      this word is not a speed; write a factor";
         assert!(wrong.starts_with(begins), "{wrong}");
     }
 
@@ -169,11 +169,11 @@ mod tests {
         let wrong = said(given(&[("ROBOTS__DISCOVERY__SEED", "2"), ("ROBOT__SEED", "2")]));
         assert_eq!(
             wrong,
-            "setting robots.discovery.seed = 2 (from environment variable HALLSWEEP__ROBOTS__DISCOVERY__SEED): robot.seed means the \
-             same robot, and is set too (from environment variable HALLSWEEP__ROBOT__SEED); write only one of them"
+            "setting robots.discovery.seed = 2 (from environment variable HALLSWEEP__ROBOTS__DISCOVERY__SEED): robot.seed means the same \
+             setting, and is set too (from environment variable HALLSWEEP__ROBOT__SEED); set only one of the two"
         );
         let wrong = said(written("both", "[robot]\nseed = 1\n[robots.discovery]\nseed = 1\n", &[]));
-        assert!(wrong.contains("robot.seed means the same robot") && wrong.contains("(from file "), "{wrong}");
+        assert!(wrong.contains("robot.seed means the same setting") && wrong.contains("(from file "), "{wrong}");
     }
 
     #[test]
@@ -199,7 +199,7 @@ mod tests {
         }
         let wrong = said(given(&[("ROBOTS__PORTER__SPED", "2")]));
         assert!(
-            wrong.contains("`robots.porter.sped`") && wrong.contains("in [robots.NAME] there are kind, address, "),
+            wrong.contains("`robots.porter.sped`") && wrong.contains("[robots.NAME] has the settings kind, address, "),
             "{wrong}"
         );
         for (name, text) in [("name", "[robots.Porter]\nkind = \"sim\"\n"), ("no-table", "[robots]\nPorter = 1\n")] {
@@ -220,11 +220,14 @@ mod tests {
             ("[::ffff:127.0.0.1]:1", "localhost:1"),
         ] {
             let wrong = said(written("one-place", &two(one, other), &[]));
-            assert!(wrong.contains("robots.porter.address") && wrong.contains("discovery is there already"), "{wrong}");
+            assert!(
+                wrong.contains("robots.porter.address") && wrong.contains("the robot discovery has this address already"),
+                "{wrong}"
+            );
         }
         assert!(written("two-places", &two("localhost:8300", "localhost:8301"), &[]).is_ok());
         let three = two("a:1", "b:1") + &line("robots.crane", "b:1");
-        assert!(said(written("three", &three, &[])).contains("is there already"));
+        assert!(said(written("three", &three, &[])).contains("has this address already"));
     }
 
     #[test]
@@ -232,6 +235,6 @@ mod tests {
         let text = |further: usize| (0..further).map(|n| format!("[robots.r{n}]\nkind = \"sim\"\n")).collect::<String>();
         assert_eq!(written("eight", &text(7), &[]).expect("good").robots().count(), MOST_ROBOTS);
         let wrong = said(written("nine", &text(8), &[]));
-        assert!(wrong.contains("there are 9 robots; name at most 7 beside discovery"), "{wrong}");
+        assert!(wrong.contains("there are 9 robots; add at most 7 robots to discovery"), "{wrong}");
     }
 }

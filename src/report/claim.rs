@@ -16,7 +16,7 @@ pub struct Claim {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("its head names no mission: this is not a hallsweep report, or its beginning was changed")]
+#[error("the head of the file names no mission: the file is not a hallsweep report, or its beginning was changed")]
 pub struct Unclear;
 
 const AROUND: [&str; 2] = ["<meta name=\"hallsweep-report\" content=\"", "\">"];

@@ -7,7 +7,7 @@ const SHOWN: usize = 48;
 
 /// The first difference between a file and the expected bytes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("byte {byte}, in line {line}: the file has {has}, and the journal {wants}")]
+#[error("difference at byte {byte}, in line {line}: the file has {has}, and the journal has {wants}")]
 pub struct Difference {
     /// Counted from 1.
     pub byte: u64,
@@ -76,7 +76,7 @@ impl<R: Read> Write for Comparison<R> {
 
 fn shown(bytes: &[u8]) -> String {
     if bytes.is_empty() {
-        return "its end".to_owned();
+        return "no more text".to_owned();
     }
     format!("{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(SHOWN)]))
 }
@@ -97,8 +97,8 @@ mod tests {
         let at =
             |byte, line, has: &str, wants: &str| Err(Difference { byte, line, has: has.to_owned(), wants: wants.to_owned() });
         assert_eq!(compare("one\ntwa\n", &["one\nt", "wo\n", "x"]), at(7, 2, "\"a\\n\"", "\"o\\n\""));
-        assert_eq!(compare("one\n", &["one\n", "two"]), at(5, 2, "its end", "\"two\""));
-        assert_eq!(compare("one\ntwo", &["one\n"]), at(5, 2, "\"two\"", "its end"));
-        assert_eq!(compare("", &["one"]), at(1, 1, "its end", "\"one\""));
+        assert_eq!(compare("one\n", &["one\n", "two"]), at(5, 2, "no more text", "\"two\""));
+        assert_eq!(compare("one\ntwo", &["one\n"]), at(5, 2, "\"two\"", "no more text"));
+        assert_eq!(compare("", &["one"]), at(1, 1, "no more text", "\"one\""));
     }
 }

@@ -131,7 +131,7 @@ fn still_there(archive: &dyn Archive, mission: MissionId, began: Option<Seq>) ->
     if first(archive, mission)? == began {
         return Ok(());
     }
-    Err(Unreadable(format!("mission {mission} was written out into an archive meanwhile: ask for it there")).into())
+    Err(Unreadable(format!("mission {mission} was moved to an archive meanwhile: make its report from the archive")).into())
 }
 
 /// Visits the entries of a mission's timeline up to `until`, oldest first.

@@ -44,7 +44,7 @@ impl ArchiveReader {
             let reading = tokio::task::spawn_blocking(move || (read(&*archive), turn));
             reading.await.map_err(|_| ended())?.0
         };
-        let hangs = || Unreadable("the disk does not answer: look after it, and ask again later".to_owned());
+        let hangs = || Unreadable("the disk does not answer: check the disk, then try again".to_owned());
         tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| Err(hangs()))
     }
 }

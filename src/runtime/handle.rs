@@ -44,7 +44,7 @@ pub struct Handle {
 
 /// The loop has ended because the program is shutting down. `Display` is the message for a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("hallsweep is shutting down: the robot has been halted; try again when it is back")]
+#[error("hallsweep is shutting down and has halted the robot: try again when hallsweep runs again")]
 pub struct Gone;
 
 pub type CommandOutcome = Result<Decision, Gone>;

@@ -56,7 +56,7 @@ impl Links {
         let Some(link) = self.to(robot) else { return false };
         let sent = link.orders.try_send(Stamped { order, halts: halts.count });
         if let Err(error) = &sent {
-            tracing::warn!(%robot, %error, "the robot's adapter does not take its orders");
+            tracing::warn!(%robot, %error, "the robot's adapter does not accept an order");
         }
         sent.is_ok()
     }

@@ -75,29 +75,29 @@ pub enum NotSimulated {
     Refused(#[from] Refused),
     #[error("the simulator runs: pause it first, then go on step by step")]
     NotPaused,
-    #[error("no robot has anything under way: a step takes one to the end of its order; press START first")]
+    #[error("no robot has an order under way that a step could complete: press START first")]
     NothingUnderWay,
     /// The hall does not exist or is faulty, with the reason.
     #[error("{0}")]
     Hall(String),
-    #[error("nothing can be put into {0}: it is no free cell of this hall")]
+    #[error("the cell {0} cannot be blocked: it is no free cell of this hall")]
     NoFreeCell(Cell),
-    #[error("{0} cells are to be blocked, and at most {MOST_BLOCKED} can be: leave some free")]
+    #[error("{0} blocked cells are too many: the maximum is {MOST_BLOCKED}")]
     TooManyBlocked(usize),
     /// The change was made, but could not be stored: a restart loses it.
-    #[error("the robots are put down there, but the hall cannot be kept ({0}): after a restart it is the one before again")]
+    #[error("the robots are in the new hall, but the choice could not be stored ({0}): a restart returns to the previous hall")]
     NotKept(String),
-    #[error("a hall is kept under a name of small letters, digits and `-`, 40 at most, and not under {0:?}")]
+    #[error("{0:?} is no name for a hall: use at most 40 small letters, digits and `-`")]
     NotAName(String),
-    #[error("{0} is a hall of hallsweep's own or of its settings: keep yours under another name")]
+    #[error("the name {0} belongs to a hall of hallsweep or of its settings: choose another name")]
     NameTaken(String),
-    #[error("another hall is kept as {0}: replace it, or choose another name")]
+    #[error("another hall is stored as {0}: replace that hall, or choose another name")]
     AnotherKept(String),
-    #[error("{0} halls are kept, and more cannot be: discard one first")]
+    #[error("{0} halls are stored, which is the maximum: discard a hall first")]
     TooManyKept(usize),
-    #[error("no hall is kept without a data folder: download it, or start hallsweep with --data")]
+    #[error("a hall can be stored only in a data folder: download the hall, or start hallsweep with --data")]
     NoDataFolder,
-    #[error("no hall is kept as {0:?}")]
+    #[error("no hall is stored as {0:?}")]
     NotThere(String),
     #[error("{0}")]
     CannotChangeKept(String),
@@ -108,7 +108,7 @@ pub enum NotSimulated {
 impl NotSimulated {
     pub fn too_large(width: u32, height: u32) -> Option<NotSimulated> {
         let words = || {
-            format!("a hall of {width} × {height} cells is too large for the simulator's page: {MOST_SIDE} a side are the most")
+            format!("a hall of {width} × {height} cells is too large for the simulator's page: the maximum is {MOST_SIDE} a side")
         };
         (width.max(height) > MOST_SIDE).then(|| NotSimulated::Hall(words()))
     }

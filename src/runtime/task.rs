@@ -296,7 +296,7 @@ impl Task {
             self.engine.handle_event(Event::StoreReason(words.to_owned()), now);
         }
         if failure.is_none() && std::mem::take(&mut self.store_failed) {
-            tracing::info!("the record is written again");
+            tracing::info!("the record can be written again");
             self.engine.handle_event(Event::StoreRestored, now);
         }
     }
@@ -322,7 +322,7 @@ impl Task {
         } else if self.links.send(&robot, order, halts) {
             return;
         } else {
-            RobotEvent::Failed(order.id, "its adapter does not take orders".to_owned())
+            RobotEvent::Failed(order.id, "the robot's adapter does not accept orders".to_owned())
         };
         let now = self.now();
         self.engine.handle_event(Event::Robot(robot, answer), now);

@@ -6,7 +6,7 @@ use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
-const SPECIAL: &str = "it is no plain file, but a pipe or a device";
+const SPECIAL: &str = "it is a pipe or a device, not a plain file";
 
 /// Fails with a short reason when `path` is no plain file, or a file that this user may not read. A missing file is not an
 /// error.
@@ -23,7 +23,7 @@ fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> 
         Ok(there) => wrong(&there).map_or_else(|| check_rights(path, there.is_dir()), |wrong| Err(io::Error::other(wrong))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let is_link = fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink());
-            if is_link { Err(io::Error::other("it is a link that leads nowhere")) } else { Ok(()) }
+            if is_link { Err(io::Error::other("it is a link without a target")) } else { Ok(()) }
         }
         Err(error) => Err(error),
     }
@@ -200,7 +200,7 @@ mod tests {
         std::os::unix::fs::symlink("/nowhere/at/all", at("link")).unwrap();
         fs::write(at("file"), "four").unwrap();
         std::os::unix::fs::symlink(at("file"), at("good-link")).unwrap();
-        for (name, words) in [("", "it is a folder"), ("pipe", "a pipe or a device"), ("link", "a link that leads nowhere")] {
+        for (name, words) in [("", "it is a folder"), ("pipe", "a pipe or a device"), ("link", "a link without a target")] {
             let said = read(&at(name), 9).unwrap_err();
             assert!(said.to_string().contains(words), "{name}: {said}");
             assert!(open(&at(name), OpenOptions::new().write(true)).is_err(), "{name}");

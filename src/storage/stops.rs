@@ -97,7 +97,7 @@ impl Stops {
             },
             Ok(None) => {}
             Err(error) => {
-                tracing::warn!(file = %stops.file.path().display(), %error, "what this file remembers of STOP cannot be read");
+                tracing::warn!(file = %stops.file.path().display(), %error, "the record of STOP in this file cannot be read");
                 return stops;
             }
         }
@@ -145,8 +145,8 @@ impl Stops {
     }
 
     fn say(&mut self, outcome: &io::Result<()>) {
-        let failing = "a STOP cannot be written down beside the journal: make room, or the folder writable; it is tried again";
-        self.file.say(outcome, failing, "STOP is remembered again");
+        let failing = "cannot store a STOP in this file: free disk space, or make the folder writable; hallsweep tries again";
+        self.file.say(outcome, failing, "STOP is stored in this file again");
     }
 }
 

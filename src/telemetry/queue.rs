@@ -95,7 +95,8 @@ fn say_lost(stream: &mut impl Write, lost: &mut u64) {
         return;
     }
     let now = rfc3339(Clock::default().now().wall);
-    let line = format!("{now}  WARN hallsweep::telemetry: {lost} lines of the log were lost: standard error did not take them\n");
+    let line =
+        format!("{now}  WARN hallsweep::telemetry: {lost} lines of the log were lost, because standard error was blocked\n");
     if unwritten(stream, line.as_bytes()).is_empty() {
         *lost = 0;
     }

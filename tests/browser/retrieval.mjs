@@ -105,7 +105,7 @@ const fetched = {
     await goesOnWith(page, 'TEMPERATURE OK', 'The retrieval is halted');
     await until(async () => !(await state(url)).mission.holds.includes('tooHigh'), 'OK taking TOO HIGH back', patience);
     must((await state(url)).mission.holds.includes('operator'), 'OK alone set the pair moving');
-    await goesOnWith(page, /START/, 'START goes on');
+    await goesOnWith(page, /START/, 'Press START to go on');
     await until(async () => (await state(url)).mission.holds.every((hold) => hold === 'alarm' || hold === 'awaitingStart'), 'START going on', patience);
 
     await answer(page, url, waiting);
@@ -113,7 +113,7 @@ const fetched = {
     await fits(page);
     await picture('secured');
 
-    await page.getByRole('link', { name: /Look at the retrieval again/ }).click();
+    await page.getByRole('link', { name: /Replay the retrieval/ }).click();
     await page.locator('.player output').waitFor();
     await fits(page);
     await hits(page, 'the retrieval');
@@ -150,7 +150,7 @@ export const retrievalPlain = {
     await answer(page, url, waiting);
     await secured(page, url, waiting);
     await page.goto(`${url}/missions/1`);
-    await page.getByRole('link', { name: /moment by moment/ }).click();
+    await page.getByRole('link', { name: /step by step/ }).click();
     await fits(page);
     const stands = () => page.locator('#trees').innerText();
     const last = await stands();

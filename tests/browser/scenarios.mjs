@@ -153,7 +153,7 @@ export const lost = {
     await banner.waitFor();
     await picture('lost');
     // The browser is elsewhere: what it says of time is the program's zone, like everything else on the page.
-    const [, hours, minutes] = /from (\d+):(\d+):\d+ \(UTC/.exec(await page.locator('#lost').innerText()) ?? [];
+    const [, hours, minutes] = /state at (\d+):(\d+):\d+ \(UTC/.exec(await page.locator('#lost').innerText()) ?? [];
     const here = new Date();
     const apart = Math.abs(hours * 60 + Number(minutes) - here.getHours() * 60 - here.getMinutes());
     must(Math.min(apart, 1440 - apart) <= 5, `the page says ${hours}:${minutes}, the program's clock says ${here}`);
@@ -184,7 +184,7 @@ export const elsewhere = {
     await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
     await bar.filter({ hasText: /exploring/i }).waitFor();
     await picture('follows');
-    const silent = page.getByText('No answer from hallsweep');
+    const silent = page.getByText('hallsweep does not answer');
     must(!(await silent.isVisible()), 'the bar is called old while hallsweep answers');
     await please('kill');
     await silent.waitFor();
@@ -412,7 +412,7 @@ const signedIn = {
     await until(async () => (await asked()).status === 401, 'that the old key is not known any more', patience);
     await stop(page).click();
     await page.waitForURL(/\/sign-in\?undone=stop$/);
-    await page.getByText(/^STOP was not given/).waitFor();
+    await page.getByText(/^STOP was not carried out/).waitFor();
 
     // It is sent when somebody has signed in again.
     const keys = execFileSync(PROGRAM, ['token', '--data', DATA]).toString();

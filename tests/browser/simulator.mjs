@@ -53,21 +53,21 @@ export const hallByPointer = {
     must(!/dangerous = true/.test(await text(page)), 'the danger is not taken back');
     await button(page, 'Undo').click();
     must(/dangerous = true/.test(await text(page)), 'the danger is not back');
-    await page.getByText('It is sound').waitFor();
+    await page.getByText('The hall is valid').waitFor();
 
     await choose(page, /^Wall/);
     await drag(page, [7, 4], [7, 4], 8);
     await page.locator('#findings').getByText(/red backpack.*cannot be reached/).waitFor();
     await picture('walled');
     await button(page, 'Undo').click();
-    await page.getByText('It is sound').waitFor();
+    await page.getByText('The hall is valid').waitFor();
     await button(page, 'Redo').click();
     await button(page, 'Undo').click();
-    await page.getByText('It is sound').waitFor();
+    await page.getByText('The hall is valid').waitFor();
 
     await page.getByLabel('Name').fill('drawn by hand');
     await button(page, 'Set name and size').click();
-    await button(page, 'Put the robots down in it').click();
+    await button(page, 'Put the robots into this hall').click();
     await page.locator('main').getByText('drawn by hand').waitFor();
     await searched(page, patience);
     must(await page.locator('footer').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
@@ -95,8 +95,8 @@ export const hallByKeys = {
     await press('Control+z', 'b', 'Space', 'l', 'Space', 'c');
     must(/: luggage$/.test(await cursor(page).innerText()), await cursor(page).innerText());
     await picture('typed');
-    await page.getByText('It is sound').waitFor();
-    await button(page, 'Put the robots down in it').focus();
+    await page.getByText('The hall is valid').waitFor();
+    await button(page, 'Put the robots into this hall').focus();
     await page.keyboard.press('Enter');
     await page.waitForURL(/\/simulator$/);
     await searched(page, patience);
@@ -121,7 +121,7 @@ export const hallsOpened = {
       await cursor(page).getByText(`${name} is open`).waitFor();
       if (rows) must(JSON.stringify(await drawing(page)) === JSON.stringify(rows), `${name}: ${await drawing(page)}`);
     }
-    await page.getByLabel(/Metres a pixel/).fill('0.5');
+    await page.getByLabel(/Metres per pixel/).fill('0.5');
     await open('depot.pgm');
     await cursor(page).getByText('depot.pgm is open').waitFor();
     // World (0, 0) is the south-western corner of an image.
@@ -141,7 +141,7 @@ export const hallsJudged = {
   async play({ page, url, picture, patience }) {
     await page.goto(`${url}/simulator/editor?hall=seed`);
     const findings = page.locator('#findings');
-    await findings.getByText('It is sound').waitFor();
+    await findings.getByText('The hall is valid').waitFor();
     const toml = page.locator('#toml');
     const judged = () => findings.innerText();
     await toml.focus();
@@ -152,19 +152,19 @@ export const hallsJudged = {
       field.dispatchEvent(new Event('input', { bubbles: true }));
       return document.getElementById('findings').innerText;
     }, value);
-    must(/Not checked yet/.test(await after(sound.replace(/"""\nS/, '"""\n.'))), `a text without S is called ${await judged()}`);
+    must(/not checked yet/.test(await after(sound.replace(/"""\nS/, '"""\n.'))), `a text without S is called ${await judged()}`);
     await until(async () => await findings.locator('.why').count() === 1, 'what is wrong, while the text has the keyboard', patience);
     await picture('unsound');
-    must(!/sound/.test(await judged()), await judged());
-    must(/Not checked yet/.test(await after(sound)), `a mended text is called ${await judged()}`);
-    await findings.getByText('It is sound').waitFor();
+    must(!/is valid/.test(await judged()), await judged());
+    must(/not checked yet/.test(await after(sound)), `a mended text is called ${await judged()}`);
+    await findings.getByText('The hall is valid').waitFor();
     must((await page.locator('#why').innerText()) === '', 'it is still refused elsewhere');
     const drawn = await page.evaluate(() => {
       change(() => put(3, 3, WALL));
       return document.getElementById('findings').innerText;
     });
-    must(/Not checked yet/.test(drawn), `a drawing that was just changed is called ${drawn}`);
-    await until(async () => !/Not checked/.test(await judged()), 'a judgement of the drawing as it is now', patience);
+    must(/not checked yet/.test(drawn), `a drawing that was just changed is called ${drawn}`);
+    await until(async () => !/not checked/.test(await judged()), 'a judgement of the drawing as it is now', patience);
   },
 };
 
@@ -177,15 +177,15 @@ const keeping = (tools) => ({
       await page.locator(tools).waitFor();
     };
     const keep = async (name) => {
-      await page.getByLabel('Keep as').fill(name);
-      await button(page, /^Keep$/).click();
+      await page.getByLabel('Save as').fill(name);
+      await button(page, /^Save$/).click();
     };
     const says = async (words) => {
       await page.getByText(words).waitFor();
       await page.locator(tools).waitFor();
     };
     const kept = async (rows) => {
-      await says('This is the hall that is kept as mine.');
+      await says('This hall is saved as mine.');
       must((await drawing(page)).join() === rows, `it is not what was kept: ${await drawing(page)}`);
     };
     await open('seed-9x8');
@@ -197,32 +197,32 @@ const keeping = (tools) => ({
     await kept('S..T');
     await open('airport');
     await keep('mine');
-    await page.getByText('Another hall is kept as mine').waitFor();
+    await page.getByText('Another hall is saved as mine').waitFor();
     await picture('another');
     await open('mine');
     await kept('S..T');
     await page.locator('#toml').fill('drawing = """\nS.TT\n"""\n');
     await button(page, 'Discard mine').click();
-    await says('Discard mine? It is gone then.');
+    await says('Discard mine? The saved hall is then lost.');
     must((await drawing(page)).join() === 'S.TT' && await button(page, 'Discard mine…').count(), 'one press has discarded something');
     await button(page, 'Discard mine for good').click();
-    await says('mine is kept no more');
+    await says('The saved hall mine was discarded');
     must((await drawing(page)).join() === 'S.TT' && !(await button(page, 'Discard mine').count()), 'the drawing is gone, or the hall kept still');
     await keep('mine');
     await kept('S.TT');
     await open('empty-8x8');
     await keep('other');
-    await says('This is the hall that is kept as other.');
+    await says('This hall is saved as other.');
     await keep('mine');
-    await says('Another hall is kept as mine');
-    await page.getByLabel('Keep as').fill('other');
+    await says('Another hall is saved as mine');
+    await page.getByLabel('Save as').fill('other');
     await button(page, 'Replace mine').click();
-    await page.getByText('This is the hall that is kept as other.').waitFor();
+    await page.getByText('This hall is saved as other.').waitFor();
     await open('mine');
     await kept('S.TT');
     await open('empty-8x8');
     await keep('mine');
-    await says('Another hall is kept as mine');
+    await says('Another hall is saved as mine');
     await button(page, 'Replace mine').click();
     await kept(Array(8).fill('........').join().replace('.', 'S'));
     await page.goto(`${url}/simulator`);
@@ -241,14 +241,14 @@ export const simulatorControls = {
     await page.waitForURL(/simulator$/);
     await fits(page);
     await button(page, /^Pause/).click();
-    await page.getByText('simulated time stands still').waitFor();
-    await button(page, /^Go on/).click();
+    await page.getByText('simulated time is stopped').waitFor();
+    await button(page, /^Resume/).click();
     await page.getByText(/Running/).waitFor();
     await button(page, /^Pause/).click();
-    await page.getByText('simulated time stands still').waitFor();
+    await page.getByText('simulated time is stopped').waitFor();
     await button(page, /^One step/).click();
     await page.locator('#time').getByText('press START first').waitFor();
-    await button(page, 'Let the camera fail').click();
+    await button(page, 'Make the camera fail').click();
     await page.getByText('Camera: failing').waitFor();
     await page.getByLabel('x', { exact: true }).fill('1');
     await page.getByLabel('y', { exact: true }).fill('2');
@@ -257,23 +257,23 @@ export const simulatorControls = {
     await picture('paused');
     const console = await page.context().newPage();
     await console.goto(url);
-    await console.getByText('Paused: the time of the simulator stands still').waitFor();
-    await button(page, /^Go on/).click();
-    await console.getByText('Paused: the time of the simulator stands still').waitFor({ state: 'detached' });
+    await console.getByText('Paused: the simulated time is stopped').waitFor();
+    await button(page, /^Resume/).click();
+    await console.getByText('Paused: the simulated time is stopped').waitFor({ state: 'detached' });
     await button(page, /^Pause/).click();
-    await console.getByText('Paused: the time of the simulator stands still').waitFor();
+    await console.getByText('Paused: the simulated time is stopped').waitFor();
     await console.close();
     await button(page, 'START the search').click();
     await page.waitForURL(/\/$/);
     await page.goto(`${url}/simulator`);
     await page.getByText(/let the mission end, or press RESET/).waitFor();
-    must(await button(page, 'Put the robots down there').isDisabled(), 'the hall can be left');
+    must(await button(page, 'Put the robots into this hall').isDisabled(), 'the hall can be left');
     await button(page, /^One step/).click();
     await stop(page).click();
     await page.getByText('STOP is confirmed').waitFor();
-    await button(page, 'Mend the camera').click();
-    await page.getByText('Camera: well').waitFor();
-    await button(page, /^Go on/).click();
+    await button(page, 'Repair the camera').click();
+    await page.getByText('Camera: working').waitFor();
+    await button(page, /^Resume/).click();
     await page.getByText(/Running/).waitFor();
     await page.goto(url);
     await start(page).click();
@@ -290,8 +290,8 @@ export const simulatorPlain = {
   async play({ page, url, picture, patience }) {
     await page.goto(`${url}/simulator`);
     await button(page, /^Pause/).click();
-    await page.getByText('simulated time stands still').waitFor();
-    await button(page, /^Go on/).click();
+    await page.getByText('simulated time is stopped').waitFor();
+    await button(page, /^Resume/).click();
     await page.getByText(/Running/).waitFor();
     await page.getByRole('link', { name: 'Edit the hall' }).click();
     must(!(await page.locator('#draw').isVisible()), 'tools are shown that do nothing');
@@ -300,10 +300,10 @@ export const simulatorPlain = {
     await page.locator('#why').getByText(/hall\.toml:\d+/).waitFor();
     await page.locator('#toml').fill('name = "written"\ndrawing = """\nS..\n##.\nT..\n"""\n');
     await button(page, 'Check').click();
-    await page.getByText('It is sound').waitFor();
+    await page.getByText('The hall is valid').waitFor();
     await fits(page);
     await picture('checked');
-    await button(page, 'Put the robots down in it').click();
+    await button(page, 'Put the robots into this hall').click();
     await page.getByText('written').waitFor();
     await button(page, 'START the search').click();
     await page.waitForURL(`${url}/`);

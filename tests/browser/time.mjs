@@ -121,7 +121,7 @@ export const past = {
     await page.mouse.down();
     await page.mouse.move(box.x + 2, box.y + 20, { steps: 5 });
     await page.mouse.up();
-    await page.getByText('Past: as it was at').waitFor();
+    await page.getByText('Past: state at').waitFor();
     await page.waitForURL(/\/missions\/1\/moment\?at=\d+$/);
     await picture('dragged');
     const alive = await page.locator('button:enabled:visible:not(.lens *, .transport *, .zoom *, .keys-open, .languages *)').allInnerTexts();
@@ -154,7 +154,7 @@ export const past = {
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/luggage/${id}/verdict`, { method: 'POST', headers, body: '{"verdict":"safe"}' });
     await page.getByRole('link', { name: /Back to now: .*exploring/ }).waitFor();
-    await page.getByText('Past: as it was at').waitFor();
+    await page.getByText('Past: state at').waitFor();
     await stop(page).click();
     await until(async () => (await (await fetch(`${url}/api/v1/state`)).json()).mission.holds.includes('operator'), 'STOP from the past', patience);
     await page.getByRole('link', { name: /Back to now/ }).click();
@@ -172,11 +172,11 @@ export const pastPlain = {
     await page.goto(url);
     await start(page).click();
     await appears(page, safe(page), { patience, reload: true });
-    await page.getByRole('link', { name: 'Look at this mission from its beginning' }).click();
-    await page.getByText('Past: as it was at').waitFor();
+    await page.getByRole('link', { name: 'Replay this mission from the beginning' }).click();
+    await page.getByText('Past: state at').waitFor();
     const at = async () => Number(/entry (\d+) of mission 1/.exec(await page.locator('#moment').innerText())[1]);
     const first = await at();
-    await page.getByRole('link', { name: 'One entry on' }).click();
+    await page.getByRole('link', { name: 'One entry forward' }).click();
     must((await at()) > first, `after a step on it is entry ${await at()}`);
     await picture('step');
     await page.getByRole('link', { name: 'One entry back' }).click();

@@ -99,7 +99,7 @@ async function giveBoth({ page, url, picture, patience }) {
   must((await record(url, first)).decided.note === 'sad <b>bag</b>?', `noted: ${(await record(url, first)).decided.note}`);
 
   const second = await asked(page, patience, first);
-  await page.getByText('The page changed just before your press').waitFor();
+  await page.getByText('The page changed just before you pressed').waitFor();
   must(await page.evaluate(() => globalThis.changed) > 0, 'nothing was pressed in that moment');
   await isPending(second, 'a key in the moment in which the piece came up');
   must(await note(page).inputValue() === '', 'the note on one piece stands at the next');
@@ -287,7 +287,7 @@ export const called = {
     await page.goto(url);
     must(!(await notify.isChecked()) && !(await page.getByRole('switch', { name: /sound/ }).isChecked()), 'a switch is on from the start');
     await notify.click();
-    await page.getByText('This browser allows no notifications').waitFor();
+    await page.getByText('This browser blocks notifications').waitFor();
     must(!(await notify.isChecked()), 'it is on although it was denied');
     await page.evaluate(() => {
       sessionStorage.setItem('answer', 'granted');
@@ -330,7 +330,7 @@ async function bomb({ page, url, picture, patience }) {
   await dialog(page).getByRole('button', { name: /Yes/ }).click();
   const incident = page.getByRole('region', { name: /Danger: a bomb in the hall/ });
   await incident.waitFor();
-  await incident.getByText('Nobody has acknowledged it yet').waitFor();
+  await incident.getByText('Nobody has acknowledged this alarm yet').waitFor();
   await incident.getByText('Keep 3 m away').waitFor();
   await incident.getByText(/m (east|south) of home/).waitFor();
   await incident.getByText('wires').waitFor();

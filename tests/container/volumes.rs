@@ -141,7 +141,7 @@ fn a_volume_that_forces_a_mode_on_every_file_is_used_with_a_word() {
             assert!(!state["mission"]["holds"].to_string().contains("store"), "{}", state["mission"]);
             assert_eq!(container.end(&["stop"]), "0");
             let logs = container.logs();
-            assert!(logs.contains("gives every file the same mode"), "start {start} with {rules:?}: {logs}");
+            assert!(logs.contains("all files on this volume have the same mode"), "start {start} with {rules:?}: {logs}");
             keys.push(keys_of(&engine, &[&at_data]));
         }
         keys.dedup();
@@ -181,8 +181,8 @@ fn a_folder_that_its_user_may_not_use_is_said_with_what_to_do() {
     let Some(engine) = engine() else { return };
     let Some(folder) = HostFolder::of(0) else { return };
     for (mode, code, words) in [
-        (0o700, "2", "see that this user can read the data folder"),
-        (0o755, "1", "see that the user who runs hallsweep can write to that folder"),
+        (0o700, "2", "give this user access to the folder"),
+        (0o755, "1", "let the user who runs hallsweep write to that folder"),
     ] {
         fs::set_permissions(&folder.0, fs::Permissions::from_mode(mode)).unwrap();
         let (ended, said) = engine.once(&engine.image, &["--user=4321:4321", &folder.at_data()], &[]);

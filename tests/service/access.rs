@@ -274,11 +274,11 @@ fn the_command_for_keys_says_what_it_cannot_do() {
     assert!(made.contains("operator (operator)") && made.contains("lobby (viewer)"), "an operator comes first: {made}");
     assert!(made.contains("http://192.0.2.7:8088/sign-in?token=") && made.contains("--http"), "{made}");
     assert!(folder.refused(&["remove", "operator"]).contains("last operator"));
-    assert!(folder.refused(&["rotate", "loby"]).contains("there are operator, lobby"));
+    assert!(folder.refused(&["rotate", "loby"]).contains("the existing keys are operator, lobby"));
     assert!(folder.refused(&["add", "operator", "--role", "viewer"]).contains("already"));
     assert!(folder.refused(&["add", "a b", "--role", "viewer"]).contains("1 to 32"));
     let output = hallsweep(&["token", "--data", "none"]).output().expect("the program starts");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is kept"), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is stored"), "{output:?}");
     folder.token(&["add", "night-shift", "--role", "operator"]);
     folder.token(&["remove", "operator"]);
     let elsewhere = hallsweep(&["token", "show", "--data", &folder.0.display().to_string()]).output().expect("it starts");

@@ -74,18 +74,21 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
 
     for (words, reason) in [
         (["archive", "--before", "2000-01-01", "-o", text(&archive)], "no mission was put away before that day"),
-        (["archive", "--before", "yesterday", "-o", text(&archive)], "a day belongs there, as 2026-01-31"),
+        (["archive", "--before", "yesterday", "-o", text(&archive)], "write a day, such as 2026-01-31"),
         (["archive", "--before", "2999-01-01", "-o", text(beside.path())], "cannot be used"),
-        (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("stops-2"))], "name one elsewhere"),
-        (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("journal.db-journal"))], "name one elsewhere"),
+        (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("stops-2"))], "choose a file in another folder"),
+        (
+            ["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("journal.db-journal"))],
+            "choose a file in another folder",
+        ),
     ] {
         let (well, said) = journal(&folder, &words);
         assert!(!well && said.contains(reason), "{said}");
     }
     let (well, said) = journal(&folder, &["archive", "--before", "2999-01-01", "-o", text(&archive)]);
-    assert!(well && said.contains("missions 1 to 2, ") && said.contains("and were read again"), "{said}");
+    assert!(well && said.contains("missions 1 to 2, ") && said.contains("and verified"), "{said}");
     let (well, said) = journal(&folder, &["check", "--archive", text(&archive)]);
-    assert!(well && said.contains("old.hallsweep") && said.contains("held against the journal: 1: all is well"), "{said}");
+    assert!(well && said.contains("old.hallsweep") && said.contains("compared with the journal: 1: all is well"), "{said}");
 
     assert!(report(text(&archive), "1") == kept, "the report is the same from the archive");
     chain_holds(&[&folder.path().join("journal.db"), &archive]);
@@ -147,7 +150,7 @@ fn of_two_archives_in_a_row_both_become_folders_that_are_sound_and_served() {
         let (well, said) = journal_of(&unpacked, &["unpack", text(archive)]);
         assert!(well, "{said}");
         let (well, said) = journal_of(&unpacked, &["check", "--archive", text(archive)]);
-        assert!(well && said.contains("held against the journal: 1: all is well"), "{said}");
+        assert!(well && said.contains("compared with the journal: 1: all is well"), "{said}");
         assert_eq!(said.contains(&format!("unpacked from the archive {number}.hallsweep")), *number == "2", "{said}");
         chain_holds(&[&unpacked.join("journal.db")]);
         assert!(report(text(&unpacked), number) == *kept);
@@ -298,5 +301,5 @@ fn a_report_whose_mission_is_written_out_meanwhile_does_not_end_as_if_it_were_wh
     page.read_to_end(&mut rest).expect("it ends");
     let ended = writing.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(!ended.status.success() && said.contains("was written out into an archive meanwhile"), "{said}");
+    assert!(!ended.status.success() && said.contains("was moved to an archive meanwhile"), "{said}");
 }

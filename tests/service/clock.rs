@@ -208,7 +208,7 @@ fn how_long_a_piece_waits_and_a_mission_lasts_is_what_passed_however_the_clock_i
             let (age, _) = rest.split_once(after).unwrap_or_else(|| panic!("{after} in {page}"));
             seconds(age.rsplit('>').next().expect("there is a part"))
         };
-        let (waits, gone) = (shown("waits <b", "</b>"), shown("id=\"progress\"", "</b> gone"));
+        let (waits, gone) = (shown("waiting for <b", "</b>"), shown("id=\"progress\"", "</b> elapsed"));
         assert!(has_passed(waits, A_WHILE, began), "{set}: waits {waits} s");
         assert!(has_passed(gone, A_WHILE, began), "{set}: {gone} s gone");
     }

@@ -258,7 +258,7 @@ fn try_damaged(file: &str, damage: Damage, follows: Follows) {
         }
         AsByAStop => {
             assert!(holds(&state, "operator") && !holds(&state, "store"), "{what}: {state:#}");
-            assert!(log.contains("stops was damaged") && log.contains("press START to go on"), "{what}: {log}");
+            assert!(log.contains("stops was damaged") && log.contains("press START to continue"), "{what}: {log}");
             assert!(seen(&folder.path().join("stops.damaged")) == before, "{what}: somebody can look at what was there");
             check_goes(&program, &what);
         }

@@ -156,7 +156,9 @@ fn what_the_user_may_not_read_is_named_with_what_to_do_and_holds_the_robots_wher
         assert_eq!(holds(&state, "store"), is_held, "{file}: {state:#}");
         assert!(said.contains(path.to_str().expect("plain")), "{file} is not named: {said}");
         assert!(
-            ["give it to that user", "can read", "move it away"].iter().any(|advice| said.contains(advice)),
+            ["give that user access", "let the user who runs hallsweep read", "move it away"]
+                .iter()
+                .any(|advice| said.contains(advice)),
             "{file}: {said}"
         );
         assert_eq!(program.read("/", &[]).status, 200, "{file}");
@@ -201,7 +203,7 @@ fn keys_that_are_damaged_while_it_runs_shut_nobody_out() {
     for (times, damage) in (1..).zip(ALL) {
         damage.apply(&file);
         let deadline = Deadline::within(PATIENCE);
-        let said = || fs::read_to_string(&log).expect("it can be read").matches("read before stay in force").count();
+        let said = || fs::read_to_string(&log).expect("it can be read").matches("read before stay valid").count();
         while said() < times {
             assert!(!deadline.has_passed(), "{damage:?}: the log says nothing");
             std::thread::sleep(std::time::Duration::from_millis(20));

@@ -116,7 +116,7 @@ fn what_a_search_cannot_be_asked_for_is_said_with_what_it_can() {
     check(&["--goal", "win"], "write one of: find, cover");
     check(&["--sensing", "smell"], "write one of: bump, sonar");
     for costs in ["1,1", "0,1,1", "-1,1,1", "1,26,1", "much"] {
-        check(&["--costs", costs], "write robot, or what a step, a turn and a bump cost, as 1,1,1");
+        check(&["--costs", costs], "write robot, or what a step, a turn and a bump cost, such as 1,1,1");
     }
 }
 
@@ -128,7 +128,7 @@ fn a_hall_that_is_read_is_not_written_over_by_the_log() {
     let before = std::fs::read(hall).expect("it was written");
     let output = run(&["explore", "--hall", hall, "--log", hall]);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && error.contains("named for something else already"), "{error}");
+    assert!(output.status.code() == Some(2) && error.contains("is given twice"), "{error}");
     assert_eq!(std::fs::read(hall).expect("it is there"), before);
     std::fs::remove_file(hall).expect("it is ours");
 }
@@ -164,9 +164,9 @@ fn a_search_that_cannot_come_everywhere_says_how_much_of_the_hall_it_could_come_
         let output = run(&[&["explore"], &flags[..]].concat());
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         for line in [
-            format!("cells           {cells} of 11 free cells can be reached from here"),
-            format!("pieces          {pieces} of 2 pieces of luggage can be reached from here"),
-            "complete        yes, as far as can be reached from here".to_owned(),
+            format!("cells           {cells} of 11 free cells can be reached from the start"),
+            format!("pieces          {pieces} of 2 pieces of luggage can be reached from the start"),
+            "complete        yes, as far as can be reached from the start".to_owned(),
         ] {
             assert!(said.lines().any(|said| said == line), "{line} in {said}");
         }
@@ -176,15 +176,16 @@ fn a_search_that_cannot_come_everywhere_says_how_much_of_the_hall_it_could_come_
     for (start, why) in [
         (
             "1,0",
-            "setting hall.start: the start 1,0 is no free cell of this hall of 8 × 4 cells: give column and row of one, counted",
+            "setting hall.start: the start 1,0 is not a free cell of this hall of 8 × 4 cells: give column and row of a \
+             free cell, counted",
         ),
-        ("8,0", "setting hall.start: the start 8,0 is no free cell"),
-        ("0,4294967295", "setting hall.start: the start 0,4294967295 is no free cell"),
+        ("8,0", "setting hall.start: the start 8,0 is not a free cell"),
+        ("0,4294967295", "setting hall.start: the start 0,4294967295 is not a free cell"),
         (
             "-1,0",
-            "setting hall.start = \"-1,0\" (from flag --start): it is no column and row; write column and row, counted from 0",
+            "setting hall.start = \"-1,0\" (from flag --start): it is not a column and a row; write column and row, counted from 0",
         ),
-        ("3", "setting hall.start = \"3\" (from flag --start): it is no column and row"),
+        ("3", "setting hall.start = \"3\" (from flag --start): it is not a column and a row"),
     ] {
         let output = run(&["explore", "--hall", map, "--start", start]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -74,7 +74,7 @@ fn a_hall_is_converted_into_every_format_and_searched_in_each() {
         ("a.toml", "a.toml", "; nothing is lost"),
         ("a.map", "a.map", words),
         ("a.yaml", "a.yaml and a.pgm", words),
-        ("a.txt", "a.txt", "; lost: what is luggage (7 pieces, now walls); the temperature; the name; the description"),
+        ("a.txt", "a.txt", "; lost: the luggage (7 pieces, now walls); the temperature; the name; the description"),
     ] {
         let to = folder.path(name);
         let line = convert("airport", &to, &[]);
@@ -139,7 +139,7 @@ fn a_cell_of_an_image_is_as_long_as_it_is_asked_for() {
         assert!(output.status.code() == Some(2) && said(&output).contains(words), "{}", said(&output));
     }
     let output = run(&["hall", "convert", "airport", &folder.path("no.txt"), "--cell", "1"]);
-    assert!(said(&output).contains("cells of 1 m are asked for, but those of this file are of 0.5 m: leave --cell out"));
+    assert!(said(&output).contains("--cell is 1 m, but the cells of this file are 0.5 m wide: leave --cell out"));
     assert!(!folder.names().contains(&"no.txt".to_owned()));
 }
 
@@ -151,7 +151,9 @@ fn what_is_there_is_not_overwritten_unless_it_is_forced() {
         let before = folder.names();
         let output = run(&["hall", "convert", "airport", &folder.path(to)]);
         assert_eq!(output.status.code(), Some(1));
-        assert!(said(&output).contains(&format!("{there} is there already: choose another name, or let --force replace it")));
+        assert!(
+            said(&output).contains(&format!("{there} exists already: choose another name, or overwrite the file with --force"))
+        );
         assert_eq!((folder.read(there), folder.names()), (b"mine".to_vec(), before));
         let output = run(&["explore", "--hall", "empty-8x8", "--map", &folder.path(to)]);
         assert!(output.status.code() == Some(1) && output.stdout.is_empty(), "it is said before the mission, not after it");
@@ -187,10 +189,10 @@ fn what_cannot_be_read_or_written_is_said_and_leaves_nothing() {
         (folder.path("."), "cannot read this file ("),
         (
             folder.write("type.map", "type tile\nheight 1\nwidth 1\nmap\n.\n"),
-            ":1: maps of type \"tile\" are not read: the types known are `octile` and `octile-corner`",
+            ":1: maps of type \"tile\" are not supported: use `octile` or `octile-corner`",
         ),
-        (folder.path("alone.pgm"), "alone.pgm: an image alone does not say how long a pixel is: put "),
-        (yaml("short.yaml", "short.pgm", "0.5"), "short.pgm: the image says 81 pixels, but ends after 2"),
+        (folder.path("alone.pgm"), "alone.pgm: an image does not give the size of a pixel: put "),
+        (yaml("short.yaml", "short.pgm", "0.5"), "short.pgm: the image should have 81 pixels, but ends after 2"),
         (
             yaml("vast.yaml", "vast.pgm", "0.5"),
             "vast.pgm: an image of 4000000000 × 4000000000 pixels is too large: at most 16384 × 16384",
@@ -200,7 +202,10 @@ fn what_cannot_be_read_or_written_is_said_and_leaves_nothing() {
         (yaml("folder.yaml", ".", "0.5"), "folder.yaml:1: cannot read the image "),
         (folder.path("turned.yaml"), "turned.yaml:3: `origin` turns the image by 1.5 radians"),
         (folder.write("long.yaml", "# ".repeat(40_000)), "long.yaml: this file is larger than 65536 bytes"),
-        (folder.write("two.txt", "|r, 1, \n|1, r, \n"), "two.txt:2: a second robot `r` in row 2, column 2: keep one"),
+        (
+            folder.write("two.txt", "|r, 1, \n|1, r, \n"),
+            "two.txt:2: there is a second robot `r` in row 2, column 2: keep only one",
+        ),
     ];
     let before = folder.names();
     for (from, words) in &faults {
@@ -217,8 +222,8 @@ fn what_cannot_be_read_or_written_is_said_and_leaves_nothing() {
     std::fs::create_dir(folder.path("d.pgm")).expect("the folder is ours");
     let before = folder.names();
     for (to, code, words) in [
-        ("out.gif", 2, "out.gif says no format that can be written: end its name with one of .toml, .map, .yaml, .txt"),
-        ("out", 2, "says no format"),
+        ("out.gif", 2, "out.gif does not end with a known format: use one of .toml, .map, .yaml, .txt"),
+        ("out", 2, "does not end with a known format"),
         ("no/such/out.toml", 1, "no/such/out.toml cannot be written: "),
         ("good.pgm/out.toml", 1, "good.pgm/out.toml cannot be written: "),
         ("d.yaml", 1, "d.pgm cannot be written: it is a folder"),
@@ -284,14 +289,14 @@ fn a_scene_of_the_virtual_robot_becomes_a_hall_that_is_searched() {
     let output = run(&["hall", "import", scene, &to]);
     assert!(output.status.success(), "{}", said(&output));
     let line = String::from_utf8(output.stdout).expect("UTF-8");
-    let shown =
-        "8 × 8 cells of 0.5 m, 3 pieces of luggage; lost: what moves (1); the sonars of the hall (2); the names of luggage (3)\n";
+    let shown = "8 × 8 cells of 0.5 m, 3 pieces of luggage; lost: the moving obstacles (1); the sonars of the hall \
+         (2); the names of luggage (3)\n";
     assert_eq!(line, format!("{to}: {shown}"));
     assert!(include_str!("../../docs/halls.md").contains(shown.trim_end()), "the page shows the same");
     let explored = run(&["explore", "--hall", &to, "--verdicts", "all-safe", "--json"]);
     assert!(explored.status.success(), "{}", said(&explored));
     let again = run(&["hall", "import", scene, &to]);
-    assert!(!again.status.success() && said(&again).contains("is there already"), "{}", said(&again));
+    assert!(!again.status.success() && said(&again).contains("exists already"), "{}", said(&again));
     assert!(run(&["hall", "import", scene, &to, "--force"]).status.success());
     std::fs::copy(scene, &to).expect("the folder can be written");
     let onto_itself = run(&["hall", "import", &to, &to, "--force"]);
@@ -305,7 +310,7 @@ fn a_scene_that_is_none_is_refused_with_its_line_and_leaves_nothing_behind() {
     let wrong = folder.write("wrong.js", "export default {\n  floor: { size: { x: 0, y: 35 } },\n}");
     let to = folder.path("room.toml");
     for (file, expect) in [
-        (wrong.clone(), format!("{wrong}:2: a side of the floor is 0, and may be 4 to 1000: correct this line")),
+        (wrong.clone(), format!("{wrong}:2: a side of the floor is 0, but must be 4 to 1000: correct this line")),
         (folder.path("none.js"), "cannot read this file (".to_owned()),
     ] {
         let output = run(&["hall", "import", &file, &to]);

@@ -249,7 +249,7 @@ fn standard_output_that_takes_nothing_keeps_the_program_from_nothing() {
         while !is_serving || (reader.is_none() && unannounced.is_empty()) {
             let line = program.says();
             is_serving |= line.contains("serving http=");
-            if line.contains("not announced") {
+            if line.contains("could not be printed") {
                 unannounced = line;
             }
         }

@@ -182,18 +182,15 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
     let number = |words: &str| claim.split_once(words).expect("it is claimed").1.split(',').next().expect("a number").to_owned();
     let entry = number("entry ");
     check(&claimed(&claim.replace("language en", "language it")), "in line 2");
-    check(&claimed(&claim.replace("mission 1", "mission 2")), "the journal holds no mission 2 up to entry");
+    check(&claimed(&claim.replace("mission 1", "mission 2")), "the journal has no mission 2 up to entry");
     check(&claimed(&claim.replace(&format!("entry {entry}"), "entry 20")), "");
-    check(
-        &claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")),
-        "the journal holds no mission 1 up to entry 999999",
-    );
+    check(&claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")), "the journal has no mission 1 up to entry 999999");
     check(&claimed(&claim.replace("edition 2", "edition 3")), "edition 3, which this hallsweep does not know");
     check(&claimed(&claim.replace("edition 2", "edition 1")), "in line ");
-    check(&claimed("anything"), "this is not a hallsweep report");
-    check(&page[..page.len() - 1], "the file has its end");
-    check(&[&page[..], b"\n"].concat(), "and the journal its end");
-    check(b"", "this is not a hallsweep report");
+    check(&claimed("anything"), "the file is not a hallsweep report");
+    check(&page[..page.len() - 1], "the file has no more text");
+    check(&[&page[..], b"\n"].concat(), "and the journal has no more text");
+    check(b"", "the file is not a hallsweep report");
 
     let path = saved(&folder, "sound.html", &page);
     assert!(confirmed(&folder, &path).0, "as it was it is confirmed");
@@ -202,7 +199,7 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
     bytes[100] ^= 1;
     fs::write(&photo.0, bytes).expect("it can be written");
     let (well, said) = confirmed(&folder, &path);
-    assert!(!well && said.contains("is not what it was"), "{said}");
+    assert!(!well && said.contains("was changed"), "{said}");
     fs::remove_file(path).expect("it was saved");
 }
 
@@ -213,7 +210,7 @@ fn what_cannot_be_reported_is_said() {
     assert!(!well && String::from_utf8_lossy(&said).contains("there is no journal in"));
     let program = serve(&folder);
     let (well, said) = report(&folder, &["7"]);
-    assert!(!well && String::from_utf8_lossy(&said).contains("there is no mission 7 on record"), "{said:?}");
+    assert!(!well && String::from_utf8_lossy(&said).contains("there is no mission 7 in the journal"), "{said:?}");
     for words in [&["1", "--language", "de"][..], &["x"], &["1", "--format", "pdf"], &[]] {
         assert!(!report(&folder, words).0, "{words:?}");
     }
@@ -226,7 +223,7 @@ fn what_cannot_be_reported_is_said() {
     let waits = hallsweep(&["journal", "check", "--data", folder.text(), "--report", pipe.to_str().expect("a plain name")]);
     let said = patiently(&waits).output().expect("it comes to its end").stderr;
     let said = String::from_utf8_lossy(&said);
-    assert!(said.contains("pipe cannot be read: it is no plain file, but a pipe or a device"), "{said}");
+    assert!(said.contains("pipe cannot be read: it is a pipe or a device, not a plain file"), "{said}");
 }
 
 /// A disk that fails for a moment is no part of what happened.
@@ -291,7 +288,7 @@ fn what_was_said_to_be_lost_is_neither_reported_nor_confirmed() {
         [("before", before), ("after", after)].map(|(name, page)| saved(&folder, &format!("{name}.html"), &page));
     assert!(confirmed(&folder, &before).0);
     let (well, said) = confirmed(&folder, &after);
-    assert!(!well && said.contains("the journal holds no mission 1 up to entry"), "{said}");
+    assert!(!well && said.contains("the journal has no mission 1 up to entry"), "{said}");
     [before, after].iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
 }
 

@@ -58,7 +58,7 @@ fn readings_that_cannot_be_and_readings_of_others_do_not_keep_a_sensor_alive() {
     start_while_heard(&program);
     let mut events = Events::open(&program, None);
     let stale = std::iter::from_fn(|| {
-        assert!(reads(&program, "roof", "-300").problem(422).contains("celsius lies between"));
+        assert!(reads(&program, "roof", "-300").problem(422).contains("celsius must be"));
         assert!(reads(&program, "cellar", "21.5").problem(404).contains("cellar"));
         program.put("/api/v1/temperature", "{\"celsius\":21.5}").accepted();
         Some(events.next().data)

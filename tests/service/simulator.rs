@@ -140,7 +140,7 @@ fn a_blocked_way_is_an_obstacle_and_the_search_goes_round_it() {
     let mark = |x: usize, y: usize| rows[y + 1].as_str().map(|row| row[x + 1..=x + 1].to_owned());
     assert_eq!((mark(0, 3), mark(4, 4), mark(4, 3)), (Some("X".into()), Some("X".into()), Some("1".into())), "{rows:?}");
     for (body, words) in [
-        (r#"{"blocked":[{"x":99,"y":0}]}"#, "nothing can be put into (99, 0)"),
+        (r#"{"blocked":[{"x":99,"y":0}]}"#, "the cell (99, 0) cannot be blocked"),
         (r#"{"blocked":[{"x":0}]}"#, "`blocked` is"),
         (r#"{"speed":0}"#, "0.1 to 1000"),
         (r#"{"pause":true}"#, "has no field `pause`"),
@@ -269,7 +269,7 @@ fn a_hall_that_cannot_be_kept_is_said_so() {
     assert_eq!((refused.status, &refused.json()["code"]), (503, &json!("cannotChangeKept")));
     let without = Program::serve("airport", "max");
     let refused = without.send("PUT", "/api/v1/simulator/halls/mine", "application/toml", LONG);
-    assert!(refused.problem(409).contains("without a data folder"));
+    assert!(refused.problem(409).contains("only in a data folder"));
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     let walled = check("m.toml", "drawing = \"\"\"\nS.#T\n\"\"\"\n").json();
     assert_eq!((&walled["findings"][0]["column"], &walled["findings"][0]["row"]), (&json!(3), &json!(0)), "{walled}");
     for (name, file, words) in [
-        ("m.toml", "drawing = \"\"\"\n...\n\"\"\"\n", "m.toml:1: no start"),
+        ("m.toml", "drawing = \"\"\"\n...\n\"\"\"\n", "m.toml:1: there is no start"),
         ("m.js", "nonsense", "m.js:1: "),
         ("m.toml", "\u{0}\u{1}", "m.toml:1: "),
     ] {

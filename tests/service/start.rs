@@ -19,8 +19,8 @@ fn a_wrong_setting_stops_the_start_with_key_value_origin_and_what_to_do() {
     let said = refused(&["serve", "--speed", "fast"], 2);
     assert_eq!(
         said,
-        "hallsweep: setting robot.speed = \"fast\" (from flag --speed): this word is no speed; \
-         write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting\n"
+        "hallsweep: setting robot.speed = \"fast\" (from flag --speed): this word is not a speed; \
+         write a factor from 0.1 to 1000 (1 is normal speed), or max for no waiting\n"
     );
     let output = hallsweep(&[]).env("HALLSWEEP__ROBOT__SPED", "1").output().expect("the program starts");
     assert_eq!(output.status.code(), Some(2));
@@ -50,7 +50,7 @@ fn with_a_robot_that_does_not_answer_it_starts_and_says_what_does_nothing() {
     let arguments = ["serve", "--robot", "virtual-tcp=127.0.0.1:1", "--speed", "2", "--http", "127.0.0.1:0"];
     let program = Program::with(&arguments);
     let idle = std::iter::repeat_with(|| program.says()).take(3).last();
-    assert_eq!(idle.as_deref(), Some("These do nothing with the robots of these settings: flag --speed"));
+    assert_eq!(idle.as_deref(), Some("These settings have no effect on the configured robots: flag --speed"));
     let robots = program.json("robots");
     assert_eq!((&robots[0]["kind"], &robots[0]["parts"], &robots[1]), (&"virtual-tcp".into(), &Value::Null, &Value::Null));
 }
@@ -135,8 +135,8 @@ fn a_usual_port_that_is_taken_gives_way_and_that_is_said() {
     assert_ne!(program.address().port(), 8080);
     assert_eq!(program.read("/healthz", &[]).status, 200);
     let [coap, mqtt, broker] = [program.says(), program.says(), program.says()];
-    assert!(coap.contains("another program has port 5683; --coap localhost:PORT"), "{coap}");
-    assert!(mqtt.contains("another program has port 1883; --mqtt localhost:PORT"), "{mqtt}");
+    assert!(coap.contains("another program uses port 5683; choose a port with --coap localhost:PORT"), "{coap}");
+    assert!(mqtt.contains("another program uses port 1883; choose a port with --mqtt localhost:PORT"), "{mqtt}");
     assert!(broker.contains("HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883"), "{broker}");
 }
 

@@ -169,7 +169,7 @@ fn files_that_cannot_be_used_stop_the_start_with_what_to_do() {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
-    assert!(refused("no-such.pem", KEY).contains("http.tls_certificate = \"no-such.pem\": it cannot be read"));
+    assert!(refused("no-such.pem", KEY).contains("http.tls_certificate = \"no-such.pem\": the file cannot be read"));
     assert!(refused(CERTIFICATE, CERTIFICATE).contains("BEGIN PRIVATE KEY"));
-    assert!(refused(CERTIFICATE, "").contains("of no use without its key"));
+    assert!(refused(CERTIFICATE, "").contains("needs its key"));
 }

@@ -57,12 +57,12 @@ const NAVIGATION: [(&str, &str); 2] = [
 fn nodes_that_another_file_declares_are_known_by_it_and_trees_of_leaves_run() {
     let model = ["--model", "models.xml"];
     let (code, out, _) = said("models", &NAVIGATION, &["tree", "check", "tree.xml", "models.xml", model[0], model[1]]);
-    let foreign = "RecoveryNode is a <Control> of the file's own: only those of BehaviorTree.CPP are performed, and a mock stands for a \
-                   leaf alone, so a tree with it can be checked but not run";
+    let foreign = "RecoveryNode is a <Control> that the file declares: a tree with RecoveryNode can be checked but not run, \
+                   since a mock replaces only a leaf";
     let expected = format!(
-        "tree.xml: well formed: Main (3 nodes), Only Leaves (1 node); Main runs\n\
-         tree.xml:6:1: note: BehaviorTree.CPP refuses the name \"Only Leaves\" from version 4.10 on: it may have no blanks, and none of \
-         < > & \" ' / \\ : * ? | . in it\n\
+        "tree.xml: well formed: Main (3 nodes), Only Leaves (1 node); Main is the main tree\n\
+         tree.xml:6:1: note: BehaviorTree.CPP refuses the name \"Only Leaves\" from version 4.10 on: a name has no blanks and \
+         none of < > & \" ' / \\ : * ? | .\n\
          tree.xml:3:1: note: {foreign}\nmodels.xml: well formed: no tree, 3 declared nodes\n"
     );
     assert_eq!((code, out), (Some(0), expected));
@@ -92,12 +92,12 @@ fn tree_check_tells_every_fault_of_a_file_with_its_place() {
     let (code, out, error) = said("faults", &[("a.xml", wrong), ("b.xml", &many)], &["tree", "check", "a.xml", "b.xml"]);
     assert_eq!((code, out.as_str()), (Some(1), ""));
     let lines: Vec<&str> = error.lines().collect();
-    assert!(lines[0].starts_with("a.xml:1:1: <root> has no BTCPP_format, as in files of format 3"), "{error}");
-    let hint = "note: nodes that another file declares are known with --model FILE";
+    assert!(lines[0].starts_with("a.xml:1:1: <root> has no BTCPP_format: write BTCPP_format=\"4\""), "{error}");
+    let hint = "note: use --model FILE for nodes that another file declares";
     let hints = ["a.xml", "b.xml"].map(|file| format!("{file}: {hint}"));
     let expected = [
         "a.xml:3:1: the node Fly is not known",
-        "a.xml:3:14: the port msec is of type int, and \"soon\" is none",
+        "a.xml:3:14: the port msec needs a value of type int, but has \"soon\"",
         "a.xml:4:1: Inverter has 0 children, and must have 1",
         &hints[0],
     ];
@@ -116,8 +116,8 @@ fn a_file_without_a_main_tree_is_well_formed_and_runs_by_its_name() {
          <BehaviorTree ID=\"B\"><AlwaysSuccess/></BehaviorTree></root>",
     )];
     let (code, out, _) = said("main", &file, &["tree", "check", "a.xml"]);
-    assert_eq!((code, out.as_str()), (Some(0), "a.xml: well formed: A (1 node), B (1 node); none of them is the main one\n"));
+    assert_eq!((code, out.as_str()), (Some(0), "a.xml: well formed: A (1 node), B (1 node); no tree is the main tree\n"));
     assert_eq!(said("main", &file, &["tree", "run", "a.xml", "--tree", "B"]).0, Some(0));
     let (code, _, error) = said("main", &file, &["tree", "run", "a.xml"]);
-    assert!(code == Some(3) && error.ends_with("which one runs: A, B: --tree names the one\n"), "{error}");
+    assert!(code == Some(3) && error.ends_with("which one runs: A, B: choose a tree with --tree\n"), "{error}");
 }

@@ -80,7 +80,7 @@ pub enum Unfit {
         now: ValueType,
     },
     /// The text is longer than [`LONGEST_TEXT`].
-    #[error("the text for the entry {{{name}}} is {length} bytes long, and {LONGEST_TEXT} is the most")]
+    #[error("the text for the entry {{{name}}} is {length} bytes long; the limit is {LONGEST_TEXT} bytes")]
     TooLong {
         /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,

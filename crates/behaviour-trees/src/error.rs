@@ -37,7 +37,7 @@ impl std::error::Error for TreeError {}
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
     /// The file is longer than `xml::LONGEST_FILE`.
-    #[error("the file is {length} bytes long, and {most} is the most")]
+    #[error("the file is {length} bytes long; the limit is {most} bytes")]
     TooLong {
         /// The length of the file in bytes.
         length: usize,
@@ -45,31 +45,31 @@ pub enum Reason {
         most: usize,
     },
     /// The message of the XML parser, without the place.
-    #[error("this is no XML: {0}")]
+    #[error("this is not XML: {0}")]
     NotXml(String),
     /// The name of the root element of a file that is XML, but not a file of trees.
-    #[error("the file begins with <{0}>, and <root BTCPP_format=\"4\"> should be there")]
+    #[error("the file begins with <{0}> instead of <root BTCPP_format=\"4\">")]
     NotTrees(String),
     /// The file has no version. Files of format 3 have none, so format 4 is not assumed.
     #[error(
-        "<root> has no BTCPP_format, as in files of format 3, and only format 4 is read here: write BTCPP_format=\"4\" if it is of \
-         format 4, else convert it (convert_v3_to_v4.py of BehaviorTree.CPP does)"
+        "<root> has no BTCPP_format: write BTCPP_format=\"4\" if the file is of format 4, else convert it with \
+         convert_v3_to_v4.py of BehaviorTree.CPP"
     )]
     NoFormat,
     /// The value of `BTCPP_format`, if it is not 4.
-    #[error("<root> says BTCPP_format=\"{0}\", and only version \"4\" is read here")]
+    #[error("<root> says BTCPP_format=\"{0}\", but only format \"4\" is supported")]
     Format(String),
     /// The name of an element that is not allowed in its place, or is of another namespace.
-    #[error("<{0}> does not belong here")]
+    #[error("<{0}> is not allowed here")]
     Misplaced(String),
     /// An XML namespace. Only prefixes that the root declares are allowed, as in a file with a schema.
-    #[error("xmlns is not read here: files of trees have no namespaces")]
+    #[error("xmlns is not supported: files of trees have no namespaces")]
     Namespace,
     /// An `<include>`: this crate opens no files.
-    #[error("<include> is not read here: put all trees into one file")]
+    #[error("<include> is not supported: put all trees into one file")]
     Include,
     /// A second `<TreeNodesModel>`. Faults in it are reported as well.
-    #[error("there is a second <TreeNodesModel>, and only one may be")]
+    #[error("there is a second <TreeNodesModel>, but only one is allowed")]
     SecondModel,
     /// The element of a port without a name in a model, such as `input_port`.
     #[error("<{0}> has no name")]
@@ -85,13 +85,13 @@ pub enum Reason {
     NeedlessId(String),
     /// The ID of two models, or of two trees that differ. Equal trees are allowed, since BehaviorTree.CPP writes a tree
     /// once for each use.
-    #[error("the ID {0} is taken already")]
+    #[error("the ID {0} is already in use")]
     TwiceId(String),
     /// The ID of a tree that is the name of a built-in node or of a leaf in the catalogue.
-    #[error("the ID {0} is that of a kind of node")]
+    #[error("the ID {0} is the name of a kind of node")]
     TakenId(String),
     /// A tree without a root, or with several; comments do not count.
-    #[error("the tree {id} has {count} nodes at its top, and must have one")]
+    #[error("the tree {id} has {count} root nodes, but must have one")]
     Roots {
         /// The tree's ID; `BehaviorTree_0` and so on for a tree without one.
         id: String,
@@ -102,7 +102,7 @@ pub enum Reason {
     #[error("there is no <BehaviorTree> in the file")]
     NoTree,
     /// The IDs of several trees, none of which is the main one.
-    #[error("the file has several trees, and no main_tree_to_execute says which one runs: {0}")]
+    #[error("the file has several trees, but no main_tree_to_execute: {0}")]
     NoMain(String),
     /// The ID for which a `<SubTree>`, the file or the program asks, but which no tree has.
     #[error("there is no tree {} in the file", .0.escape_debug())]
@@ -126,8 +126,8 @@ pub enum Reason {
     },
     /// A declared control node or decorator, which cannot be performed here.
     #[error(
-        "{id} is a <{form}> of the file's own: only those of BehaviorTree.CPP are performed, and a mock stands for a leaf alone, so a tree \
-         with it can be checked but not run"
+        "{id} is a <{form}> that the file declares: a tree with {id} can be checked but not run, since a mock replaces only \
+         a leaf"
     )]
     NotPerformed {
         /// The name by which its model declares it.
@@ -144,7 +144,7 @@ pub enum Reason {
         why: &'static str,
     },
     /// An element of the wrong form for its node, such as `<Condition ID="Sequence">`.
-    #[error("{id} is written as <{written}>, and it is of another sort")]
+    #[error("{id} is written as <{written}>, but is a node of another kind")]
     WrongForm {
         /// The kind that its `ID` names, such as `Sequence`.
         id: String,
@@ -173,7 +173,7 @@ pub enum Reason {
         port: String,
     },
     /// An attribute that resembles a condition but is none: ignoring it would be dangerous.
-    #[error("there is no condition or setting {written}: {meant} is meant")]
+    #[error("{written} is no condition or setting: write {meant}")]
     Misspelt {
         /// The name of the attribute, with its wrong capitals or underscores.
         written: String,
@@ -189,7 +189,7 @@ pub enum Reason {
         port: String,
     },
     /// A literal, or an element of a queue, that cannot be read as the required type.
-    #[error("the port {port} is of type {}, and \"{value}\" is none", ty.word())]
+    #[error("the port {port} needs a value of type {}, but has \"{value}\"", ty.word())]
     Literal {
         /// The attribute with the literal, such as `num_cycles`.
         port: String,
@@ -199,10 +199,10 @@ pub enum Reason {
         value: String,
     },
     /// The name of a port that writes an entry, but has a literal.
-    #[error("the port {0} is written by its node, so it must name an entry: {{name}}")]
+    #[error("the port {0} is an output, so its value must name an entry: {{name}}")]
     LiteralOutput(String),
     /// The name of a port whose value is needed when the tree is built, but that names an entry.
-    #[error("the port {0} is looked at when the tree is built, so it cannot be an entry")]
+    #[error("the port {0} is read when the tree is built, so its value cannot be an entry")]
     EntryForLiteral(String),
     /// A value that the port cannot have, although its type is right, such as a negative time.
     #[error("the port {port} is {value:?}, and must be {wanted}")]
@@ -215,10 +215,10 @@ pub enum Reason {
         wanted: &'static str,
     },
     /// The name of two barriers on one blackboard with different parties.
-    #[error("the barrier {0} has other parties elsewhere")]
+    #[error("another node gives the barrier {0} different parties")]
     Parties(String),
     /// A script that cannot be parsed, or that names too many entries.
-    #[error("{attribute} is no script: {error}")]
+    #[error("{attribute} is not a valid script: {error}")]
     Script {
         /// The name of the attribute with the script, such as `_skipIf`.
         attribute: String,
@@ -238,14 +238,14 @@ pub enum Reason {
     },
     /// More than [`MOST_NODES`] nodes in one tree. Each use of a subtree counts. Otherwise a few subtrees that use each
     /// other twice would fill the memory.
-    #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
+    #[error("the tree has more than {MOST_NODES} nodes, subtrees included")]
     TooManyNodes,
     /// More than [`MOST_TEXT`] bytes of attributes in one tree. Each use of a subtree counts, since it is built each
     /// time.
-    #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, those of its subtrees counted")]
+    #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, subtrees included")]
     TooMuchText,
     /// Deeper than [`DEEPEST`] levels. A tick descends by recursive calls, which must fit on a thread's stack.
-    #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
+    #[error("the tree is deeper than {DEEPEST} levels, subtrees included")]
     TooDeep,
 }
 

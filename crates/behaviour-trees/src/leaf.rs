@@ -201,7 +201,7 @@ pub enum Misuse {
     #[error("it has no port number {0}")]
     NoPort(usize),
     /// The name of a port with `Direction::In`.
-    #[error("it writes its port {0}, which is one to be read")]
+    #[error("it writes its port {0}, which is an input")]
     ReadOnly(String),
     /// The blackboard refuses the value, because it is of another type or too long a text.
     #[error("it writes its port {port}: {unfit}")]

@@ -36,7 +36,7 @@ pub enum MockError {
     #[error("{0:?} should be NAME=STATUS,STATUS*3,…")]
     NoName(String),
     /// A word that is no status, or is IDLE, which no leaf returns; or a number of ticks that is not 1 or more.
-    #[error("{0:?} is no status: a mock says RUNNING, SUCCESS, FAILURE or SKIPPED, and RUNNING*3 in three ticks")]
+    #[error("{0:?} is not a status: write RUNNING, SUCCESS, FAILURE or SKIPPED, or RUNNING*3 for three ticks")]
     NoStatus(String),
 }
 
@@ -207,8 +207,8 @@ mod tests {
     fn what_is_no_mock_is_said() {
         let refused = |text: &str| Mocks::default().add(text).expect_err(text).to_string();
         assert_eq!(refused("Go"), "\"Go\" should be NAME=STATUS,STATUS*3,…");
-        assert!(refused("Go=IDLE").starts_with("\"IDLE\" is no status"));
-        assert!(refused("Go=RUNNING*0").starts_with("\"RUNNING*0\" is no status"));
+        assert!(refused("Go=IDLE").starts_with("\"IDLE\" is not a status"));
+        assert!(refused("Go=RUNNING*0").starts_with("\"RUNNING*0\" is not a status"));
     }
 
     #[test]

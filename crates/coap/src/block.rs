@@ -90,7 +90,7 @@ impl Assemblies {
         let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);
         let mut body = if block.number == 0 { Vec::new() } else { before.unwrap_or_default() };
         if bytes.len() > block.size() || (block.more && bytes.len() < block.size()) {
-            return Err(Response::refusal(Code::BAD_REQUEST, "a block that is followed by more is as long as it says"));
+            return Err(Response::refusal(Code::BAD_REQUEST, "every block but the last must have the size in its option"));
         }
         let start = usize::try_from(block.number).unwrap_or(usize::MAX).saturating_mul(block.size());
         if start.saturating_add(bytes.len()) > BODY {
@@ -102,7 +102,7 @@ impl Assemblies {
             return Ok(Taken::More);
         }
         if start != body.len() {
-            return Err(Response::refusal(Code::INCOMPLETE, "a block is missing: begin again with the first"));
+            return Err(Response::refusal(Code::INCOMPLETE, "a block is missing: send the body again from the first block"));
         }
         body.extend_from_slice(bytes);
         if !block.more {
@@ -117,7 +117,7 @@ impl Assemblies {
 }
 
 pub(super) fn too_large() -> Response {
-    Response::refusal(Code::TOO_LARGE, format!("the body is larger than {BODY} bytes: a command is a few dozen"))
+    Response::refusal(Code::TOO_LARGE, format!("the body is larger than {BODY} bytes: a command has a few dozen"))
 }
 
 #[cfg(test)]

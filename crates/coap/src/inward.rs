@@ -227,7 +227,7 @@ impl Endpoint {
         if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {
             return self.send_reply(reply_to, &answer, &shape, now);
         }
-        let words = "there is no answer to read on: do it again, from its first block";
+        let words = "the rest of the answer is not stored: repeat the request from its first block";
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 

@@ -80,7 +80,7 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
 pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {
-        return Err(Response::refusal(Code::NO_PROXY, "this is no proxy: ask for its own resources"));
+        return Err(Response::refusal(Code::NO_PROXY, "this server is no proxy: request its own resources"));
     }
     check_critical(&packet)?;
     let Some(method) = Method::of(code) else {
@@ -137,13 +137,13 @@ fn check_critical(packet: &Packet) -> Result<(), Response> {
     let bad = |words: String| Err(Response::refusal(Code::BAD_OPTION, words));
     for (number, values) in packet.options().filter(|(number, _)| **number % 2 == 1) {
         let Some((least, most, repeatable)) = critical(*number) else {
-            return bad(format!("option {number} is not understood here"));
+            return bad(format!("option {number} is not supported"));
         };
         if values.len() > 1 && !repeatable {
-            return bad(format!("option {number} is there more than once"));
+            return bad(format!("option {number} occurs more than once"));
         }
         if values.iter().any(|value| !(least..=most).contains(&value.len())) {
-            return bad(format!("option {number} has {least} to {most} bytes"));
+            return bad(format!("option {number} must have {least} to {most} bytes"));
         }
     }
     Ok(())
@@ -173,7 +173,7 @@ fn format(number: u32) -> Option<Format> {
 
 fn block(packet: &Packet, number: u16) -> Result<Option<Block>, Response> {
     let Some(value) = number_of(packet, number, 3) else { return Ok(None) };
-    let reserved = "a block has 16 to 1024 bytes: the size exponent 7 is reserved";
+    let reserved = "a block must have 16 to 1024 bytes: the size exponent 7 is reserved";
     Block::of(value).map(Some).ok_or_else(|| Response::refusal(Code::BAD_REQUEST, reserved))
 }
 

@@ -27,7 +27,7 @@ pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -
     let can_be_later = response.code.is_success() && length > 0;
     let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
     let Some((block, range)) = wanted.within(length) else {
-        let words = format!("there is no such block: the whole has {length} bytes");
+        let words = format!("this block does not exist: the body has {length} bytes");
         let past = Response::refusal(Code::BAD_REQUEST, words);
         return message(token, &past, &ReplyOptions { block2: None, ..shape.clone() });
     };

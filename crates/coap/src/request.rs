@@ -59,7 +59,7 @@ impl Request {
         let wanted = self.accept.map_or(offers.first(), |accept| offers.iter().find(|offer| **offer == accept));
         wanted.copied().ok_or_else(|| {
             let offers: Vec<String> = offers.iter().map(ToString::to_string).collect();
-            let words = format!("{} is there as {}, not in the format asked for", self.path_text(), offers.join(", "));
+            let words = format!("{} is available as {}, but not in the requested format", self.path_text(), offers.join(", "));
             Response::refusal(Code::NOT_ACCEPTABLE, words)
         })
     }
@@ -72,13 +72,16 @@ impl Conditions {
     /// 4.12 when they are not met.
     pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
         if self.if_none_match && exists {
-            return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already"));
+            return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: the resource exists already"));
         }
         let matches = |wanted: &Option<ETag>| wanted.map_or(exists, |wanted| tag == Some(wanted));
         if self.if_match.is_empty() || self.if_match.iter().any(matches) {
             return Ok(());
         }
-        Err(Response::refusal(Code::PRECONDITION_FAILED, "If-Match: it is another one now; read it again, then repeat it"))
+        Err(Response::refusal(
+            Code::PRECONDITION_FAILED,
+            "If-Match: the resource has changed; read the resource again, then repeat the request",
+        ))
     }
 }
 

@@ -55,11 +55,11 @@ fn without_halls_it_is_the_table_of_the_documentation() {
     let page = include_str!("../../../docs/search.md");
     let documented = page
         .lines()
-        .skip_while(|line| !line.ends_with("| auto less frontier |"))
+        .skip_while(|line| !line.ends_with("| auto minus frontier |"))
         .skip(2)
         .take_while(|line| line.starts_with('|'));
     assert_eq!(rows.len(), 1 + documented.count() + 2, "{table}");
-    assert!(rows[0].starts_with("halls") && rows[0].ends_with("auto less frontier"), "{table}");
+    assert!(rows[0].starts_with("halls") && rows[0].ends_with("auto minus frontier"), "{table}");
     let figures = |row: &str| -> Vec<f64> { row.split_whitespace().filter_map(|word| word.parse().ok()).collect() };
     let [.., frontier, _, auto, _, less, _] = figures(rows[2])[..] else { panic!("means and intervals: {table}") };
     assert!(rows[2].starts_with("luggage-10:20x20") && (auto - frontier - less).abs() < 0.001_1, "hall by hall: {table}");
@@ -110,7 +110,7 @@ fn what_cannot_be_compared_is_said_with_what_can() {
     check(&["--strategies", "best"], "write one of: auto, scored, frontier, columns, spiral, snail");
     check(
         &["--halls", "airport", "--strategies", "auto", "--against", "snail"],
-        "snail does not search: name it in --strategies too",
+        "the strategy snail is not compared; add snail to --strategies",
     );
     // The table says by itself what is asked.
     for flag in [["--goal", "cover"], ["--sonar", "1"], ["--costs", "1,0,0"], ["--against", "auto"], ["--tours", "x"]] {
@@ -151,7 +151,7 @@ fn a_file_that_is_read_or_named_twice_is_not_written() {
     for flags in [["evaluate", "--halls", &hall, "--csv", &hall], ["evaluate", "--csv", &figures, "--plot", &figures]] {
         let output = run(&flags);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && error.contains("named for something else already"), "{error}");
+        assert!(output.status.code() == Some(2) && error.contains("is given twice"), "{error}");
     }
     assert_eq!(std::fs::read_to_string(&hall).expect("it is there"), HALL);
 }

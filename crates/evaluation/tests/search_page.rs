@@ -19,7 +19,7 @@ const FAR: f64 = 1.5;
 
 const SHOWN: [Strategy; 5] = [Strategy::Snail, Strategy::Columns, Strategy::Spiral, Strategy::Frontier, Strategy::Auto];
 
-/// The results of a row: each strategy, and `auto` less `frontier`, hall by hall.
+/// The results of a row: each strategy, and `auto` minus `frontier`, hall by hall.
 fn estimates(row: &Row) -> Vec<Option<Estimate>> {
     let trials = row.contest.run(&SHOWN.map(Entrant::Strategy), || Duration::ZERO, || ());
     let alone = trials.iter().map(|trials| over(trials, row.measure));
@@ -51,7 +51,7 @@ fn the_figures_of_the_page_are_those_that_walks_through_its_halls_come_to() {
     let (count, seed) = (number("hallsweep-evaluation evaluate --count "), number(" --seed ") as u64);
     assert!(count >= 600, "the means of fewer halls are the luck of the draw");
     let (_, table) =
-        PAGE.split_once("| hall | snail | columns | spiral | frontier | auto | auto less frontier |\n").expect("the table");
+        PAGE.split_once("| hall | snail | columns | spiral | frontier | auto | auto minus frontier |\n").expect("the table");
     let lines: Vec<&str> = table.lines().skip(1).take_while(|line| line.starts_with('|')).collect();
     let halls = std::env::var("HALLSWEEP_HALLS").ok().and_then(|halls| halls.parse().ok()).unwrap_or(HALLS);
     let rows = rows(halls, seed, Timings { step_s: 1.0, turn_s: 1.0, bump_s: 1.0 });

@@ -131,7 +131,7 @@ impl Broker {
             publisher: None,
         });
         if will.retain && !self.retained.keep(payer, &message, now) && self.lines.admit(now) {
-            tracing::warn!(topic = will.topic, "a will is not kept, there being too many kept messages");
+            tracing::warn!(topic = will.topic, "the will is not retained, because there are too many retained messages");
         }
         self.send(&message, &self.readers.of(&will.topic, None));
     }

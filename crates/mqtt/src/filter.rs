@@ -10,19 +10,19 @@ const AFTER_SLASH: char = '0';
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     /// Longer than `limits::TOPIC` bytes; the standard allows 65,535.
-    #[error("it is longer than {TOPIC} bytes")]
+    #[error("the topic or filter is longer than {TOPIC} bytes")]
     Long,
     /// More than `limits::LEVELS` levels, through which every search goes one by one.
-    #[error("it has more than {LEVELS} levels")]
+    #[error("the topic or filter has more than {LEVELS} levels")]
     Deep,
     /// It begins with `$`. Such topics belong to the server (section 4.7.2), and this server has none.
-    #[error("it begins with `$`, and there is nothing like that here")]
+    #[error("the topic or filter begins with `$`, but no topic here does")]
     Dollar,
     /// `#` or `+` in a place where section 4.7.1 forbids it.
-    #[error("it has `#` or `+` where they cannot be")]
+    #[error("the topic or filter has `#` or `+` in a wrong place")]
     Wildcards,
     /// `$share/…` without a name, or without a filter behind the name (MQTT 5, section 4.8.2).
-    #[error("a shared subscription is `$share/NAME/FILTER`, the name without `+` and `#`")]
+    #[error("a shared subscription must be `$share/NAME/FILTER`, and NAME must not contain `+` or `#`")]
     Share,
 }
 

@@ -50,7 +50,7 @@ pub enum Malformed {
     #[error("the length of a packet has more than four bytes")]
     Length,
     /// The packet, or the properties of a will, are longer than the gate accepts: see `limits`.
-    #[error("a packet of {length} bytes is longer than the {limit} that are taken")]
+    #[error("a packet of {length} bytes is longer than the limit of {limit} bytes")]
     TooLong {
         /// The length of the packet or of the properties, in bytes.
         length: usize,
@@ -67,7 +67,7 @@ pub enum Malformed {
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
     /// The byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bits beside the QoS.
-    #[error("{0:#04x} is no QoS")]
+    #[error("{0:#04x} is not a QoS")]
     Qos(u8),
     /// The DUP flag at QoS 0, at which no message is sent twice (section 3.3.1.1).
     #[error("a PUBLISH of QoS 0 is marked as a duplicate")]
@@ -90,25 +90,25 @@ pub enum Malformed {
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
     /// The identifier of an unknown property, or of a property that this packet must not have (MQTT 5, table 2-4).
-    #[error("the property {0:#04x} is not known, or cannot stand where it does")]
+    #[error("the property {0:#04x} is unknown or not allowed in this packet")]
     Property(u8),
     /// The identifier of a property that occurs twice. Only the user property may do so (MQTT 5, section 2.2.2.2).
-    #[error("the property {0:#04x} stands in a packet twice")]
+    #[error("the property {0:#04x} occurs twice in a packet")]
     PropertyTwice(u8),
     /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a Method.
-    #[error("the property {0:#04x} has a value that it cannot have")]
+    #[error("the property {0:#04x} has an invalid value")]
     PropertyValue(u8),
     /// A Retain Handling of 3 or a reserved bit (MQTT 5, section 3.8.3.1).
-    #[error("{0:#04x} are no options of a subscription")]
+    #[error("{0:#04x} are not valid options of a subscription")]
     Options(u8),
     /// Shared subscriptions cannot have the option No Local (MQTT 5, section 3.8.3.1).
     #[error("a shared subscription has the option No Local")]
     SharedNoLocal,
     /// A topic alias of 0, or above the Topic Alias Maximum that the CONNACK announced.
-    #[error("a PUBLISH has the topic alias {0}, and at most {ALIASES} are taken, from 1 on")]
+    #[error("a PUBLISH has the topic alias {0}, but only 1 to {ALIASES} are allowed")]
     Alias(u16),
     /// An empty topic without an alias, or with an alias that was not set in this connection.
-    #[error("a PUBLISH has no topic, and its topic alias stands for none")]
+    #[error("a PUBLISH has no topic, and its topic alias is unset or unknown")]
     NoTopic,
     /// A DISCONNECT asks for a session although its CONNECT asked for none (MQTT 5, section 3.14.2.2.2).
     #[error("a DISCONNECT asks for a session that its CONNECT has not asked for")]

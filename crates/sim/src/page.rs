@@ -100,10 +100,10 @@ pub fn read(bytes: &[u8]) -> Result<MemoryPage, Unread> {
         return Err(Unread::Damaged(format!("it has {} bytes instead of {SIZE}", bytes.len())));
     }
     let head = &bytes[title.len() + 1..HEAD];
-    let whose: Whose = read_line(head).ok_or_else(|| damaged("the line that names the hall is not whole"))?;
+    let whose: Whose = read_line(head).ok_or_else(|| damaged("the line with the name of the hall is damaged"))?;
     let slots = [&bytes[HEAD..HEAD + SLOT], &bytes[HEAD + SLOT..]];
     let memories = slots.into_iter().filter_map(|slot| read_line::<Written>(slot)?.read());
-    let (turn, memory) = memories.max_by_key(|(turn, _)| *turn).ok_or_else(|| damaged("neither of its two memories is whole"))?;
+    let (turn, memory) = memories.max_by_key(|(turn, _)| *turn).ok_or_else(|| damaged("both of its memories are damaged"))?;
     Ok(MemoryPage { whose, turn, memory })
 }
 

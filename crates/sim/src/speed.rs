@@ -13,7 +13,7 @@ pub enum Speed {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no speed: give `max`, or a number from 0.1 to 1000 (1 is as a person would watch it)")]
+#[error("{0:?} is not a speed: give `max`, or a number from 0.1 to 1000 (1 is real time)")]
 pub struct SpeedError(String);
 
 impl Speed {
@@ -89,7 +89,7 @@ mod tests {
             assert!(wrong.parse::<Speed>().is_err(), "{wrong}");
         }
         let words = "fast".parse::<Speed>().unwrap_err().to_string();
-        assert_eq!(words, "\"fast\" is no speed: give `max`, or a number from 0.1 to 1000 (1 is as a person would watch it)");
+        assert_eq!(words, "\"fast\" is not a speed: give `max`, or a number from 0.1 to 1000 (1 is real time)");
     }
 
     #[test]

@@ -25,8 +25,8 @@ pub struct ConditionsShape {
     hall: String,
     cell_m: Option<f64>,
     threshold: f64,
-    /// Whether the robot counts its way by time, without a scene file: what it meets may be a cell beside the place that is
-    /// shown.
+    /// Whether the robot measures its way by time, without a scene file. Obstacles may then be one cell beside
+    /// the shown place.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     reckoned: bool,
     /// Numbers of free cells that a robot can reach from its start, and of all free cells, in a hall that is known beforehand.
@@ -82,7 +82,7 @@ impl ConditionsShape {
         let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
-            return Err(Unparsed("the side of a cell is none".to_owned()));
+            return Err(Unparsed("the side of a cell is out of range".to_owned()));
         }
         if reach.is_some_and(|reach| reach.reachable > reach.free) {
             return Err(Unparsed("more cells can be reached than are free".to_owned()));
@@ -90,7 +90,7 @@ impl ConditionsShape {
         if hall.len() > NAME_BYTES {
             return Err(Unparsed("the name of the hall is too long".to_owned()));
         }
-        let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is no number".to_owned()))).transpose()?;
+        let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is not a number".to_owned()))).transpose()?;
         let robots = robots.into_iter().map(Participant::from).collect();
         Ok(Conditions {
             venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, seed },

@@ -266,7 +266,7 @@ impl Shape {
         let fact = match self {
             Shape::Luggage { luggage, picture } => {
                 if picture.as_ref().is_some_and(|picture| !picture.is_sound()) {
-                    return Err(Unparsed("the digest of its photo is none".to_owned()));
+                    return Err(Unparsed("the digest of the photo is not valid".to_owned()));
                 }
                 return Ok((Fact::Luggage { record: Arc::new(luggage.record()?), photo: None }, picture));
             }
@@ -324,7 +324,7 @@ impl Shape {
 impl CommandShape {
     fn fact(self) -> Result<Fact, Unparsed> {
         let issuer = Issuer { door: names::door(&self.door)?, who: self.who.into(), from: self.from.into() };
-        let named = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is none".to_owned()));
+        let named = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is not valid".to_owned()));
         Ok(Fact::Command {
             issuer,
             id: self.id.map(named).transpose()?,

@@ -80,26 +80,27 @@ struct LineShape {
     fact: Shape,
 }
 
-/// A line in a list of entries. Its other fields follow from its kind (`docs/journal.md`).
+/// A line in a list of entries, with further fields that depend on the kind (`docs/journal.md`). An entry that cannot be
+/// understood has only `seq`, `kind` and `why`.
 #[derive(JsonSchema)]
 #[schemars(rename = "Entry", rename_all = "camelCase")]
 #[expect(dead_code, reason = "it is there for its schema: a list is put together of lines that are written already")]
 pub struct ListedLine {
     /// Number of the entry in the journal.
     seq: u64,
-    /// Time of writing, RFC 3339 with zone; absent, like the fields that follow, where the entry cannot be understood.
+    /// Time of writing, RFC 3339 with zone.
     #[schemars(skip_serializing_if = "Option::is_none")]
     at: Option<String>,
-    /// The same time in milliseconds since 1970 (UTC).
+    /// Time of writing, in milliseconds since 1970 (UTC).
     #[schemars(skip_serializing_if = "Option::is_none")]
     unix_ms: Option<i64>,
-    /// Offset of its zone from UTC, in seconds.
+    /// Offset of the time zone from UTC, in seconds.
     #[schemars(skip_serializing_if = "Option::is_none")]
     offset_s: Option<i32>,
     /// Mission of the entry; null between two missions.
     #[schemars(skip_serializing_if = "Option::is_none")]
     mission: Option<u64>,
-    /// Kind of the entry; `unreadable`, with the reason as `why`, where it cannot be understood.
+    /// Kind of the entry; `unreadable`, with the reason as `why`, if the entry cannot be understood.
     kind: String,
 }
 
@@ -164,5 +165,5 @@ fn written(shape: &impl Serialize) -> String {
 }
 
 fn parsed<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, Unparsed> {
-    serde_json::from_slice(bytes).map_err(|error| Unparsed(format!("it is not a fact of this version: {error}")))
+    serde_json::from_slice(bytes).map_err(|error| Unparsed(format!("this version cannot read the entry: {error}")))
 }

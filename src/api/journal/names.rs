@@ -56,7 +56,7 @@ pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
 
 /// Reads a number of stops. The store counts in signed 64-bit numbers, so it could not count on from a larger number.
 pub(super) fn epoch(count: u64) -> Result<Epoch, Unparsed> {
-    i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} stops cannot have been")))
+    i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} is too large a number of stops")))
 }
 
 pub(super) fn heading(name: &str) -> Result<Heading, Unparsed> {
@@ -121,7 +121,7 @@ impl SearchShape {
     pub(super) fn search(&self) -> Result<Search, Unparsed> {
         let search = strategy(&self.strategy)?.resume(&self.notes);
         let same = search.notes() == self.notes;
-        same.then_some(search).ok_or_else(|| Unparsed(format!("a search of {} cannot have come to that", self.strategy)))
+        same.then_some(search).ok_or_else(|| Unparsed(format!("the search state does not fit the strategy {}", self.strategy)))
     }
 }
 

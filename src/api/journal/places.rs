@@ -106,5 +106,5 @@ pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D:
     if (-FARTHEST..=FARTHEST).contains(&side) {
         return Ok(side);
     }
-    Err(D::Error::custom(format!("{side} is no coordinate of a cell: they lie between -{FARTHEST} and {FARTHEST}")))
+    Err(D::Error::custom(format!("{side} is no coordinate of a cell: coordinates are between -{FARTHEST} and {FARTHEST}")))
 }

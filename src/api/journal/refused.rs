@@ -58,7 +58,7 @@ pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
 fn value(coded: &Coded) -> Result<Refused, Unparsed> {
     let luggage = || coded.field("luggage").map(LuggageId);
     let robot = || names::robot(&coded.field::<String>("robot")?);
-    let id = |text: String| CommandId::new(&text).ok_or_else(|| Unparsed("the id that was used before is none".to_owned()));
+    let id = |text: String| CommandId::new(&text).ok_or_else(|| Unparsed("the earlier command id is not valid".to_owned()));
     Ok(match &*coded.code {
         "held" => {
             let holds = coded.field::<Vec<String>>("holds")?;

@@ -77,7 +77,7 @@ impl RetrievalShape {
 
 /// Checks a number of steps from home, against the largest distance of a robot outside.
 pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
-    (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("nobody stands {steps} steps outside")))
+    (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("no robot can stand {steps} steps outside")))
 }
 
 pub(super) fn outside(shapes: &BTreeMap<String, u8>) -> Result<BTreeMap<RobotId, u8>, Unparsed> {

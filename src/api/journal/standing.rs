@@ -125,7 +125,7 @@ fn records(shapes: Vec<LuggageShape>) -> Result<LuggageRecords, Unparsed> {
     for shape in shapes {
         let record = shape.record()?;
         if records.get(record.id).is_some() {
-            return Err(Unparsed(format!("luggage #{} is there twice", record.id)));
+            return Err(Unparsed(format!("luggage #{} is recorded twice", record.id)));
         }
         records.insert(Arc::new(record));
     }

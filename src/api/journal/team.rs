@@ -76,7 +76,7 @@ impl TeamShape {
     pub(super) fn team(self) -> Result<TeamState, Unparsed> {
         let unparsed = |what: &str| Unparsed(format!("the pair's trees: {what}"));
         let tree = |text: &String| text.parse().map_err(|error| unparsed(&format!("{error}")));
-        let status = |word: &String| Status::named(word).ok_or_else(|| unparsed(&format!("nothing stands as {word:?}")));
+        let status = |word: &String| Status::named(word).ok_or_else(|| unparsed(&format!("a node has no status {word:?}")));
         let [one, two, three] = &self.trees;
         let [first, second, third] = &self.said;
         Ok(TeamState {
@@ -87,8 +87,8 @@ impl TeamShape {
                 .into_iter()
                 .map(entry)
                 .collect::<Option<_>>()
-                .ok_or_else(|| unparsed("an entry is none"))?,
-            stage: self.stage.stage().ok_or_else(|| unparsed("nothing faults like that"))?,
+                .ok_or_else(|| unparsed("a blackboard entry is not valid"))?,
+            stage: self.stage.stage().ok_or_else(|| unparsed("the stage of the pair is not valid"))?,
             losses: self.losses,
             has_called: self.has_called,
             dropped: self.dropped.map(Parcel::from),

@@ -102,7 +102,7 @@ fn meanings_that_a_later_version_adds_are_refused() {
         (r#"{"kind":"mark","x":1,"y":1,"mark":"lava"}"#, "\"lava\" is no mark"),
         (r#"{"kind":"temperature","source":"a","celsius":1e9}"#, "no temperature"),
         (r#"{"kind":"phase","phase":{"name":"dreaming"}}"#, "dreaming"),
-        (r#"{"kind":"goal","goal":null,"search":{"strategy":"snail","notes":[0,77]}}"#, "cannot have come to that"),
+        (r#"{"kind":"goal","goal":null,"search":{"strategy":"snail","notes":[0,77]}}"#, "does not fit the strategy snail"),
         (r#"{"kind":"led"}"#, "missing field `blinking`"),
         (r#"{"kind":"alarmRaised","alarm":1,"luggage":null,"text":{"code":"smoke"}}"#, "\"smoke\" is no code"),
         (

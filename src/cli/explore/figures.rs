@@ -51,7 +51,7 @@ pub(super) fn table(figures: &Figures) -> String {
     let Figures { reachable_pieces, pieces, .. } = figures;
     let is_partial = cells < free_cells || reachable_pieces < pieces;
     let completeness = match figures.complete {
-        true if is_partial => "yes, as far as can be reached from here",
+        true if is_partial => "yes, as far as can be reached from the start",
         true => "yes",
         false => "no",
     };
@@ -62,12 +62,12 @@ pub(super) fn table(figures: &Figures) -> String {
         ("hall", hall.clone()),
         ("strategy", strategy.name().to_owned()),
         ("seed", seed.to_string()),
-        ("cells", format!("{cells} of {free_cells} free cells can be reached from here")),
+        ("cells", format!("{cells} of {free_cells} free cells can be reached from the start")),
         ("steps", moves.steps.to_string()),
         ("turns", moves.turns.to_string()),
         ("bumps", moves.bumps.to_string()),
         ("moves per cell", format!("{:.2}", moves_per_cell(figures))),
-        ("pieces", format!("{reachable_pieces} of {pieces} pieces of luggage can be reached from here")),
+        ("pieces", format!("{reachable_pieces} of {pieces} pieces of luggage can be reached from the start")),
         ("luggage", luggage.len().to_string()),
         ("dangerous", if dangerous.is_empty() { "none".to_owned() } else { dangerous.join(", ") }),
         ("bomb met after", bomb_found_at.map_or_else(|| "-".to_owned(), |moves| format!("{moves} moves"))),

@@ -8,7 +8,7 @@ use crate::runtime::figures::Connected;
 use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
 
 /// Added to the answer when a STOP has halted the robot although its request is refused.
-pub(super) const HALTED: &str = "halted all the same";
+pub(super) const HALTED: &str = "the robot was halted anyway";
 
 pub enum Reply {
     Now(Answer),

@@ -55,7 +55,7 @@ impl PendingAnswers {
     /// answer is dropped.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
-            let slow = "it takes longer than anybody waits: look at the state before you repeat it";
+            let slow = "the request was not answered in time: read the state before you repeat the request";
             let bounded = async {
                 let answered = tokio::time::timeout(PATIENCE, answer).await;
                 answered.unwrap_or_else(|_| unavailable(slow.to_owned()))

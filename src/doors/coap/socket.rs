@@ -36,8 +36,8 @@ impl Socket {
         let raw = SockRef::from(&udp);
         let asked = raw.set_recv_buffer_size(ROOM).and_then(|()| raw.set_send_buffer_size(ROOM));
         match asked.and_then(|()| Ok((raw.recv_buffer_size()?, raw.send_buffer_size()?))) {
-            Ok((receive_bytes, send_bytes)) => tracing::debug!(receive_bytes, send_bytes, "room for datagrams"),
-            Err(error) => tracing::debug!(%error, "there is no more room for datagrams than usual"),
+            Ok((receive_bytes, send_bytes)) => tracing::debug!(receive_bytes, send_bytes, "the socket's buffers were enlarged"),
+            Err(error) => tracing::debug!(%error, "the socket's buffers could not be enlarged"),
         }
         Ok(Socket { udp, buffer: vec![0; LONGEST] })
     }
@@ -63,7 +63,7 @@ impl Socket {
     /// Makes the system drop every datagram for this socket that the filter does not pass.
     pub(super) fn attach(&self, filter: &FloodFilter) {
         if let Err(error) = filter.fit(&SockRef::from(&self.udp)) {
-            tracing::debug!(%error, "the system throws nothing away");
+            tracing::debug!(%error, "the flood filter could not be attached to the socket");
         }
     }
 

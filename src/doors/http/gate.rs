@@ -63,7 +63,8 @@ impl HttpDoor {
     /// Delays a refusal: the more wrong keys came from this network, the longer.
     pub(super) async fn hold_back(&self, peer: Peer) {
         let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
-        self.log_stranger(|| tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown"));
+        let (from, delay_ms) = (peer.address, delay.as_millis());
+        self.log_stranger(|| tracing::warn!(%from, delay_ms, "a request came with a wrong key"));
         tokio::time::sleep(delay).await;
     }
 

@@ -75,10 +75,10 @@ impl Hosts {
 
     fn advice(&self) -> &'static str {
         if self.is_local {
-            "while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1; behind a proxy, list the names \
-             under which it is reached in http.hosts"
+            "hallsweep listens only on this machine: use the host localhost or 127.0.0.1; behind a proxy, list the proxy's host \
+             names in http.hosts"
         } else {
-            "call it by its address, or list the names under which it is reached in http.hosts"
+            "use the IP address of this machine, or list the machine's host names in http.hosts"
         }
     }
 }
@@ -127,7 +127,7 @@ async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> R
     }
     match hosts.stranger(request.uri().authority().map(Authority::as_str), request.headers()) {
         None => next.run(request).await,
-        Some(name) => Problem::misdirected(format!("this is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
+        Some(name) => Problem::misdirected(format!("this host is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
     }
 }
 
@@ -136,7 +136,7 @@ fn host_fault(request: &Request) -> Option<&'static str> {
     let hosts: Vec<&HeaderValue> = request.headers().get_all(header::HOST).iter().collect();
     match hosts[..] {
         [] => (request.version() == Version::HTTP_11).then_some("the header Host is missing, which HTTP/1.1 requires"),
-        [host] => (!is_host(host)).then_some("the header Host is no name or address with a port"),
+        [host] => (!is_host(host)).then_some("the header Host is no valid host name or address"),
         _ => Some("there is more than one header Host"),
     }
 }
@@ -213,10 +213,11 @@ async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next)
         return next.run(request).await;
     }
     if let Some(peer) = request.extensions().get::<Peer>() {
-        door.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        door.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent the request");
     }
-    Problem::foreign("a page of another origin sent this: commands are taken from hallsweep's own page and from programs".into())
-        .into_response()
+    let detail =
+        "a page of another origin sent this request: hallsweep accepts commands only from its own page and from programs";
+    Problem::foreign(detail.to_owned()).into_response()
 }
 
 /// Decided by the header that names the sender's site. Older browsers send only the origin, which is then compared with the

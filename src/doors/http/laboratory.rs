@@ -253,7 +253,7 @@ mod tests {
             "pacco</li>",
             "bancale</li>",
             " checked>perso per strada</label>",
-            "L'immagine non può muoversi",
+            "L'animazione non può partire",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }
@@ -288,13 +288,13 @@ mod tests {
     async fn what_cannot_be_run_is_a_problem_that_says_what_belongs_there() {
         let app = app(searching());
         for (query, words) in [
-            ("seed=-1", "`seed` is \"-1\": a whole number from 0 to 18446744073709551615 belongs there"),
+            ("seed=-1", "`seed` is \"-1\": send a whole number from 0 to 18446744073709551615"),
             ("seed=x", "`seed` is \"x\""),
-            ("seconds=0", "`seconds` is \"0\": a whole number from 1 to 600 belongs there"),
+            ("seconds=0", "`seconds` is \"0\": send a whole number from 1 to 600"),
             ("seconds=601", "`seconds` is \"601\""),
             ("seconds=1e9", "`seconds` is \"1e9\""),
-            ("speed=4", "there is no `speed` to ask by: there are seed, seconds"),
-            ("seed=1&seed=2", "`seed` is there twice: send it once"),
+            ("speed=4", "there is no parameter `speed`: the parameters are seed, seconds"),
+            ("seed=1&seed=2", "`seed` occurs twice: send it once"),
         ] {
             for path in ["/api/v1/laboratory/roomba", "/laboratory"] {
                 let (status, problem) = read(app.get(&format!("{path}?{query}")).await).await;
@@ -373,20 +373,20 @@ mod tests {
         let (interface, page) = ("/api/v1/laboratory/pallet", "/laboratory");
         let many = ["fault=lost"; 13].join("&");
         for (path, query, words) in [
-            (interface, "seed=-1", "`seed` is \"-1\": a whole number from 0 to 18446744073709551615 belongs there"),
+            (interface, "seed=-1", "`seed` is \"-1\": send a whole number from 0 to 18446744073709551615"),
             (page, "palletSeed=x", "`palletSeed` is \"x\""),
-            (interface, "parcels=0", "`parcels` is \"0\": a whole number from 1 to 4 belongs there"),
-            (page, "parcels=5", "`parcels` is \"5\": a whole number from 1 to 4 belongs there"),
-            (interface, "fault=gone", "`fault` is \"gone\": nothing that goes wrong is called that; there are lost, lostLifting"),
-            (page, "fault=lost@2", "`fault` is \"lost@2\": nothing that goes wrong is called that"),
-            (interface, "fault=lost@0", "`fault` is \"lost@0\": parcels are counted from 1 to 24"),
-            (interface, "fault=absent@1", "`fault` is \"absent@1\": absent is said of the whole run"),
-            (interface, "fault=lost@4", "`fault` names parcel 4, and `parcels` puts 3 on the pallet"),
-            (page, "fault=lost&at=4", "`at` names parcel 4, and `parcels` puts 3 on the pallet"),
-            (page, "at=9", "`at` is \"9\": a whole number from 1 to 4 belongs there"),
-            (interface, &many, "`fault` is there 13 times: at most 12 things go wrong in one run"),
-            (interface, "at=1", "there is no `at` to ask by: there are seed, parcels, fault"),
-            (interface, "seed=1&seed=2", "`seed` is there twice: send it once"),
+            (interface, "parcels=0", "`parcels` is \"0\": send a whole number from 1 to 4"),
+            (page, "parcels=5", "`parcels` is \"5\": send a whole number from 1 to 4"),
+            (interface, "fault=gone", "`fault` is \"gone\": this mishap is unknown: use lost, lostLifting"),
+            (page, "fault=lost@2", "`fault` is \"lost@2\": this mishap is unknown"),
+            (interface, "fault=lost@0", "`fault` is \"lost@0\": the number of a parcel is 1 to 24"),
+            (interface, "fault=absent@1", "`fault` is \"absent@1\": absent concerns the whole run"),
+            (interface, "fault=lost@4", "`fault` names parcel 4, but the pallet has only 3: see `parcels`"),
+            (page, "fault=lost&at=4", "`at` names parcel 4, but the pallet has only 3: see `parcels`"),
+            (page, "at=9", "`at` is \"9\": send a whole number from 1 to 4"),
+            (interface, &many, "`fault` occurs 13 times: a run has at most 12 faults"),
+            (interface, "at=1", "there is no parameter `at`: the parameters are seed, parcels, fault"),
+            (interface, "seed=1&seed=2", "`seed` occurs twice: send it once"),
         ] {
             let (status, problem) = read(app.get(&format!("{path}?{query}")).await).await;
             assert_eq!(status, 422, "{path}?{query}");

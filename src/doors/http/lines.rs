@@ -36,7 +36,7 @@ impl Lines {
             std::mem::take(&mut late.left_out)
         };
         if left_out > 0 {
-            tracing::warn!(left_out, "more of what strangers tried is not in the log");
+            tracing::warn!(left_out, "further refused requests are not in the log");
         }
         write();
     }

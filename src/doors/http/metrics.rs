@@ -71,19 +71,19 @@ fn register_state(snapshot: &Snapshot, to: &mut Registry) {
     let mission = &snapshot.mission;
     let number = Gauge::<u64, AtomicU64>::default();
     number.set(mission.id.0);
-    to.register("mission_number", "The number of the mission; 0 before the first", number);
+    to.register("mission_number", "Number of the current mission; 0 before the first mission", number);
     let phases = PhaseName::ALL.map(|phase| ([phase.name()], flag(phase == mission.phase)));
-    to.register("phase", "1 for the phase in which the mission is, 0 for every other", Series::of(["phase"], phases));
+    to.register("phase", "1 for the current phase of the mission, 0 for every other phase", Series::of(["phase"], phases));
     let holds = Hold::ALL.map(|hold| ([hold.name()], flag(mission.holds.contains(&hold))));
-    to.register("hold", "1 for every reason for which nothing moves, 0 for those that are not so", Series::of(["hold"], holds));
+    to.register("hold", "1 for every active reason why nothing moves, 0 for every other reason", Series::of(["hold"], holds));
     let robots = snapshot.robots.iter().map(|robot| ([robot.id.name()], flag(!robot.holds.contains(&Hold::RobotLink))));
-    to.register("robot_reached", "1 for a robot that can be reached, 0 for one that cannot", Series::of(["robot"], robots));
+    to.register("robot_reached", "1 for every robot that can be reached, 0 for every other robot", Series::of(["robot"], robots));
     let temperature = &snapshot.temperature;
-    let latest = "The latest reading of all sources; none before the first and while they are silent";
+    let latest = "Latest reading of all temperature sources; absent before the first reading and while all sources are silent";
     if let Some(reading) = temperature.celsius.filter(|_| temperature.silent_since.is_none()) {
         to.register_with_unit("temperature", latest, Unit::Celsius, degrees(reading));
     }
-    let threshold = "Above this nothing moves";
+    let threshold = "Temperature above which nothing moves";
     to.register_with_unit("temperature_threshold", threshold, Unit::Celsius, degrees(temperature.threshold));
 }
 

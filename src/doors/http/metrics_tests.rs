@@ -85,7 +85,7 @@ async fn it_is_the_text_of_prometheus_for_everybody_else() {
         assert_eq!(response.headers()["content-type"], "text/plain; version=0.0.4; charset=utf-8", "{wish}");
         let text = text(response).await;
         for line in [
-            "# HELP hallsweep_steps_total Cells by",
+            "# HELP hallsweep_steps_total Moves of",
             "# TYPE hallsweep_steps_total counter\n",
             "# TYPE hallsweep_build_info gauge\n",
         ] {

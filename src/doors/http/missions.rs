@@ -79,7 +79,7 @@ pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N])
         None => Ok(None),
     });
     let moments = found.await?.ok_or_else(|| unknown(id))?;
-    let unkept = |_| format!("how mission {id} stood then is not kept: it has no entry so early, or none any more");
+    let unkept = |_| format!("mission {id} has no stored entry at or before that time");
     moments.try_into().map_err(|moments| Problem::not_found(unkept(moments)))
 }
 
@@ -132,10 +132,10 @@ async fn listed(
 pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     const FORMATS: [&str; 2] = [JSON, "text/plain; charset=utf-8"];
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
-        return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
+        return Err(Problem::not_acceptable("the map is available as application/json and as text/plain".to_owned()));
     };
     let state = recorded(&door, id).await?.state;
-    let state = state.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
+    let state = state.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not stored")))?;
     let mut response = match format == JSON {
         true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&state)))),
         false => by_content(&headers, FORMATS[1], map_text::lines(&state)),
@@ -157,7 +157,7 @@ pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecor
         None => Ok(None),
     });
     let record = found.await?.ok_or_else(|| unknown(id))?;
-    record.ok_or_else(|| Problem::not_found(format!("nothing was to be fetched in mission {id}")))
+    record.ok_or_else(|| Problem::not_found(format!("mission {id} had no luggage to fetch")))
 }
 
 fn retrieval_of(mut entries: Vec<Happened>) -> Option<RetrievalRecordJson> {
@@ -248,7 +248,7 @@ pub(super) async fn wanted(
 }
 
 pub(super) fn unknown(id: u64) -> Problem {
-    Problem::not_found(format!("there is no mission {id}: /api/v1/missions lists those there are"))
+    Problem::not_found(format!("there is no mission {id}: /api/v1/missions lists the missions"))
 }
 
 fn count(limit: u64) -> usize {
@@ -340,10 +340,10 @@ mod tests {
         assert_eq!(json(&app, "/api/v1/missions/1/moment?at=3").await["holds"], serde_json::json!([]));
         assert_eq!(json(&app, "/api/v1/missions/1/moment").await["seq"], 5, "the last that can be understood");
         for (path, status, words) in [
-            ("/missions/2/moment?at=3", 404, "is not kept"),
+            ("/missions/2/moment?at=3", 404, "has no stored entry"),
             ("/missions/9/moment", 404, "there is no mission 9"),
             ("/missions/1/moment?at=x", 422, "`at` is \"x\""),
-            ("/missions/1/moment?on=1", 422, "there is no `on`"),
+            ("/missions/1/moment?on=1", 422, "there is no parameter `on`"),
         ] {
             check(&app, path, status, words).await;
         }
@@ -397,11 +397,11 @@ mod tests {
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/9/events", 404, "there is no mission 9"),
             ("/missions/9/map", 404, "there is no mission 9"),
-            ("/missions/x", 404, "a number belongs there"),
+            ("/missions/x", 404, "the path needs a number"),
             ("/missions/99", 503, "the disk is on strike"),
-            ("/missions?before=0", 422, "`before` is \"0\": a whole number from 1 belongs there"),
-            ("/missions?limit=101", 422, "`limit` is \"101\": a whole number from 1 to 100 belongs there"),
-            ("/missions?bfore=1", 422, "there is no `bfore`"),
+            ("/missions?before=0", 422, "`before` is \"0\": send a whole number from 1"),
+            ("/missions?limit=101", 422, "`limit` is \"101\": send a whole number from 1 to 100"),
+            ("/missions?bfore=1", 422, "there is no parameter `bfore`"),
             ("/missions/1/events?limit=1001", 422, "from 1 to 1000"),
             ("/missions/1/events?after=-1", 422, "`after` is \"-1\""),
         ] {

@@ -115,17 +115,17 @@ pub(super) async fn mqtt(
 ) -> Result<Response, Problem> {
     let Some(Hall { receive, leaving }) = door.mqtt.clone() else {
         return Err(Problem::not_found(
-            "there is no MQTT broker here: mqtt.bind is none, or mqtt.broker names another".to_owned(),
+            "hallsweep runs no MQTT broker: mqtt.bind is none, or mqtt.broker names another broker".to_owned(),
         ));
     };
     if is_foreign(&headers) {
-        door.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        door.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent the request");
         return Err(Problem::foreign(
-            "a page of another origin opened this: MQTT is for hallsweep's own page and for programs".into(),
+            "a page of another origin opened this: hallsweep accepts MQTT only from its own page and from programs".into(),
         ));
     }
     let unspoken =
-        || Problem::malformed(format!("here MQTT is spoken over WebSocket: connect to it with the subprotocol {PROTOCOL}"));
+        || Problem::malformed(format!("this path serves MQTT over WebSocket: connect with the subprotocol {PROTOCOL}"));
     let upgrade = upgrade.map_err(|_| unspoken())?.protocols([PROTOCOL]);
     if upgrade.selected_protocol().is_none() {
         return Err(unspoken());

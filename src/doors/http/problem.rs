@@ -34,7 +34,7 @@ pub(super) struct NotTaken(pub(super) Refused);
 impl Problem {
     pub(super) fn not_signed_in() -> Problem {
         let detail = "nobody is signed in: send the header `Authorization: Bearer TOKEN`, or sign in at /sign-in; \
-                      `hallsweep token` on its machine shows tokens"
+                      `hallsweep token` on the server shows the tokens"
             .to_owned();
         Problem::new(("notSignedIn", ProblemKind::NotSignedIn), detail)
     }
@@ -53,31 +53,31 @@ impl Problem {
 
     pub(super) fn too_many_streams(most: usize) -> Problem {
         let detail =
-            format!("{most} event streams are open, or this key has its share of them: close one, or read /api/v1/state");
+            format!("all {most} event streams, or all that this key may open, are in use: close a stream, or read /api/v1/state");
         Problem::new(("tooManyStreams", ProblemKind::Unavailable), detail)
     }
 
     pub(super) fn too_many_runs(waiting: usize) -> Problem {
-        let detail = format!("{waiting} runs of the laboratory are waited for: try again in a moment");
+        let detail = format!("{waiting} laboratory runs are under way or waiting: try again in a moment");
         Problem::new(("tooManyRuns", ProblemKind::Unavailable), detail)
     }
 
     pub(super) fn too_many_reports(writing: usize) -> Problem {
-        let detail = format!("{writing} reports and records are being sent: try again when one is done");
+        let detail = format!("{writing} reports and records are being sent: try again in a moment");
         Problem::new(("tooManyReports", ProblemKind::Unavailable), detail)
     }
 
     /// No connection gives way to one more. A STOP in the request was carried out before.
     pub(super) fn no_slot(has_halted: bool) -> Problem {
-        let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
-        let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
+        let so = if has_halted { "; the STOP in this request has halted the robot" } else { "" };
+        let detail = format!("all connections are in use{so}: try again in a moment");
         Problem::new(("noPlace", ProblemKind::Unavailable), detail)
     }
 
     /// This machine's clock is so wrong that no answer can be dated. A STOP in the request was carried out before.
     pub(super) fn no_date(has_halted: bool) -> Problem {
-        let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
-        let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
+        let so = if has_halted { "; the STOP in this request has halted the robot" } else { "" };
+        let detail = format!("the clock of this machine shows a year before 1970: set the clock, then try again{so}");
         Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
@@ -135,13 +135,13 @@ pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) 
 /// 15.5.6).
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed.as_deref()));
-    let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
+    let detail = format!("{path} does not accept {method}: see the header Allow{halted}");
     Problem::no_method(detail)
 }
 
 /// Added to the text of a refusal, so that nobody thinks the STOP in the request was refused too.
 pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
-    if pressed.is_some_and(Pressed::is_there) { "; the STOP in it has halted the robot" } else { "" }
+    if pressed.is_some_and(Pressed::is_there) { "; the STOP in this request has halted the robot" } else { "" }
 }
 
 #[cfg(test)]

@@ -45,10 +45,10 @@ impl Query {
             let is_single = once.contains(&name.as_str());
             if !is_single && !many.contains(&name.as_str()) {
                 let known = [once, many].concat().join(", ");
-                return Err(Problem::unusable(format!("there is no `{}` to ask by: there are {known}", in_short(name))));
+                return Err(Problem::unusable(format!("there is no parameter `{}`: the parameters are {known}", in_short(name))));
             }
             if is_single && values.len() > 1 {
-                return Err(Problem::unusable(format!("`{}` is there twice: send it once", in_short(name))));
+                return Err(Problem::unusable(format!("`{}` occurs twice: send it once", in_short(name))));
             }
         }
         Ok(())
@@ -67,7 +67,7 @@ impl Query {
         let sound = text.parse().ok().filter(|number| range.contains(number));
         sound.map(Some).ok_or_else(|| {
             let most = if *range.end() == MOST { String::new() } else { format!(" to {}", range.end()) };
-            let wanted = format!("a whole number from {}{most} belongs there", range.start());
+            let wanted = format!("send a whole number from {}{most}", range.start());
             Problem::unusable(format!("`{name}` is {:?}: {wanted}", in_short(text)))
         })
     }
@@ -78,7 +78,7 @@ impl Query {
         known
             .copied()
             .map(Some)
-            .ok_or_else(|| Problem::unusable(format!("`{name}` is {:?}: {} belongs there", in_short(text), words.join(" or "))))
+            .ok_or_else(|| Problem::unusable(format!("`{name}` is {:?}: send {}", in_short(text), words.join(" or "))))
     }
 }
 
@@ -100,13 +100,13 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_its_name_its_value_and_what_belongs_there() {
         for wrong in ["0", "101", "-1", "1.5", "", "ten", "99999999999999999999", "%31"] {
-            let said = format!("`limit` is {wrong:?}: a whole number from 1 to 100 belongs there");
+            let said = format!("`limit` is {wrong:?}: send a whole number from 1 to 100");
             assert_eq!(limit(&format!("limit={wrong}")), Err(said));
         }
-        assert_eq!(limit("limt=3"), Err("there is no `limt` to ask by: there are limit".to_owned()));
-        assert_eq!(limit("limit=3&limit=4"), Err("`limit` is there twice: send it once".to_owned()));
+        assert_eq!(limit("limt=3"), Err("there is no parameter `limt`: the parameters are limit".to_owned()));
+        assert_eq!(limit("limit=3&limit=4"), Err("`limit` occurs twice: send it once".to_owned()));
         let open = Query::of("after=x").count("after", 0..=MOST).unwrap_err();
-        assert_eq!(open.detail(), "`after` is \"x\": a whole number from 0 belongs there");
+        assert_eq!(open.detail(), "`after` is \"x\": send a whole number from 0");
     }
 
     #[test]

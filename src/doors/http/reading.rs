@@ -189,7 +189,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Named {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Named, Problem> {
         let path = in_short(parts.uri.path());
-        let missing = |_| Problem::not_found(format!("there is nothing at {path}: a name belongs there"));
+        let missing = |_| Problem::not_found(format!("there is nothing at {path}: the path needs a name"));
         Path::<String>::from_request_parts(parts, state).await.map(|Path(name)| Named(name)).map_err(missing)
     }
 }
@@ -199,7 +199,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Number {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Number, Problem> {
         let path = in_short(parts.uri.path());
-        let missing = || Problem::not_found(format!("there is nothing at {path}: a number belongs there, as 3"));
+        let missing = || Problem::not_found(format!("there is nothing at {path}: the path needs a number, such as 3"));
         let Path(text) = Path::<String>::from_request_parts(parts, state).await.map_err(|_| missing())?;
         text.parse().map(Number).map_err(|_| missing())
     }
@@ -234,7 +234,7 @@ async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
             Err(_) if before.is_some_and(|before| read.len() < before + BODY_RATE) => {
                 let begin = BODY_BEGIN.as_secs();
                 return Err(Problem::too_slow(format!(
-                    "the body came too slowly: after {begin} s, {BODY_RATE} bytes a second are the least"
+                    "the body came too slowly: after {begin} s, send at least {BODY_RATE} bytes a second"
                 )));
             }
             Err(_) => (span, before) = (Duration::from_secs(1), Some(read.len())),
@@ -244,7 +244,7 @@ async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
 
 pub(super) fn too_large(most: usize) -> Problem {
     Problem::too_large(if most == BODY_BYTES {
-        format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen")
+        format!("the body is larger than {BODY_BYTES} bytes: a command needs only a few dozen")
     } else {
         format!("the hall is larger than {HALL_BYTES} bytes: make it smaller, or start hallsweep with --hall FILE")
     })
@@ -265,7 +265,7 @@ fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
     const FORM: &str = "application/x-www-form-urlencoded";
     match media_type(headers)? {
         Some(named) if named != FORM => {
-            Err(Problem::wrong_format(format!("the content type is {}: a form is {FORM}", in_short(&named))))
+            Err(Problem::wrong_format(format!("the content type is {}: send a form as {FORM}", in_short(&named))))
         }
         _ => Ok(HeaderValue::from_static(FORM)),
     }

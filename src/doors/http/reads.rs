@@ -33,7 +33,7 @@ pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) 
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
     let wanted = if offers.len() == 1 { offers.first().copied() } else { preferred(headers, &offers) };
     let Some((form, _, media_type, word)) = FORMS.into_iter().find(|(_, accepted, ..)| Some(*accepted) == wanted) else {
-        return Err(Problem::not_acceptable(format!("the {} is there as {}", row.name, offers.join(" and as "))));
+        return Err(Problem::not_acceptable(format!("the {} is available as {}", row.name, offers.join(" and as "))));
     };
     let snapshot = door.handle.snapshot();
     let tag = tag(&snapshot.run, row.kind.revision(&snapshot), word);
@@ -158,7 +158,7 @@ mod tests {
         let (_, robots) = read(app.get("/api/v1/robots").await).await;
         assert_eq!((&robots[0]["name"], &robots[0]["kind"]), (&"discovery".into(), &"virtual-tcp".into()));
         assert_eq!(robots[0]["address"], "localhost:8999");
-        assert_eq!(robots[0]["replaced"][0], serde_json::json!({"part": "camera", "by": "a drawing, which says that it is one"}));
+        assert_eq!(robots[0]["replaced"][0], serde_json::json!({"part": "camera", "by": "a drawing marked as a drawing"}));
         assert_eq!(robots[0]["replaced"].as_array().map(Vec::len), Some(4));
         let (_, state) = read(app.get("/api/v1/state").await).await;
         assert_eq!(state["robots"][0]["replaced"], robots[0]["replaced"], "the state says the same, without the kind");
@@ -218,7 +218,7 @@ mod tests {
             [etag(&app, "/api/v1/luggage/3/photo?take=2", "*/*").await, etag(&app, "/api/v1/luggage/3/photo", "*/*").await];
         assert_ne!(tags[0], tags[1]);
         for (take, status, words) in [
-            ("4", 404, "there is no photo 4 of luggage #3: there are 1 to 3"),
+            ("4", 404, "there is no photo 4 of luggage #3: the photos have the numbers 1 to 3"),
             ("99999999999", 404, "1 to 3"),
             ("0", 422, "a whole number from 1"),
             ("x", 422, "a whole number from 1"),

@@ -105,7 +105,7 @@ async fn send(
     door.archive.look_up(move |archive| archive.mission(mission)).await?.ok_or_else(|| unknown(id))?;
     let is_kept = door.archive.look_up(move |archive| archive.timeline(mission, Span::after(Seq(0)), 1)).await?;
     if is_kept.is_empty() {
-        return Err(Problem::not_found(format!("nothing of mission {id} is kept any more: no entry of it is left")));
+        return Err(Problem::not_found(format!("mission {id} has no stored entry any more")));
     }
     let place = door.reports.0.take(door.access.key_of(caller)).map_err(Problem::too_many_reports)?;
     let (parts, to_be_sent) = mpsc::channel(AHEAD);
@@ -118,7 +118,7 @@ async fn send(
         // After a failure this drops the buffer without writing it.
         drop(out.into_parts());
         if let Err(failure) = &ended {
-            tracing::debug!(%failure, mission = id, "a report or record was not written to its end");
+            tracing::debug!(%failure, mission = id, "a report or record was not written completely");
         }
         // The reader may be gone.
         let _ = parts.blocking_send(ended.map(|()| Bytes::new()));
@@ -128,9 +128,7 @@ async fn send(
     let first = match next(&mut written).await {
         Err(Failure::Unreadable(unreadable)) => return Err(unreadable.into()),
         Ok(part) if part.is_empty() => {
-            return Err(Problem::not_found(format!(
-                "nothing of mission {id} is kept: what was written of it was said to be lost"
-            )));
+            return Err(Problem::not_found(format!("mission {id} cannot be shown: all of its entries are marked as lost")));
         }
         first => first,
     };

@@ -61,7 +61,7 @@ async fn serve_so_many(
 ) {
     if !door.can_date() {
         tracing::error!(
-            "the clock of this machine stands before 1970: set it, no page is served before; STOP is heard all the same"
+            "the clock of this machine shows a year before 1970: until it is set, hallsweep accepts STOP but serves no page"
         );
     }
     let door = door.at(listeners.port()).with_streams(front.budget);
@@ -117,7 +117,7 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
     drop(listeners);
     let drained = tokio::time::timeout(GRACE, async { while connections.join_next().await.is_some() {} }).await;
     if drained.is_err() {
-        tracing::info!(open = connections.len(), "connections that would not end were cut");
+        tracing::info!(open = connections.len(), "connections still open at the end were closed");
     }
 }
 

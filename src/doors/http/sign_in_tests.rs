@@ -145,9 +145,9 @@ async fn whoever_signed_out_is_asked_again() {
 async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_was_not_done() {
     let (app, ..) = guarded();
     for (path, words) in [
-        ("/console/stop", "STOP was not given: you are not signed in any more."),
-        ("/h", "STOP was not given"),
-        ("/console/danger", "What you pressed was not carried out"),
+        ("/console/stop", "STOP was not carried out: you are not signed in any more."),
+        ("/h", "STOP was not carried out"),
+        ("/console/danger", "Your command was not carried out"),
     ] {
         let led = app.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep-0=old")], "id=3").await;
         let page = text(app.send("GET", &leads(&led, path), &[BROWSER], "").await).await;
@@ -290,7 +290,7 @@ async fn every_state_of_the_page_is_there_in_italian_and_in_the_other_language_s
     let page = app.italian("GET", &format!("/sign-in?token={operator}&next=/missions&undone=stop"), "", &[], &names).await;
     for wanted in [
         "<h1>Accedere a hallsweep</h1>".to_owned(),
-        "STOP non è stato dato".to_owned(),
+        "STOP non è stato eseguito".to_owned(),
         "lang=\"en\">English</button>".to_owned(),
         format!("name=\"next\" value=\"/sign-in?token={operator}&#38;next=/missions&#38;undone=stop\""),
     ] {

@@ -20,8 +20,8 @@ pub enum TlsError {
     File { setting: &'static str, path: PathBuf, problem: String, advice: &'static str },
     /// Certificate and key do not belong together, or are of an unknown kind.
     #[error(
-        "the certificate in {} and the key in {} cannot be used together: {problem}; name the key for which the certificate was made, \
-         and the certificate as the first in its file", .certificate.display(), .key.display()
+        "the certificate in {} and the key in {} cannot be used together: {problem}; name the key of this certificate, and \
+         put the certificate first in its file", .certificate.display(), .key.display()
     )]
     Pair { certificate: PathBuf, key: PathBuf, problem: String },
 }
@@ -34,14 +34,14 @@ impl Tls {
         let chain = chain.map_err(|error| TlsError::File {
             setting: "http.tls_certificate",
             path: certificate.to_owned(),
-            problem: in_words(&error, "there is no certificate in it"),
-            advice: "name a PEM file with BEGIN CERTIFICATE in it, which the user who runs hallsweep can read",
+            problem: in_words(&error, "the file contains no certificate"),
+            advice: "name a PEM file that contains BEGIN CERTIFICATE and that the user of hallsweep can read",
         })?;
         let secret = PrivateKeyDer::from_pem_file(key).map_err(|error| TlsError::File {
             setting: "http.tls_key",
             path: key.to_owned(),
-            problem: in_words(&error, "there is no private key in it that can be read without a password"),
-            advice: "name a PEM file with BEGIN PRIVATE KEY in it, which the user who runs hallsweep can read",
+            problem: in_words(&error, "the file contains no private key that can be read without a password"),
+            advice: "name a PEM file that contains BEGIN PRIVATE KEY and that the user of hallsweep can read",
         })?;
         let config = config(chain, secret).map_err(|error| TlsError::Pair {
             certificate: certificate.to_owned(),
@@ -63,9 +63,9 @@ fn config(chain: Vec<CertificateDer<'static>>, key: PrivateKeyDer<'static>) -> R
 /// The fault of a file, without quotes from the file, because the file may be the key.
 fn in_words(error: &pem::Error, empty: &str) -> String {
     if let pem::Error::Io(error) = error {
-        return format!("it cannot be read: {error}");
+        return format!("the file cannot be read: {error}");
     }
-    if matches!(error, pem::Error::NoItemsFound) { empty.to_owned() } else { "it is no PEM file, or a damaged one".to_owned() }
+    if matches!(error, pem::Error::NoItemsFound) { empty.to_owned() } else { "the file is damaged, or is no PEM file".to_owned() }
 }
 
 #[cfg(test)]

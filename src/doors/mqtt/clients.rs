@@ -240,7 +240,7 @@ impl Clients {
                 let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.since_start());
                 if let Some(shown) = self.0.wrong.one_more() {
                     let (from, delay_ms) = (origin.from, delay.as_millis());
-                    tracing::warn!(%from, delay_ms, shown, "a wrong name or password was shown over MQTT, this being the latest");
+                    tracing::warn!(%from, delay_ms, shown, "MQTT clients sent a wrong name or password; this is the latest");
                 }
                 tokio::time::sleep(delay).await;
                 Err(SentAway::Refused(version, Welcome::Login))
@@ -285,7 +285,7 @@ impl Clients {
             taken = self.0.ids.take(name.clone(), memory) => taken,
             () = permit.evicted() => return self.tell(known.origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
         };
-        tracing::debug!(from = %known.origin.from, who = %name.who, client = name.client, "an MQTT client has come");
+        tracing::debug!(from = %known.origin.from, who = %name.who, client = name.client, "an MQTT client has connected");
         let greeting = known.greeting(session.is_some(), id.is_remembered());
         let keep_alive_s = known.keep_alive_s().unwrap_or(known.connect.keep_alive_s);
         let IdentifiedClient { connect, identity, origin, .. } = known;

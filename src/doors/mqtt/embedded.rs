@@ -48,7 +48,7 @@ pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = 
     // Tells every connection to end.
     drop(runs);
     if reception.await.is_err() {
-        tracing::error!("whoever listened to MQTT clients has ended by a mistake of its own");
+        tracing::error!("an internal error has ended the task that accepts MQTT clients");
     }
 }
 
@@ -103,7 +103,7 @@ impl Reception {
 
 fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> IncomingConnection {
     if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!(%error, "small packets of a connection will be held back");
+        tracing::debug!(%error, "TCP_NODELAY could not be set: small packets may be delayed");
     }
     let origin = Origin { from: address.ip(), caller: None, access: access.clone() };
     let (reader, writer) = stream.into_split();

@@ -13,19 +13,19 @@ use mqtt_gate::{Malformed, PacketKind, frame};
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SentAway {
-    #[error("it did not say in time who it is")]
+    #[error("the client sent no CONNECT in time")]
     Slow,
-    #[error("it gave way to a newer one before it had said who it is")]
+    #[error("the connection was closed before its CONNECT to make room for a newer connection")]
     GaveWay,
-    #[error("its first packet is a {0:?}, not a CONNECT")]
+    #[error("the first packet is a {0:?}, not a CONNECT")]
     First(PacketKind),
     #[error(transparent)]
     Unfit(#[from] NoConnect),
     #[error(transparent)]
     Malformed(#[from] Malformed),
-    #[error("it was refused with {1:?}")]
+    #[error("the client was refused with {1:?}")]
     Refused(Version, Welcome),
-    #[error("its connection broke: {0}")]
+    #[error("the connection broke: {0}")]
     Broken(#[from] std::io::Error),
     #[error("{0}")]
     Ended(Ended),

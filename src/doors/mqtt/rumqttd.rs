@@ -179,7 +179,7 @@ impl State {
         self.pass_all();
         self.shown.clear();
         let number = self.engine.number + 1;
-        tracing::debug!(number, "another rumqttd routes MQTT messages from now on");
+        tracing::debug!(number, "a new rumqttd routes MQTT messages from now on");
         self.engine = Engine::start(number, &Arc::downgrade(itself), &self.work);
         for RouterReader { subscriber, filters } in self.subscribers.values() {
             for filter in filters {
@@ -219,7 +219,7 @@ async fn look_after(state: Weak<Mutex<State>>) {
         let mut locked = lock(&state);
         let now = locked.clock.since_start();
         if locked.transit.front().is_some_and(|(_, since)| now >= *since + LATE) {
-            tracing::warn!("rumqttd keeps MQTT messages waiting: another one takes its place");
+            tracing::warn!("rumqttd delays MQTT messages: a new rumqttd replaces it");
             locked.renew(&state);
         }
     }

@@ -1,10 +1,10 @@
 # The page that describes the interface for programs; what is in it is English in every language.
 
 api-title = For programs
-api-about = What programs can ask hallsweep for, and what they get; for generators of clients:
+api-about = This page lists the requests that programs can send, and the answers. For client generators:
 api-subjects = Subjects
-api-shapes = Shapes
-api-for = For
+api-shapes = Data types
+api-for = Allowed for
 api-name = Name
 api-body = Body
 api-answer = Answer

@@ -8,8 +8,8 @@ to-console = To the console
 stop-note = halts all robots at once
 stop-soon = STOP is on its way…
 stop-confirmed = STOP is confirmed.
-stop-unconfirmed = STOP is not confirmed: { "{}" }. Use the robot's own switch. This page goes on trying.
-stop-left = the page was left before
+stop-unconfirmed = STOP is not confirmed: { "{}" }. Use the robot's own switch. This page continues to send STOP.
+stop-left = the page was left before an answer came
 stop-says = hallsweep says: { "{}" }
 stop-silent = no answer came
 stop-cut = there is no connection
@@ -17,8 +17,8 @@ stop-cut = there is no connection
 ## The bar of other pages than the console.
 
 bar-as-of = as of { $time } ({ $zone })
-bar-over = You are not signed in any more: sign in again, in another tab if something here is to be kept.
-bar-silent = No answer from hallsweep: what stands here may no longer be true.
+bar-over = You are not signed in any more. Sign in again, in another tab if you still need this page.
+bar-silent = hallsweep does not answer: what this page shows may no longer be true.
 
 ## Months, in short.
 

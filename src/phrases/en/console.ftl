@@ -2,21 +2,21 @@
 
 ## The bar and the frame
 
-skip = To what waits and the controls
+skip = Skip to questions and controls
 revision = rev
 sign-out = Sign out
-lost = <b>Connection lost.</b> What you see is from <span id="lost-since"></span> and may no longer be true. STOP is tried all the same.
-viewer-notice = You are signed in as a viewer: you see everything and may press STOP. Everything else asks for an operator's key.
-no-scripts = Scripts are off: this page shows what was so at <b>{ $time }</b>.
-look-again = Look again
+lost = <b>Connection lost.</b> This page shows the state at <span id="lost-since"></span>, which may be out of date. STOP still tries to reach hallsweep.
+viewer-notice = You are signed in as a viewer: you see everything and may press STOP. Everything else needs an operator's key.
+no-scripts = Scripts are off: this page shows the state at <b>{ $time }</b>.
+look-again = Reload
 live-loaded = as loaded
-live-opening = joining
+live-opening = connecting
 live-on = live
 live-lost = lost
-live-unlinked = page only
+live-unlinked = no robot
 not-known = not known
 unknown-since = not known since { $time }, last: { $last }
-side = What is wanted, controls, luggage and log
+side = Questions, controls, luggage and log
 laboratory = laboratory
 simulator = simulator
 colours = Colours
@@ -24,9 +24,9 @@ colours-system = as the system
 colours-light = light
 colours-dark = dark
 keys-open = keys (?)
-no-emergency-stop = STOP on this page is an operational stop and no emergency stop: keep the robot's own switch within reach.
+no-emergency-stop = STOP on this page is an operational stop, not an emergency stop: stay within reach of the robot's own switch.
 hall = Hall
-hall-known = The hall as far as it is known
+hall-known = The known part of the hall
 lens = Part of the hall that is shown
 lens-closer = Closer
 lens-closer-key = closer (+)
@@ -36,7 +36,7 @@ lens-whole = The whole hall
 lens-whole-key = the whole hall (0)
 legend = Legend
 go-back = No, go back
-past-now = <b>Past:</b> as it was at { $time }
+past-now = <b>Past:</b> state at { $time }
 goal-short = → goal { $cell }
 halted = halted
 led = LED { $state }
@@ -48,11 +48,11 @@ led-unknown = not known
 ## Why buttons are dead
 
 dead-viewer = you are signed in as a viewer
-dead-past = this is the past: go back to now first
-dead-goes-on = the mission goes on already
-dead-comes-home = the robot comes home already
-dead-at-home = the robot is at home already
-dead-no-too-high = there is no TOO HIGH to take back
+dead-past = this page shows the past: go back to now first
+dead-goes-on = the mission is already running
+dead-comes-home = the robot is already coming home
+dead-at-home = the robot is already at home
+dead-no-too-high = there is no TOO HIGH to cancel
 
 ## Mission
 
@@ -62,25 +62,25 @@ back-home = BACK HOME
 start-refused = START: { $reason }.
 retrieve = RETRIEVE
 retrieve-refused = RETRIEVE: { $reason }.
-nothing-holds = Nothing holds the robots.
+nothing-holds = The robots are ready.
 held-by = <b>Held:</b> { $what }
 fault-is = <b>Fault:</b> { $what }
-unrecorded = <b>Nothing can be recorded:</b> { $why }. The robot stands still until that is mended and START is pressed.
+unrecorded = <b>Nothing can be recorded:</b> { $why }. The robot does not move until recording works again and START is pressed.
 piece-waits = luggage #{ $id } waits for your verdict
 interrupted = { $phase } (was { $before })
-hold-fetchers-called = the robots that fetch have called: acknowledge their alarm first
+hold-fetchers-called = the retrieving robots have raised an alarm: acknowledge the alarm first
 hold-with-why = { $hold }: { $why }
 hold-waits-for-operator = waiting for the operator
-hold-too-hot = too hot: { $readings }; { $cool } or less is wanted
+hold-too-hot = too hot: { $readings }; required: { $cool } or less
 reading-of = { $source } { $reading }
 next = <b>Next:</b> { $what }
-next-retrieve = RETRIEVE has it brought into the container.
-next-after-alarm = When the hall is safe again, acknowledge the alarm, then press RESET to put this mission away.
-next-reset = When the hall is safe again, press RESET to put this mission away.
-next-secured = { $what }. START begins a new search, RESET puts this mission away.
-next-explored = Everything that can be reached from here has been searched. START searches it anew, RESET puts this mission away.
+next-retrieve = Press RETRIEVE to bring the luggage into the container.
+next-after-alarm = When the hall is safe again, acknowledge the alarm, then press RESET to archive this mission.
+next-reset = When the hall is safe again, press RESET to archive this mission.
+next-secured = { $what }. START begins a new search, RESET archives this mission.
+next-explored = Everything reachable from here has been searched. START searches everything again, RESET archives this mission.
 secured-one = luggage #{ $id } is in the container
-secured-many = luggage { $ids } are in the container
+secured-many = pieces of luggage { $ids } are in the container
 announced-searched = At least { $count } cells are searched.
 announced-waits = Luggage #{ $id } waits for your verdict.
 
@@ -89,9 +89,9 @@ announced-waits = Luggage #{ $id } waits for your verdict.
 progress-searched = <b>{ $searched }</b> searched
 progress-reach = { $reachable } of { $free } free cells can be reached from here
 progress-none = The search has not begun.
-progress-forecast = Driving alone, at the pace so far: photos and answers come on top. It held in 95 of 100 moments of searches of random halls, and in 83 of halls of corridors.
-progress-gone = <b>{ $time }</b> gone
-progress-gone-now = <b data-since="{ $since }">{ $time }</b> gone
+progress-forecast = Estimated driving time at the pace so far, without photos and answers. The estimate was correct at 95 of 100 moments in random halls, and at 83 of 100 in halls of corridors.
+progress-gone = <b>{ $time }</b> elapsed
+progress-gone-now = <b data-since="{ $since }">{ $time }</b> elapsed
 progress-began = began { $time }
 cells = { $count ->
     [one] { $count } cell
@@ -99,9 +99,9 @@ cells = { $count ->
 }
 cells-and-area = { $cells }, { $area } m²
 open-places = { $count ->
-    [0] nothing is open: all that can be reached is searched
-    [one] 1 place still open
-   *[other] { $count } places still open
+    [0] no place left to search
+    [one] 1 place left to search
+   *[other] { $count } places left to search
 }
 left-least = at least { $least } of driving left
 left-range = { $least } to { $most } of driving left
@@ -110,7 +110,7 @@ left-range = { $least } to { $most } of driving left
 
 alarms = Alarms
 alarm-at = <b>⚠ Alarm</b> <time class="num">{ $time }</time><br>{ $text }
-alarm-unrecorded = <b>⚠ Alarm</b> <time class="num">{ $time }</time> (not on record yet)<br>{ $text }
+alarm-unrecorded = <b>⚠ Alarm</b> <time class="num">{ $time }</time> (not recorded yet)<br>{ $text }
 alarm-then = <b>Alarm</b> raised at <time class="num">{ $time }</time>, not acknowledged then:<br>{ $text }
 acknowledge = Acknowledge
 incident = { $count ->
@@ -122,25 +122,25 @@ incident-then = { $count ->
    *[other] Danger then: { $count } bombs were in the hall
 }
 incident-acknowledged = Alarm at <time class="num">{ $raised }</time>; acknowledged by <b>{ $who }</b> at <time class="num">{ $seen }</time>
-incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged it yet.</b>
-incident-unrecorded = <b>Alarm</b> at <time class="num">{ $time }</time> (not on record yet): { $text }.
+incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged this alarm yet.</b>
+incident-unrecorded = <b>Alarm</b> at <time class="num">{ $time }</time> (not recorded yet): { $text }.
 incident-bomb = <b>Luggage #{ $id }</b> at { $place }:<br>{ $from_home }
 incident-bomb-held = <b>Luggage #{ $id }</b> is being carried ({ $now }); it was found at { $place }
-incident-found = found dangerous by { $who } at { $time }
-incident-more = And { $count } more: see the luggage below.
-evacuate-no-circle = Keep { $metres } m away. No circle is drawn: the side of a cell is not known.
-evacuate-all = Keep { $metres } m away: all of the hall that is known lies within.
-evacuate-circle = Keep { $metres } m away: the red circle in the hall.
-incident-next-home = The search has ended, the robot comes home. Then the piece can be fetched, or the hall be made safe.
+incident-found = judged dangerous by { $who } at { $time }
+incident-more = { $count } more: see the luggage list below.
+evacuate-no-circle = Keep { $metres } m away. The page shows no circle because the cell size is unknown.
+evacuate-all = Keep { $metres } m away: the whole known hall is within this distance.
+evacuate-circle = Keep { $metres } m away: stay outside the red circle on the map.
+incident-next-home = The search has ended and the robot is coming home. When the robot is home, the luggage can be fetched or the hall can be made safe.
 incident-next-fetched = The piece is being fetched and brought into the container.
-incident-next-fault = The robot is in fault, and nothing moves by itself.
+incident-next-fault = The robot has a fault, and nothing moves by itself.
 incident-next-phase = The robot: { $phase }.
 incident-halted-home = The robot's way home is halted: { $holds }.
 incident-halted-fetched = The retrieval is halted: { $holds }.
 goes-on-acknowledge = Acknowledge the alarm, then press START.
 goes-on-ok = Press TEMPERATURE OK, then START.
-goes-on-start = START goes on.
-goes-on-later = When that is over, START goes on.
+goes-on-start = Press START to go on.
+goes-on-later = When this cause is over, press START to go on.
 
 ## Where something is
 
@@ -152,17 +152,17 @@ from-home-cells = { $count ->
    *[other] { $count } cells { $side }
 }
 from-home = { $sides } of home
-from-home-straight = { $sides } of home, { $metres } m as the crow flies
+from-home-straight = { $sides } of home, { $metres } m in a straight line
 
 ## The piece that waits
 
 inspect-title = Luggage #{ $id }
-inspect-waits = waits <b>{ $time }</b>
-inspect-waits-now = waits <b data-since="{ $since }">{ $time }</b>
+inspect-waits = waiting for <b>{ $time }</b>
+inspect-waits-now = waiting for <b data-since="{ $since }">{ $time }</b>
 photo-large = Large
 photo-usual = Back
 no-photo = There is no photo: { $why }.
-no-photo-ask-again = There is no photo: { $why }. It can be taken again; DANGER needs none.
+no-photo-ask-again = There is no photo: { $why }. Take the photo again, or press DANGER without a photo.
 safe-button = ✓ SAFE #{ $id }
 danger-button = ▲ DANGER #{ $id }…
 danger-question = Is luggage #{ $id } dangerous?
@@ -170,42 +170,42 @@ danger-consequence = The search ends, the alarm is raised and the robot comes ho
 danger-yes = Yes: DANGER #{ $id }
 key-safe = s
 key-danger = d
-note-label = Note, kept with the verdict
+note-label = Note, saved with the verdict
 note-optional = (optional)
-note-kept = Note, kept with the verdict: { $note }
+note-kept = Note, saved with the verdict: { $note }
 photo-in-question = The photo in question
 where-and-when = The bag is at { $place }: { $from_home }; seen from { $from }, facing { $heading }; { $time }
 takes-earlier = Earlier photos of luggage #{ $id }
 take-earlier = earlier photo { $take }
 retake = Take the photo again
 verdict-title = Verdict
-nothing-waits = No luggage waits for a verdict. Its photo and the buttons SAFE and DANGER will be here.
+nothing-waits = No luggage waits for a verdict. When a piece waits, its photo and the buttons SAFE and DANGER appear here.
 nothing-waited = No luggage waited for a verdict.
 
 ## Luggage
 
 luggage-title = Luggage
-luggage-more = { $count } more on the page of the mission
-simulator-is-paused = <b>Paused:</b> the time of the simulator stands still. <a href="/simulator">Go on</a>
-luggage-none = None has been met yet.
+luggage-more = { $count } more on the mission's page
+simulator-is-paused = <b>Paused:</b> the simulated time is stopped. <a href="/simulator">Resume</a>
+luggage-none = No luggage has been found yet.
 
 ## Temperature
 
 temperature = Temperature
 temperature-limit = limit { $threshold }
 temperature-no-reading = no reading
-temperature-unread = no thermometer was read: nobody says how warm it is
-temperature-unheard = no thermometer is heard: nobody says how warm it is
+temperature-unread = no thermometer was read: the temperature is unknown
+temperature-unheard = no thermometer responds: the temperature is unknown
 reading-age = read <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> ago
-reading-on-record = on record since { $time }
+reading-on-record = recorded at { $time }
 reading-lost-then = not known then, last: { $last }
 temperature-ok = ok
-temperature-declared = too high by an operator's word: press OK to take it back
+temperature-declared = too high, reported by an operator: press OK to cancel
 temperature-high = too high: nothing moves
 temperature-stale = sensor silent: nothing moves
-temperature-reported = An operator reported { $reading }. It counts until a reading of { $cool } or less is reported.
-temperature-sensor = { $source } reads { $reading }. It must fall to { $cool } or less.
-temperature-sensor-silent = { $source } read { $reading } last, and is silent. It must fall to { $cool } or less.
+temperature-reported = An operator reported { $reading }. This reading applies until a reading of { $cool } or less is reported.
+temperature-sensor = { $source } reads { $reading }; the reading must fall to { $cool } or less.
+temperature-sensor-silent = { $source } last read { $reading } and is now silent; the reading must fall to { $cool } or less.
 temperature-ok-button = OK
 temperature-ok-act = TEMPERATURE OK
 temperature-high-button = TOO HIGH
@@ -224,7 +224,7 @@ robot-no-link = No link
 robot-kind = Kind
 robot-address = Address
 robot-parts = Parts
-robot-instead = Instead of what is missing
+robot-instead = Replacements for missing parts
 robot-lacks = No { $part }
 before-entrance = before the entrance
 off-centre = { $place }, off centre
@@ -247,7 +247,7 @@ doing-rotateRight = turns right
 doing-takingPhoto = takes a photo
 doing-sendingPhoto = sends the photo
 doing-movingArm = moves its arm
-hall-reckoned = No scene file: the robot counts its way by time. Walls and luggage may be a cell beside where they are shown.
+hall-reckoned = No scene file: the robot estimates its position from driving time. Walls and luggage may be one cell away from where the map shows them.
 hall-in-words = { $searched } searched, { $open }; { $robot }.
 hall-robot-at = the robot at { $place }, facing { $heading }
 hall-robot-outside = the robot before the entrance
@@ -257,12 +257,12 @@ hall-pieces = Pieces of luggage found: { $count }.
 
 ## Search order, putting away, driving by hand
 
-more = Search order, putting away, driving by hand
+more = Search order, archiving, driving by hand
 strategy = Search order
 strategy-choose = Choose
-reset-question = Put this mission away?
-reset-what = Put this mission away
-reset-consequence = The mission is archived; at home the map is emptied too. Nothing moves.
+reset-question = Archive this mission?
+reset-what = Archive this mission
+reset-consequence = RESET archives the mission; at home, RESET also empties the map. Nothing moves.
 reset-yes = Yes: RESET
 reset-button = RESET…
 drive = Drive by hand
@@ -276,7 +276,7 @@ drive-go = Go there
 
 ## When a piece waits
 
-attention-title = When a piece waits, or an alarm is raised
+attention-title = Notifications of waiting luggage and alarms
 attention-notify = notify me while this page is not in view
 attention-sound = make a sound
 
@@ -290,16 +290,16 @@ log-lines = Log, the latest first
 
 retrieval-of = Retrieval of luggage #{ $id } <span class="quiet">by { $who }</span>
 retrieval = Retrieval
-retrieval-not = <b>It cannot be fetched:</b> { $why }
+retrieval-not = <b>The luggage cannot be fetched:</b> { $why }
 retrieval-secured = The bag is in the container.
-retrieval-again = Look at the retrieval again, moment by moment
+retrieval-again = Replay the retrieval step by step
 retrieval-robot = Robot { $robot }
 retrieval-gripper = Gripper
 gripper-open = open
 gripper-closed = closed
 retrieval-force = Force
-retrieval-angle = Paddle from upright
-retrieval-gap = Gap from wanted
+retrieval-angle = Paddle angle from vertical
+retrieval-gap = Distance error
 fetcher-pair = the pair
 fetcher-discovery = the robot that searched
 fetcher-none = nobody
@@ -308,14 +308,14 @@ stage-pair-fetching = the pair fetches the piece
 stage-pair-goingOut = the pair goes out
 stage-pair-comingHome = the robot that searched comes home
 stage-discovery-fetching = the robot that searched fetches the piece
-stage-discovery-lettingGo = it puts the piece into the container
-wanted-acknowledge = acknowledge, then START
-wanted-ok = temperature OK, then START
-wanted-start = START goes on
+stage-discovery-lettingGo = the robot that searched puts the piece into the container
+wanted-acknowledge = acknowledge, then press START
+wanted-ok = press TEMPERATURE OK, then START
+wanted-start = press START to go on
 tree = Tree { $tree }
 blackboard = Blackboard
 blackboard-tick = tick { $tick }
-blackboard-nothing = Nothing stands on the blackboard yet.
+blackboard-nothing = The blackboard is still empty.
 blackboard-empty = empty
 node-ticked = <b>thick edge</b>
 node-ticked-last = ticked in the last tick
@@ -334,8 +334,8 @@ mark-frontier = frontier
 mark-wall = wall
 mark-todo = not inspected
 legend-robot = robot
-legend-fetcher = robot that fetches
-legend-arm = arm that holds
+legend-fetcher = retrieving robot
+legend-arm = arm with load
 legend-container = container
 legend-sonar = sonar
 legend-home = home
@@ -360,7 +360,7 @@ container-more = and { $count } more
 
 time = Time
 time-of-mission = Moment of the mission
-time-ends = The line ends here, after { $most } entries. What came then stands in the mission's record, each line of which leads to its moment.
+time-ends = The line shows only the first { $most } entries. The mission's record lists all entries, with a link to the moment of each entry.
 lane-phase = phase
 lane-luggage = luggage
 lane-commands = commands
@@ -373,10 +373,10 @@ replay-back = One entry back
 replay-back-key = one entry back (←)
 replay-play = Play
 replay-play-key = play or pause (space)
-replay-on = One entry on
-replay-on-key = one entry on (→)
+replay-on = One entry forward
+replay-on-key = one entry forward (→)
 replay-speed = Speed of the replay
-replay-from-beginning = Look at this mission from its beginning
+replay-from-beginning = Replay this mission from the beginning
 back-to-now = Back to now
 moment = { $time }, entry { $entry } of mission { $mission }
 moment-none = No mission has begun yet.
@@ -386,16 +386,16 @@ moment-now = now
 
 keys = Keys
 keys-stop = STOP, at any time
-keys-safe = SAFE: the piece that waits is safe
-keys-danger = DANGER: asks once more
-keys-photo = the photo as large as the window, or back
-keys-zoom = on the photo: larger, smaller, whole
-keys-move = on the photo: move it
-keys-hall = on the hall: larger, smaller, whole, and move it
-keys-time = on the line of time: one entry, the beginning, the end, play
+keys-safe = SAFE: judges the waiting piece as safe
+keys-danger = DANGER: asks for confirmation
+keys-photo = shows the photo at window size, or at normal size
+keys-zoom = on the photo: zooms in, out, or to the whole photo
+keys-move = on the photo: moves the photo
+keys-hall = on the hall: zooms in, out, or to the whole hall; moves the view
+keys-time = on the time line: moves by one entry, to the beginning or to the end; plays
 key-home = Home
 key-end = End
 key-space = space
-keys-list = this list
-keys-typing = While something is typed, and with Ctrl, Alt or ⌘, these keys do nothing here.
+keys-list = shows this list
+keys-typing = These keys do nothing while you type text, or together with Ctrl, Alt or ⌘.
 close = Close

@@ -1,7 +1,7 @@
 # The laboratory: the Roomba and the pallet.
 
 laboratory-title = Laboratory
-laboratory-moves-nothing = What is shown here is computed and moves nothing in the hall. STOP halts the hall's robots, as on every page.
+laboratory-moves-nothing = This page shows computed runs that move nothing in the hall. STOP halts the hall's robots, as on every page.
 laboratory-roomba = Roomba
 laboratory-pallet = Pallet
 laboratory-seed = Seed
@@ -10,17 +10,17 @@ laboratory-at-the-end = At the end
 
 ## The Roomba
 
-laboratory-about-roomba = A round robot in an empty room: 3 s forward, then 20 s in a growing spiral, and again; at a wall half a second back and a turn by a random angle. Once it is driven by a state machine, once by a behaviour tree. With the same seed both do the same.
+laboratory-about-roomba = A round robot drives in an empty room, in turn 3 s forward and 20 s in a growing spiral. At a wall, the robot drives back for half a second and turns by a random angle. A state machine drives one run, a behaviour tree the other. With the same seed, both runs are the same.
 laboratory-seconds = Seconds
-laboratory-room = The room from above, with the way of the robot
+laboratory-room = The room from above, with the robot's path
 laboratory-machine = Machine
 laboratory-tree = Tree
 laboratory-state-machine = State machine
 laboratory-behaviour-tree = Behaviour tree
 laboratory-column-machine = machine
 laboratory-column-tree = tree
-laboratory-diagram-machine = The state machine: MoveForward and MoveInSpiral follow one another in time; a wall leads from both to GoBack, then Rotate, then MoveForward
-laboratory-diagram-tree = The behaviour tree: a Selector over two Sequences, MoveForward and MoveInSpiral, GoBack and Rotate
+laboratory-diagram-machine = The state machine: MoveForward and MoveInSpiral alternate with time; a wall changes both to GoBack, then to Rotate, then to MoveForward
+laboratory-diagram-tree = The behaviour tree: a Selector over two Sequences: MoveForward with MoveInSpiral, and GoBack with Rotate
 laboratory-wall = wall
 laboratory-turned = turned
 laboratory-wall-met = wall met
@@ -35,22 +35,22 @@ laboratory-summary = { $floor } % of the floor passed over, { $way } m driven, {
    *[other] walls met { $walls } times
 }
 laboratory-same = Machine and tree made the same { $transitions } transitions, with the same angles.
-laboratory-parting = machine and tree part after { $common } transitions: the machine { $machine }, the tree { $tree }
+laboratory-parting = machine and tree differ after { $common } transitions: the machine { $machine }, the tree { $tree }
 laboratory-goes = goes from { $from } to { $to } at { $seconds } s
-laboratory-turns = goes from { $from } to { $to } by { $angle } rad at { $seconds } s
+laboratory-turns = goes from { $from } to { $to } at { $seconds } s with a turn of { $angle } rad
 laboratory-goes-no-further = has no further transition
 laboratory-path = path
 laboratory-squares = squares of 5 cm
 laboratory-of = { $part } of { $whole }
 laboratory-walls-met = walls met
 laboratory-transitions = transitions
-laboratory-about-floor = Floor: squares of 5 cm whose centre the robot was over, of those that it can reach. The same in numbers:
+laboratory-about-floor = Floor covered: the reachable 5 cm squares whose centre the robot passed over. The same data for programs:
 
 ## The pallet
 
-laboratory-about-pallet = Two mobile manipulators carry parcels from a pallet to a target area, each parcel between them. Three behaviour trees lead them: one each, and a Supervisor. When something goes wrong they call the operator, and go on after START.
+laboratory-about-pallet = Two mobile manipulators together carry parcels from a pallet to a target area. Each robot has a behaviour tree, and the tree Supervisor coordinates both. When something goes wrong, the robots call the operator and go on after START.
 laboratory-parcels = Parcels
-laboratory-goes-wrong = Goes wrong:
+laboratory-goes-wrong = What goes wrong:
 laboratory-mishap-lost = lost on the way
 laboratory-mishap-lostLifting = lost while lifted
 laboratory-mishap-unrecognised = not recognised
@@ -58,24 +58,24 @@ laboratory-mishap-blocked = target closed
 laboratory-mishap-jammed = gripper jams
 laboratory-mishap-absent = no operator
 laboratory-at-parcel = at parcel
-laboratory-yard = The yard from above, with both robots and the parcels; what happens stands in words beside it
-laboratory-yard-drawn = The yard from above, with the ways of both robots and of the parcels
+laboratory-yard = The yard from above, with both robots and the parcels; a list beside the picture describes the events
+laboratory-yard-drawn = The yard from above, with the paths of both robots and of the parcels
 laboratory-key-parcel = parcel
 laboratory-key-pallet = pallet
 laboratory-key-target = target area
-laboratory-key-way = way of a parcel
+laboratory-key-way = path of a parcel
 laboratory-held-force = Force
 laboratory-held-angle = Angle
 laboratory-held-gap = Gap
 laboratory-what-happens = What happens
-laboratory-happens-by-time = What happens, by its time
+laboratory-happens-by-time = Events in order of time
 laboratory-with-parcel = parcel { $parcel } ·
-laboratory-trees-at-the-end = The trees as they stood at the end
+laboratory-trees-at-the-end = The trees at the end
 laboratory-ends-here = The run ends here: { $why }.
 laboratory-ends = The run ends: { $why }
 laboratory-not-happened = Did not happen: { $what } ({ $why }).
 laboratory-missed-nobodyCalled = the operator was never called
-laboratory-missed-runEnded = the run ended before it could happen
+laboratory-missed-runEnded = the run ended earlier
 laboratory-pair = The pair
 laboratory-figure-parcels = parcels
 laboratory-figure-time = time
@@ -87,19 +87,19 @@ laboratory-figure-seed = seed
 laboratory-delivered = { $delivered } of { $parcels } in the target area
 laboratory-took = { $seconds } s, { $ticks } ticks
 laboratory-error = { $worst } { $unit } (root mean square { $rms } { $unit })
-laboratory-about-errors = Errors: how far gripping force, angle of the paddles and distance of the bases were from what is wanted while a parcel was off the floor. The same in numbers:
+laboratory-about-errors = Errors: deviations of gripping force, paddle angle and base distance from the wanted values while a parcel was off the floor. The same data for programs:
 
 ## What happens at the pallet
 
 laboratory-began = phase { $phase }: { $what }
-laboratory-phase-1 = SRM1 finds the pallet and tells where it is
-laboratory-phase-2 = both come to the pallet, SRM2 when it has been told where it is
-laboratory-phase-3 = the parcel is identified, both stand beside it
-laboratory-phase-4 = the grippers close; force and angle are held
+laboratory-phase-1 = SRM1 finds the pallet and reports its position
+laboratory-phase-2 = both robots drive to the pallet, SRM2 after SRM1's report
+laboratory-phase-3 = the parcel is identified, both robots stop beside the parcel
+laboratory-phase-4 = the grippers close; the robots control force and angle
 laboratory-phase-5 = the parcel is lifted and carried to the target area
-laboratory-phase-6 = the parcel is put down and let go
-laboratory-phase-7 = both go back to the pallet
-laboratory-phase-8 = the same for the next parcel
+laboratory-phase-6 = the parcel is put down and released
+laboratory-phase-7 = both robots go back to the pallet
+laboratory-phase-8 = phases 3 to 7 repeat for the next parcel
 laboratory-alarm = ALARM: { $what }
 laboratory-event-acknowledged = the operator has acknowledged the alarm
 laboratory-event-start = START is pressed
@@ -107,5 +107,5 @@ laboratory-event-lost = the parcel slips out of the grippers
 laboratory-event-stop = STOP: both robots are halted
 laboratory-event-restart = the program was started again
 laboratory-fault-operatorAbsent = the operator was called and has not come
-laboratory-fault-notAllThere = the trees ended, and not all parcels are in the target area
-laboratory-fault-runTakesTooLong = the run takes longer than it ever should
+laboratory-fault-notAllThere = the trees ended before all parcels were in the target area
+laboratory-fault-runTakesTooLong = the run takes longer than its time limit

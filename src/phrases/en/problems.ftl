@@ -2,15 +2,15 @@
 
 ## The titles of the page that says a problem, by status.
 
-astray-400 = That was not understood
-astray-401 = Nobody is signed in
-astray-403 = You may not do that
+astray-400 = The request was not understood
+astray-401 = You are not signed in
+astray-403 = This request is not allowed
 astray-404 = There is nothing here
-astray-408 = It came too slowly
-astray-409 = That is not possible now
-astray-421 = hallsweep is not called so
+astray-408 = The request came too slowly
+astray-409 = This request is not possible now
+astray-421 = hallsweep does not have this name
 astray-500 = Something went wrong in hallsweep
-astray-503 = That cannot be done just now
+astray-503 = This request cannot be carried out now
 
 ## By code: what the core refuses in words of another version.
 

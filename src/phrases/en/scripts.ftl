@@ -3,19 +3,19 @@
 ## attention
 
 attention-waits = Luggage #{ $id } waits for your verdict.
-attention-denied = This browser allows no notifications of this page: its settings for this address say so.
-attention-unknown = This browser has no notifications for this address: it wants https for that.
+attention-denied = This browser blocks notifications from this page: check the browser's settings for this address.
+attention-unknown = This browser offers no notifications here: notifications need https.
 
 ## console
 
-console-changed = The page changed just before your press: nothing was sent. Look, then press again.
+console-changed = The page changed just before you pressed: nothing was sent. Check the page, then press again.
 console-judged-safe = Your question is closed: luggage #{ $id } was judged SAFE by { $by } at { $time }.
 console-judged-danger = Your question is closed: luggage #{ $id } was judged DANGER by { $by } at { $time }.
-console-withdrawn = Your question is closed: luggage #{ $id } waits for no verdict any more.
-console-twice = This came with the press before it: it was not sent. Press again.
-console-refused = It was refused ({ $status }).
-console-silent = No answer came. It may still be carried out: look at the robot before you try again.
-console-cut = No connection: it did not get through.
+console-withdrawn = Your question is closed: luggage #{ $id } no longer waits for a verdict.
+console-twice = This press came too soon after the last press and was not sent. Press again.
+console-refused = hallsweep refused the command ({ $status }).
+console-silent = No answer came. The command may still be carried out: look at the robot before you try again.
+console-cut = No connection: the command did not get through.
 
 ## editor
 
@@ -26,23 +26,23 @@ editor-home = home
 editor-luggage = luggage
 editor-marked = luggage { $mark }
 editor-dangerous = dangerous luggage { $mark }
-editor-begun-brush = brush begun
-editor-begun-line = line begun
-editor-begun-rectangle = rectangle begun
-editor-sound = It is sound: everything in it can be reached.
-editor-unsound = It can be used. A search of it does not come to everything:
-editor-unchecked = Not checked yet.
+editor-begun-brush = brush started
+editor-begun-line = line started
+editor-begun-rectangle = rectangle started
+editor-sound = The hall is valid: everything in the hall can be reached.
+editor-unsound = The hall can be used, but a search does not reach everything:
+editor-unchecked = The hall is not checked yet.
 editor-found-pieceUnreached = the { $name } cannot be reached: no free cell beside it leads home
 editor-found-cellUnreached = this free cell cannot be reached from home
-editor-found-more = and { $count } more that cannot be reached
-editor-found-noLuggage = there is no luggage in it: a search has nothing to inspect
-editor-large = The file has { $bytes } bytes, and { $most } are the most here: start hallsweep with --hall FILE.
+editor-found-more = { $count } more places cannot be reached
+editor-found-noLuggage = the hall contains no luggage: a search has nothing to inspect
+editor-large = The file has { $bytes } bytes, more than the limit of { $most }: start hallsweep with --hall FILE.
 editor-cut = hallsweep cannot be reached: try again
 editor-refused = { $detail }
-editor-letters = 26 pieces have a letter already, and there are no more: make one of them plain floor first.
-editor-undrawable = This hall cannot be drawn here: change it as a text below.
+editor-letters = All 26 letters are in use: change one of the marked pieces to floor first.
+editor-undrawable = This hall cannot be drawn here: edit the text below.
 editor-sides = A hall here has 1 to { $most } columns and rows.
-editor-home-outside = Home would be outside: move it first.
+editor-home-outside = Home would be outside the hall: move home first.
 editor-open = { $file } is open: { $width } × { $height } cells, { $pieces } pieces of luggage
 
 ## hall
@@ -59,8 +59,8 @@ laboratory-pause = Pause
 laboratory-speed = Speed
 laboratory-clock = { $time } of { $seconds } s
 laboratory-clock-said = { $time } of { $seconds } seconds
-laboratory-answered = hallsweep says { $status }
-laboratory-cannot-move = The picture cannot move: { $why }.
+laboratory-answered = hallsweep answered { $status }
+laboratory-cannot-move = The animation cannot play: { $why }.
 
 ## pallet
 
@@ -72,10 +72,10 @@ pallet-lifted = the parcel is lifted
 pallet-on-floor = the parcel is on the floor
 pallet-phase = Phase { $phase } of 8, parcel { $parcel } of { $parcels }
 pallet-before = Before the first phase
-pallet-at-the-start = both robots stand where they start
+pallet-at-the-start = both robots are at their start positions
 pallet-where = { $delivered } of { $parcels } in the target area; { $parcel }
 pallet-all-there = All parcels are in the target area
-pallet-acknowledged = The alarm is acknowledged; both wait for START
+pallet-acknowledged = The alarm is acknowledged; both robots wait for START
 pallet-nothing-waits = Nothing waits for the operator
 
 ## photo
@@ -84,7 +84,7 @@ pallet-nothing-waits = Nothing waits for the operator
 
 replay-slider = Time of the retrieval, in seconds
 replay-player = Player of the retrieval
-replay-cannot-move = The trees cannot move: { $why }.
+replay-cannot-move = The replay cannot play: { $why }.
 
 ## roomba
 
@@ -94,7 +94,7 @@ roomba-now = { $phase } · floor { $share } % · walls met { $walls }
 
 ## simulator
 
-simulator-unsent = It was not sent: hallsweep cannot be reached. Try again.
+simulator-unsent = The command was not sent: hallsweep cannot be reached. Try again.
 
 ## time
 
@@ -102,7 +102,7 @@ time-moment = { $time }, entry { $seq } of mission { $mission }
 time-now = now
 time-pause = Pause
 time-play = Play
-time-cut = No connection: the past cannot be shown just now.
+time-cut = No connection: the past cannot be shown now.
 
 ## trees
 

@@ -1,19 +1,19 @@
 # The page of the simulator's controls.
 
 simulator-title = Simulator
-simulator-viewer = You are signed in as a viewer: you see the simulator and may press STOP. Everything else asks for an operator's key.
-simulator-about = What is done here is done to the simulated hall and its robots, and not to the mission: a paused simulator is a robot that does not get on. STOP halts it all the same, at once.
+simulator-viewer = You are signed in as a viewer: you see the simulator and may press STOP. Everything else needs an operator's key.
+simulator-about = These controls change the simulated hall and its robots, not the mission: in a paused simulator, the robots do not move. STOP works at once, even in a paused simulator.
 
 ## Time.
 
 simulator-time = Time
-simulator-paused = Paused: simulated time stands still.
+simulator-paused = Paused: the simulated time is stopped.
 simulator-runs = Running at { $factor } times real time.
 simulator-runs-max = Running as fast as it can.
-simulator-go-on = Go on
+simulator-go-on = Resume
 simulator-pause = Pause
-simulator-step = One step<small>to the end of the order under way</small>
-simulator-step-unpaused = One step<small>while it is paused</small>
+simulator-step = One step<small>to the end of the current order</small>
+simulator-step-unpaused = One step<small>only while paused</small>
 simulator-speed = Speed
 simulator-speed-max = as fast as it can
 simulator-set-speed = Set the speed
@@ -21,30 +21,30 @@ simulator-set-speed = Set the speed
 ## Faults of the robot, by the name of what is so.
 
 simulator-faults = Faults of the robot
-simulator-well-linkLost = Link: well
-simulator-failing-linkLost = Link: failing
-simulator-means-linkLost = without it the robot halts by itself and the mission is held
-simulator-bring-linkLost = Lose the link
+simulator-well-linkLost = Link: working
+simulator-failing-linkLost = Link: lost
+simulator-means-linkLost = without the link, the robot halts by itself and the mission is held
+simulator-bring-linkLost = Cut the link
 simulator-mend-linkLost = Restore the link
-simulator-well-noThermometer = Thermometer: well
-simulator-failing-noThermometer = Thermometer: failing
-simulator-means-noThermometer = without it no reading of the robot comes
-simulator-bring-noThermometer = Take the thermometer away
-simulator-mend-noThermometer = Give the thermometer back
-simulator-well-cameraFails = Camera: well
+simulator-well-noThermometer = Thermometer: working
+simulator-failing-noThermometer = Thermometer: missing
+simulator-means-noThermometer = without the thermometer, the robot sends no readings
+simulator-bring-noThermometer = Remove the thermometer
+simulator-mend-noThermometer = Restore the thermometer
+simulator-well-cameraFails = Camera: working
 simulator-failing-cameraFails = Camera: failing
-simulator-means-cameraFails = when it fails, no photo succeeds
-simulator-bring-cameraFails = Let the camera fail
-simulator-mend-cameraFails = Mend the camera
+simulator-means-cameraFails = when the camera fails, no photo succeeds
+simulator-bring-cameraFails = Make the camera fail
+simulator-mend-cameraFails = Repair the camera
 
 ## A blocked way.
 
 simulator-way = A blocked way
-simulator-way-about = An obstacle that is not in the hall. Where a robot is, it is put as soon as the robot has left.
+simulator-way-about = You can add obstacles that are not part of the hall. In a cell with a robot, the obstacle appears when the robot has left.
 simulator-block-ahead = Block the way ahead
 simulator-block = Block this cell
 simulator-free = Clear { $cell }
-simulator-nothing-blocked = Nothing is in the way.
+simulator-nothing-blocked = No cell is blocked.
 
 ## The hall.
 
@@ -54,7 +54,7 @@ simulator-hall-now = The robots are in <b>{ $hall }</b>: { $columns } × { $rows
    *[other] { $pieces } pieces
 } of luggage; seed { $seed }.
 simulator-seed = Seed
-simulator-put-down = Put the robots down there
-simulator-bound = Just now: { $why }.
+simulator-put-down = Put the robots into this hall
+simulator-bound = At the moment: { $why }.
 simulator-to-editor = Edit the hall
 simulator-start = START the search

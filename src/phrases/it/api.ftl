@@ -1,10 +1,10 @@
 # The page that describes the interface for programs; what is in it is English in every language.
 
 api-title = Per i programmi
-api-about = Che cosa i programmi possono chiedere a hallsweep, e che cosa ricevono; per i generatori di client:
+api-about = Questa pagina elenca le richieste che i programmi possono inviare, e le risposte. Per i generatori di client:
 api-subjects = Argomenti
-api-shapes = Forme
-api-for = Per
+api-shapes = Tipi di dati
+api-for = Consentito a
 api-name = Nome
 api-body = Corpo
 api-answer = Risposta

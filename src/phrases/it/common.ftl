@@ -8,8 +8,8 @@ to-console = Alla console
 stop-note = ferma subito tutti i robot
 stop-soon = STOP è in viaggio…
 stop-confirmed = STOP è confermato.
-stop-unconfirmed = STOP non è confermato: { "{}" }. Usare l'interruttore del robot. Questa pagina continua a provare.
-stop-left = la pagina è stata lasciata prima
+stop-unconfirmed = STOP non è confermato: { "{}" }. Usare l'interruttore del robot. Questa pagina continua a inviare STOP.
+stop-left = la pagina è stata lasciata prima di una risposta
 stop-says = hallsweep dice: { "{}" }
 stop-silent = nessuna risposta
 stop-cut = non c'è collegamento
@@ -17,8 +17,8 @@ stop-cut = non c'è collegamento
 ## The bar of other pages than the console.
 
 bar-as-of = alle { $time } ({ $zone })
-bar-over = La sessione è finita: accedere di nuovo, in un'altra scheda se qui c'è qualcosa da conservare.
-bar-silent = Nessuna risposta da hallsweep: quello che si legge qui può non essere più vero.
+bar-over = La sessione è finita. Accedere di nuovo, in un'altra scheda se questa pagina serve ancora.
+bar-silent = hallsweep non risponde: quello che si legge in questa pagina può non essere più vero.
 
 ## Months, in short.
 

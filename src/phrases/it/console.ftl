@@ -2,21 +2,21 @@
 
 ## The bar and the frame
 
-skip = A ciò che attende e ai comandi
+skip = Alle domande e ai comandi
 revision = rev
 sign-out = Uscire
-lost = <b>Collegamento perso.</b> Quello che si vede è delle <span id="lost-since"></span> e può non essere più vero. STOP viene tentato lo stesso.
+lost = <b>Collegamento perso.</b> La pagina mostra lo stato delle <span id="lost-since"></span>, forse non più valido. STOP prova comunque a raggiungere hallsweep.
 viewer-notice = Accesso come osservatore: si vede tutto e si può premere STOP. Per tutto il resto serve la chiave di un operatore.
-no-scripts = Gli script sono disattivati: questa pagina mostra com'era il <b>{ $time }</b>.
-look-again = Guardare di nuovo
+no-scripts = Gli script sono disattivati: questa pagina mostra lo stato del <b>{ $time }</b>.
+look-again = Ricaricare
 live-loaded = com'era
 live-opening = si collega
 live-on = in diretta
 live-lost = perso
-live-unlinked = solo pagina
+live-unlinked = senza robot
 not-known = non si sa
 unknown-since = non si sa dalle { $time }; ultimo dato: { $last }
-side = Che cosa serve, comandi, bagagli e cronaca
+side = Domande, comandi, bagagli e cronaca
 laboratory = laboratorio
 simulator = simulatore
 colours = Colori
@@ -24,9 +24,9 @@ colours-system = come il sistema
 colours-light = chiari
 colours-dark = scuri
 keys-open = tasti (?)
-no-emergency-stop = STOP in questa pagina è un arresto operativo e non di emergenza: tenere a portata di mano l'interruttore del robot.
+no-emergency-stop = STOP in questa pagina è un arresto operativo, non di emergenza: restare a portata di mano dell'interruttore del robot.
 hall = Sala
-hall-known = La sala per quanto è nota
+hall-known = La parte nota della sala
 lens = Parte della sala che si vede
 lens-closer = Più vicino
 lens-closer-key = più vicino (+)
@@ -36,7 +36,7 @@ lens-whole = Tutta la sala
 lens-whole-key = tutta la sala (0)
 legend = Legenda
 go-back = No, tornare indietro
-past-now = <b>Passato:</b> com'era alle { $time }
+past-now = <b>Passato:</b> stato delle { $time }
 goal-short = → meta { $cell }
 halted = fermo
 led = LED { $state }
@@ -48,11 +48,11 @@ led-unknown = non noto
 ## Why buttons are dead
 
 dead-viewer = l'accesso è da osservatore
-dead-past = questo è il passato: prima tornare ad adesso
-dead-goes-on = la missione prosegue già
+dead-past = la pagina mostra il passato: prima tornare ad adesso
+dead-goes-on = la missione è già in corso
 dead-comes-home = il robot torna già alla base
 dead-at-home = il robot è già alla base
-dead-no-too-high = non c'è una TROPPO ALTA da ritirare
+dead-no-too-high = non c'è una TROPPO ALTA da annullare
 
 ## Mission
 
@@ -62,23 +62,23 @@ back-home = ALLA BASE
 start-refused = AVVIA: { $reason }.
 retrieve = RECUPERA
 retrieve-refused = RECUPERA: { $reason }.
-nothing-holds = Niente blocca i robot.
+nothing-holds = I robot sono pronti.
 held-by = <b>Bloccato:</b> { $what }
 fault-is = <b>Guasto:</b> { $what }
-unrecorded = <b>Non si può registrare niente:</b> { $why }. Il robot sta fermo finché non è riparato e non si preme AVVIA.
+unrecorded = <b>Non si può registrare niente:</b> { $why }. Il robot resta fermo finché la registrazione non riprende e non si preme AVVIA.
 piece-waits = il bagaglio #{ $id } attende il verdetto
 interrupted = { $phase } (prima: { $before })
-hold-fetchers-called = i robot che recuperano hanno chiamato: prima confermare il loro allarme
+hold-fetchers-called = i robot che recuperano hanno dato un allarme: prima confermare l'allarme
 hold-with-why = { $hold }: { $why }
 hold-waits-for-operator = in attesa dell'operatore
 hold-too-hot = troppo caldo: { $readings }; servono { $cool } o meno
 reading-of = { $source } { $reading }
 next = <b>Poi:</b> { $what }
-next-retrieve = RECUPERA lo fa portare nel contenitore.
+next-retrieve = Premere RECUPERA per portare il bagaglio nel contenitore.
 next-after-alarm = Quando la sala è di nuovo sicura, confermare l'allarme, poi premere ARCHIVIA per archiviare questa missione.
 next-reset = Quando la sala è di nuovo sicura, premere ARCHIVIA per archiviare questa missione.
 next-secured = { $what }. AVVIA comincia una nuova ricerca, ARCHIVIA archivia questa missione.
-next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA lo esplora di nuovo, ARCHIVIA archivia questa missione.
+next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA esplora tutto di nuovo, ARCHIVIA archivia questa missione.
 secured-one = il bagaglio #{ $id } è nel contenitore
 secured-many = i bagagli { $ids } sono nel contenitore
 announced-searched = Celle esplorate: almeno { $count }.
@@ -89,7 +89,7 @@ announced-waits = Il bagaglio #{ $id } attende il verdetto.
 progress-searched = esplorate <b>{ $searched }</b>
 progress-reach = da qui si raggiungono { $reachable } celle libere su { $free }
 progress-none = La ricerca non è cominciata.
-progress-forecast = Solo il tempo di guida, al passo tenuto finora: foto e risposte si aggiungono. Ha retto in 95 momenti su 100 di ricerche in sale a caso, e in 83 in sale di corridoi.
+progress-forecast = Stima del tempo di guida al passo tenuto finora, senza foto e risposte. La stima era giusta in 95 momenti su 100 in sale a caso, e in 83 su 100 in sale di corridoi.
 progress-gone = <b>{ $time }</b> dall'inizio
 progress-gone-now = <b data-since="{ $since }">{ $time }</b> dall'inizio
 progress-began = cominciata { $time }
@@ -99,9 +99,9 @@ cells = { $count ->
 }
 cells-and-area = { $cells }, { $area } m²
 open-places = { $count ->
-    [0] niente è aperto: tutto ciò che si raggiunge è esplorato
-    [one] 1 posto ancora aperto
-   *[other] { $count } posti ancora aperti
+    [0] nessun posto ancora da esplorare
+    [one] 1 posto ancora da esplorare
+   *[other] { $count } posti ancora da esplorare
 }
 left-least = ancora almeno { $least } di guida
 left-range = ancora da { $least } a { $most } di guida
@@ -122,7 +122,7 @@ incident-then = { $count ->
    *[other] Pericolo allora: { $count } bombe erano nella sala
 }
 incident-acknowledged = Allarme alle <time class="num">{ $raised }</time>; confermato da <b>{ $who }</b> alle <time class="num">{ $seen }</time>
-incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }.<br><b>Nessuno l'ha ancora confermato.</b>
+incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }.<br><b>Nessuno ha ancora confermato questo allarme.</b>
 incident-unrecorded = <b>Allarme</b> alle <time class="num">{ $time }</time> (non ancora registrato): { $text }.
 incident-bomb = <b>Bagaglio #{ $id }</b> in { $place }:<br>{ $from_home }
 incident-bomb-held = Il <b>bagaglio #{ $id }</b> è in trasporto ({ $now }); era in { $place }
@@ -131,19 +131,19 @@ incident-more = { $count ->
     [one] E un altro: si vedano i bagagli più sotto.
    *[other] E altri { $count }: si vedano i bagagli più sotto.
 }
-evacuate-no-circle = Tenersi a { $metres } m di distanza. Nessun cerchio è disegnato: il lato di una cella non è noto.
+evacuate-no-circle = Tenersi a { $metres } m di distanza. La pagina non mostra il cerchio perché il lato di una cella non è noto.
 evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è entro questa distanza.
-evacuate-circle = Tenersi a { $metres } m di distanza: il cerchio rosso nella sala.
-incident-next-home = La ricerca è finita, il robot torna alla base. Poi il bagaglio può essere recuperato, o la sala messa in sicurezza.
+evacuate-circle = Tenersi a { $metres } m di distanza: restare fuori dal cerchio rosso sulla mappa.
+incident-next-home = La ricerca è finita e il robot torna alla base. Quando il robot è alla base, si può recuperare il bagaglio o mettere in sicurezza la sala.
 incident-next-fetched = Il bagaglio viene recuperato e portato nel contenitore.
-incident-next-fault = Il robot è in guasto, e niente si muove da solo.
+incident-next-fault = Il robot ha un guasto, e niente si muove da solo.
 incident-next-phase = Il robot: { $phase }.
 incident-halted-home = Il ritorno del robot alla base è sospeso: { $holds }.
 incident-halted-fetched = Il recupero è sospeso: { $holds }.
 goes-on-acknowledge = Confermare l'allarme, poi premere AVVIA.
 goes-on-ok = Premere TEMPERATURA OK, poi AVVIA.
-goes-on-start = AVVIA fa proseguire.
-goes-on-later = Quando sarà passato, AVVIA fa proseguire.
+goes-on-start = Premere AVVIA per proseguire.
+goes-on-later = Quando questa causa è passata, premere AVVIA per proseguire.
 
 ## Where something is
 
@@ -165,7 +165,7 @@ inspect-waits-now = attende da <b data-since="{ $since }">{ $time }</b>
 photo-large = Grande
 photo-usual = Indietro
 no-photo = Non c'è nessuna foto: { $why }.
-no-photo-ask-again = Non c'è nessuna foto: { $why }. Può essere rifatta; PERICOLO non ne ha bisogno.
+no-photo-ask-again = Non c'è nessuna foto: { $why }. Rifare la foto, o premere PERICOLO senza foto.
 safe-button = ✓ SICURO #{ $id }
 danger-button = ▲ PERICOLO #{ $id }…
 danger-question = Il bagaglio #{ $id } è pericoloso?
@@ -182,7 +182,7 @@ takes-earlier = Foto precedenti del bagaglio #{ $id }
 take-earlier = foto precedente { $take }
 retake = Rifare la foto
 verdict-title = Verdetto
-nothing-waits = Nessun bagaglio attende un verdetto. La sua foto e i pulsanti SICURO e PERICOLO saranno qui.
+nothing-waits = Nessun bagaglio attende un verdetto. Quando un bagaglio attende, qui appaiono la sua foto e i pulsanti SICURO e PERICOLO.
 nothing-waited = Nessun bagaglio attendeva un verdetto.
 
 ## Luggage
@@ -190,25 +190,25 @@ nothing-waited = Nessun bagaglio attendeva un verdetto.
 luggage-title = Bagagli
 luggage-more = altri { $count } nella pagina della missione
 simulator-is-paused = <b>In pausa:</b> il tempo del simulatore è fermo. <a href="/simulator">Riprendere</a>
-luggage-none = Nessuno è stato ancora incontrato.
+luggage-none = Nessun bagaglio è stato ancora trovato.
 
 ## Temperature
 
 temperature = Temperatura
 temperature-limit = soglia { $threshold }
 temperature-no-reading = nessuna lettura
-temperature-unread = nessun termometro è stato letto: nessuno dice quanto fa caldo
-temperature-unheard = nessun termometro si fa sentire: nessuno dice quanto fa caldo
+temperature-unread = nessun termometro è stato letto: la temperatura non è nota
+temperature-unheard = nessun termometro risponde: la temperatura non è nota
 reading-age = letta <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> fa
-reading-on-record = registrata dalle { $time }
+reading-on-record = registrata alle { $time }
 reading-lost-then = allora non nota; ultimo dato: { $last }
 temperature-ok = nella norma
-temperature-declared = troppo alta secondo un operatore: premere OK per ritirarlo
+temperature-declared = troppo alta secondo un operatore: premere OK per annullare
 temperature-high = troppo alta: niente si muove
 temperature-stale = sensore muto: niente si muove
-temperature-reported = Un operatore ha riferito { $reading }. Vale finché non è riferita una lettura di { $cool } o meno.
-temperature-sensor = { $source } legge { $reading }. Deve scendere a { $cool } o meno.
-temperature-sensor-silent = { $source } ha letto { $reading } per ultimo, e tace. Deve scendere a { $cool } o meno.
+temperature-reported = Un operatore ha riferito { $reading }. Questa lettura vale finché non è riferita una lettura di { $cool } o meno.
+temperature-sensor = { $source } legge { $reading }; la lettura deve scendere a { $cool } o meno.
+temperature-sensor-silent = { $source } ha letto { $reading } per ultimo e ora tace; la lettura deve scendere a { $cool } o meno.
 temperature-ok-button = OK
 temperature-ok-act = TEMPERATURA OK
 temperature-high-button = TROPPO ALTA
@@ -227,7 +227,7 @@ robot-no-link = Senza collegamento
 robot-kind = Tipo
 robot-address = Indirizzo
 robot-parts = Parti
-robot-instead = Al posto di ciò che manca
+robot-instead = Sostituti delle parti mancanti
 robot-lacks = Senza { $part }
 before-entrance = davanti all'ingresso
 off-centre = { $place }, fuori centro
@@ -250,7 +250,7 @@ doing-rotateRight = gira a destra
 doing-takingPhoto = scatta una foto
 doing-sendingPhoto = invia la foto
 doing-movingArm = muove il braccio
-hall-reckoned = Nessun file della scena: il robot stima il percorso dal tempo. Pareti e bagagli possono trovarsi una cella accanto a dove sono mostrati.
+hall-reckoned = Nessun file della scena: il robot stima la posizione dal tempo di guida. Pareti e bagagli possono trovarsi a una cella da dove li mostra la mappa.
 hall-in-words = Esplorate { $searched }; { $open }; { $robot }.
 hall-robot-at = il robot in { $place }, verso { $heading }
 hall-robot-outside = il robot davanti all'ingresso
@@ -265,7 +265,7 @@ strategy = Ordine di ricerca
 strategy-choose = Scegliere
 reset-question = Archiviare questa missione?
 reset-what = Archiviare questa missione
-reset-consequence = La missione è archiviata; alla base si svuota anche la mappa. Niente si muove.
+reset-consequence = ARCHIVIA archivia la missione; alla base svuota anche la mappa. Niente si muove.
 reset-yes = Sì: ARCHIVIA
 reset-button = ARCHIVIA…
 drive = Guida a mano
@@ -279,7 +279,7 @@ drive-go = Andare là
 
 ## When a piece waits
 
-attention-title = Quando un bagaglio attende, o scatta un allarme
+attention-title = Avvisi di bagagli in attesa e di allarmi
 attention-notify = avvisare mentre questa pagina non è in vista
 attention-sound = emettere un suono
 
@@ -293,16 +293,16 @@ log-lines = Cronaca, dalla più recente
 
 retrieval-of = Recupero del bagaglio #{ $id } <span class="quiet">da parte di: { $who }</span>
 retrieval = Recupero
-retrieval-not = <b>Non può essere recuperato:</b> { $why }
+retrieval-not = <b>Il bagaglio non può essere recuperato:</b> { $why }
 retrieval-secured = Il bagaglio è nel contenitore.
-retrieval-again = Rivedere il recupero, momento per momento
+retrieval-again = Rivedere il recupero passo per passo
 retrieval-robot = Robot { $robot }
 retrieval-gripper = Pinza
 gripper-open = aperta
 gripper-closed = chiusa
 retrieval-force = Forza
-retrieval-angle = Paletta dalla verticale
-retrieval-gap = Scarto dal voluto
+retrieval-angle = Angolo della paletta dalla verticale
+retrieval-gap = Errore di distanza
 fetcher-pair = la coppia
 fetcher-discovery = il robot della ricerca
 fetcher-none = nessuno
@@ -311,14 +311,14 @@ stage-pair-fetching = la coppia recupera il bagaglio
 stage-pair-goingOut = la coppia esce
 stage-pair-comingHome = il robot della ricerca torna alla base
 stage-discovery-fetching = il robot della ricerca recupera il bagaglio
-stage-discovery-lettingGo = mette il bagaglio nel contenitore
-wanted-acknowledge = confermare, poi AVVIA
-wanted-ok = temperatura OK, poi AVVIA
-wanted-start = AVVIA continua
+stage-discovery-lettingGo = il robot della ricerca mette il bagaglio nel contenitore
+wanted-acknowledge = confermare, poi premere AVVIA
+wanted-ok = premere TEMPERATURA OK, poi AVVIA
+wanted-start = premere AVVIA per proseguire
 tree = Albero { $tree }
 blackboard = Lavagna
 blackboard-tick = ciclo { $tick }
-blackboard-nothing = Sulla lavagna non c'è ancora scritto niente.
+blackboard-nothing = La lavagna è ancora vuota.
 blackboard-empty = vuoto
 node-ticked = <b>bordo spesso</b>
 node-ticked-last = attivato nell'ultimo ciclo
@@ -338,7 +338,7 @@ mark-wall = parete
 mark-todo = non ispezionata
 legend-robot = robot
 legend-fetcher = robot che recupera
-legend-arm = braccio in presa
+legend-arm = braccio con carico
 legend-container = contenitore
 legend-sonar = sonar
 legend-home = base
@@ -372,7 +372,7 @@ container-more = { $count ->
 
 time = Tempo
 time-of-mission = Momento della missione
-time-ends = La linea finisce qui, dopo { $most } voci. Il seguito è nel registro della missione: ogni riga porta al suo momento.
+time-ends = La linea mostra solo le prime { $most } voci. Il registro della missione le elenca tutte, ognuna con il collegamento al suo momento.
 lane-phase = fase
 lane-luggage = bagagli
 lane-commands = comandi
@@ -388,7 +388,7 @@ replay-play-key = riprodurre o fermare (spazio)
 replay-on = Una voce avanti
 replay-on-key = una voce avanti (→)
 replay-speed = Velocità della riproduzione
-replay-from-beginning = Guardare questa missione dall'inizio
+replay-from-beginning = Rivedere questa missione dall'inizio
 back-to-now = Tornare ad adesso
 moment = { $time }, voce { $entry } della missione { $mission }
 moment-none = Nessuna missione è ancora cominciata.
@@ -398,16 +398,16 @@ moment-now = adesso
 
 keys = Tasti
 keys-stop = STOP, in ogni momento
-keys-safe = SICURO: il bagaglio che attende è sicuro
-keys-danger = PERICOLO: chiede ancora una volta
-keys-photo = la foto grande quanto la finestra, o indietro
-keys-zoom = sulla foto: più grande, più piccola, intera
-keys-move = sulla foto: spostarla
-keys-hall = sulla sala: ingrandisce, riduce, intera, e sposta
-keys-time = sulla linea del tempo: una voce, l'inizio, la fine, riproduce
+keys-safe = SICURO: giudica sicuro il bagaglio che attende
+keys-danger = PERICOLO: chiede conferma
+keys-photo = mostra la foto a tutta finestra, o a misura normale
+keys-zoom = sulla foto: ingrandisce, riduce, o mostra la foto intera
+keys-move = sulla foto: sposta la foto
+keys-hall = sulla sala: ingrandisce, riduce, o mostra tutta la sala; sposta la vista
+keys-time = sulla linea del tempo: va di una voce, all'inizio, alla fine; riproduce
 key-home = Inizio
 key-end = Fine
 key-space = spazio
-keys-list = questo elenco
-keys-typing = Mentre si scrive, e con Ctrl, Alt o ⌘, questi tasti qui non fanno niente.
+keys-list = mostra questo elenco
+keys-typing = Questi tasti non fanno niente mentre si scrive, né insieme a Ctrl, Alt o ⌘.
 close = Chiudere

@@ -13,29 +13,29 @@ halls-floor = Pavimento
 halls-luggage = Bagaglio
 halls-dangerous = Pericoloso
 halls-home = Base
-halls-shape = Come si disegna
+halls-shape = Forma da disegnare
 halls-brush = Pennello
 halls-line = Linea
 halls-rectangle = Rettangolo
 halls-undo = Annulla
 halls-redo = Ripristina
-halls-drawing-about = Disegnare con il puntatore o con il dito. Con la tastiera: le frecce muovono il cursore, lo spazio disegna (due volte per una linea o un rettangolo), <kbd>c</kbd> rinuncia a quello cominciato; le lettere scelgono.
+halls-drawing-about = Disegnare con il puntatore o con il dito. Con la tastiera le frecce muovono il cursore e lo spazio disegna; per una linea o un rettangolo lo spazio serve due volte. <kbd>c</kbd> annulla una linea o un rettangolo non finiti. La lettera accanto a uno strumento lo sceglie.
 halls-plan = Pianta della sala
 halls-name = Nome
 halls-columns = Colonne
 halls-rows = Righe
 halls-size = Impostare nome e dimensioni
 halls-open = Aprire un file
-halls-resolution = Metri per pixel, per un'immagine da sola
+halls-resolution = Metri per pixel (immagine senza YAML)
 halls-download = Scaricare
 
 ## Il file.
 
 halls-file = La sala come file
-halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> parete, <code>S</code> la base, una lettera un bagaglio; <code>dangerous = true</code> segna il pericolo.
+halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> è parete, <code>S</code> è la base, e le altre lettere sono bagagli. <code>dangerous = true</code> segna un bagaglio pericoloso.
 halls-check = Controllare
 halls-use = Collocare i robot in questa sala
-halls-another = Cominciare da un'altra
+halls-another = Cominciare da un'altra sala
 
 ## Halls that are kept.
 
@@ -43,10 +43,10 @@ halls-keep-as = Conservare come
 halls-keep-as-about = lettere minuscole, cifre e -
 halls-keep = Conservare
 halls-replace = Sostituire { $name }
-halls-kept = Conservate nella cartella dei dati
+halls-kept = Sale conservate nella cartella dei dati
 halls-discard = Eliminare { $name }…
-halls-discard-asked = Eliminare <b>{ $name }</b>? Poi non ci sarà più. Ciò che è nell'editor resta.
+halls-discard-asked = Eliminare <b>{ $name }</b>? La sala conservata va persa. La sala nell'editor resta.
 halls-discard-for-good = Eliminare { $name } per sempre
-halls-discarded = <b>{ $name }</b> non è più conservata.
+halls-discarded = La sala conservata <b>{ $name }</b> è stata eliminata.
 halls-another-kept = Un'altra sala è conservata come <b>{ $name }</b>: sostituirla, o scegliere un altro nome.
 halls-opened = Questa è la sala conservata come <b>{ $name }</b>.

@@ -1,7 +1,7 @@
 # Il laboratorio: il Roomba e il bancale.
 
 laboratory-title = Laboratorio
-laboratory-moves-nothing = Ciò che si vede qui è calcolato e non muove nulla nella sala. STOP ferma i robot della sala, come su ogni pagina.
+laboratory-moves-nothing = Questa pagina mostra prove calcolate, che non muovono nulla nella sala. STOP ferma i robot della sala, come su ogni pagina.
 laboratory-roomba = Roomba
 laboratory-pallet = Bancale
 laboratory-seed = Seme
@@ -10,7 +10,7 @@ laboratory-at-the-end = Alla fine
 
 ## Il Roomba
 
-laboratory-about-roomba = Un robot rotondo in una stanza vuota: 3 s in avanti, poi 20 s in una spirale che si allarga, e di nuovo; a una parete mezzo secondo indietro e una svolta di un angolo casuale. Una volta lo guida una macchina a stati, una volta un albero di comportamento. Con lo stesso seme fanno entrambi lo stesso.
+laboratory-about-roomba = Un robot rotondo gira in una stanza vuota, a turno 3 s in avanti e 20 s in una spirale che si allarga. A una parete il robot indietreggia per mezzo secondo e svolta di un angolo casuale. Una macchina a stati guida una prova, un albero di comportamento l'altra. Con lo stesso seme le due prove sono uguali.
 laboratory-seconds = Secondi
 laboratory-room = La stanza dall'alto, con il percorso del robot
 laboratory-machine = Macchina
@@ -20,7 +20,7 @@ laboratory-behaviour-tree = Albero di comportamento
 laboratory-column-machine = macchina
 laboratory-column-tree = albero
 laboratory-diagram-machine = La macchina a stati: MoveForward e MoveInSpiral si alternano nel tempo; una parete porta da entrambi a GoBack, poi a Rotate, poi a MoveForward
-laboratory-diagram-tree = L'albero di comportamento: un Selector sopra due Sequence, MoveForward e MoveInSpiral, GoBack e Rotate
+laboratory-diagram-tree = L'albero di comportamento: un Selector sopra due Sequence: MoveForward con MoveInSpiral, e GoBack con Rotate
 laboratory-wall = parete
 laboratory-turned = girato
 laboratory-wall-met = parete incontrata
@@ -35,22 +35,22 @@ laboratory-summary = { $floor } % del pavimento coperto, { $way } m percorsi, { 
    *[other] { $walls } pareti incontrate
 }
 laboratory-same = Macchina e albero hanno fatto le stesse { $transitions } transizioni, con gli stessi angoli.
-laboratory-parting = macchina e albero si separano dopo { $common } transizioni: la macchina { $machine }, l'albero { $tree }
+laboratory-parting = macchina e albero differiscono dopo { $common } transizioni: la macchina { $machine }, l'albero { $tree }
 laboratory-goes = passa da { $from } a { $to } a { $seconds } s
-laboratory-turns = passa da { $from } a { $to } di { $angle } rad a { $seconds } s
+laboratory-turns = passa da { $from } a { $to } a { $seconds } s con una svolta di { $angle } rad
 laboratory-goes-no-further = non ha altre transizioni
 laboratory-path = percorso
 laboratory-squares = quadrati di 5 cm
 laboratory-of = { $part } di { $whole }
 laboratory-walls-met = pareti incontrate
 laboratory-transitions = transizioni
-laboratory-about-floor = Pavimento: i quadrati di 5 cm sul cui centro è passato il robot, tra quelli che può raggiungere. Lo stesso in numeri:
+laboratory-about-floor = Pavimento coperto: i quadrati di 5 cm raggiungibili sul cui centro è passato il robot. Gli stessi dati per i programmi:
 
 ## Il bancale
 
-laboratory-about-pallet = Due manipolatori mobili portano pacchi da un bancale a un'area di arrivo, ogni pacco in mezzo a loro. Li guidano tre alberi di comportamento: uno ciascuno, e un Supervisor. Quando qualcosa va storto chiamano l'operatore, e proseguono dopo AVVIA.
+laboratory-about-pallet = Due manipolatori mobili portano insieme pacchi da un bancale a un'area di arrivo. Ogni robot ha un albero di comportamento, e l'albero Supervisor li coordina. Quando qualcosa va storto, i robot chiamano l'operatore e proseguono dopo AVVIA.
 laboratory-parcels = Pacchi
-laboratory-goes-wrong = Va storto:
+laboratory-goes-wrong = Che cosa va storto:
 laboratory-mishap-lost = perso per strada
 laboratory-mishap-lostLifting = perso mentre è sollevato
 laboratory-mishap-unrecognised = non riconosciuto
@@ -58,7 +58,7 @@ laboratory-mishap-blocked = arrivo chiuso
 laboratory-mishap-jammed = pinza bloccata
 laboratory-mishap-absent = nessun operatore
 laboratory-at-parcel = al pacco
-laboratory-yard = Il piazzale dall'alto, con entrambi i robot e i pacchi; ciò che accade è scritto a lato
+laboratory-yard = Il piazzale dall'alto, con entrambi i robot e i pacchi; un elenco a lato descrive gli eventi
 laboratory-yard-drawn = Il piazzale dall'alto, con i percorsi di entrambi i robot e dei pacchi
 laboratory-key-parcel = pacco
 laboratory-key-pallet = bancale
@@ -68,9 +68,9 @@ laboratory-held-force = Forza
 laboratory-held-angle = Angolo
 laboratory-held-gap = Scarto
 laboratory-what-happens = Che cosa accade
-laboratory-happens-by-time = Che cosa accade, con il suo tempo
+laboratory-happens-by-time = Eventi in ordine di tempo
 laboratory-with-parcel = pacco { $parcel } ·
-laboratory-trees-at-the-end = Gli alberi com'erano alla fine
+laboratory-trees-at-the-end = Gli alberi alla fine
 laboratory-ends-here = La prova finisce qui: { $why }.
 laboratory-ends = La prova finisce: { $why }
 laboratory-not-happened = Non è accaduto: { $what } ({ $why }).
@@ -87,19 +87,19 @@ laboratory-figure-seed = seme
 laboratory-delivered = { $delivered } di { $parcels } nell'area di arrivo
 laboratory-took = { $seconds } s, { $ticks } cicli
 laboratory-error = { $worst } { $unit } (valore quadratico medio { $rms } { $unit })
-laboratory-about-errors = Errori: di quanto la forza di presa, l'angolo delle palette e la distanza delle basi si scostavano dal voluto mentre un pacco era sollevato da terra. Lo stesso in numeri:
+laboratory-about-errors = Errori: scostamenti dal valore voluto di forza di presa, angolo delle palette e distanza delle basi, mentre un pacco era sollevato da terra. Gli stessi dati per i programmi:
 
 ## Che cosa accade al bancale
 
 laboratory-began = fase { $phase }: { $what }
-laboratory-phase-1 = SRM1 trova il bancale e dice dov'è
-laboratory-phase-2 = entrambi vengono al bancale, SRM2 quando gli è stato detto dov'è
-laboratory-phase-3 = il pacco è identificato, entrambi gli stanno accanto
-laboratory-phase-4 = le pinze si chiudono; forza e angolo sono mantenuti
+laboratory-phase-1 = SRM1 trova il bancale e ne comunica la posizione
+laboratory-phase-2 = entrambi i robot vanno al bancale, SRM2 dopo la comunicazione di SRM1
+laboratory-phase-3 = il pacco è identificato, entrambi i robot si fermano accanto al pacco
+laboratory-phase-4 = le pinze si chiudono; i robot regolano forza e angolo
 laboratory-phase-5 = il pacco è sollevato e portato nell'area di arrivo
 laboratory-phase-6 = il pacco è posato e lasciato
-laboratory-phase-7 = entrambi tornano al bancale
-laboratory-phase-8 = lo stesso per il pacco successivo
+laboratory-phase-7 = entrambi i robot tornano al bancale
+laboratory-phase-8 = le fasi da 3 a 7 si ripetono con il pacco successivo
 laboratory-alarm = ALLARME: { $what }
 laboratory-event-acknowledged = l'operatore ha confermato l'allarme
 laboratory-event-start = AVVIA è premuto
@@ -107,5 +107,5 @@ laboratory-event-lost = il pacco scivola fuori dalle pinze
 laboratory-event-stop = STOP: entrambi i robot sono fermati
 laboratory-event-restart = il programma è stato riavviato
 laboratory-fault-operatorAbsent = l'operatore è stato chiamato e non è venuto
-laboratory-fault-notAllThere = gli alberi hanno finito, e non tutti i pacchi sono nell'area di arrivo
-laboratory-fault-runTakesTooLong = la prova dura più di quanto dovrebbe mai
+laboratory-fault-notAllThere = gli alberi hanno finito prima che tutti i pacchi fossero nell'area di arrivo
+laboratory-fault-runTakesTooLong = la prova dura più del suo limite di tempo

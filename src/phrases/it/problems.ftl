@@ -3,14 +3,14 @@
 ## I titoli della pagina che dice un problema, per stato.
 
 astray-400 = La richiesta non è stata capita
-astray-401 = Nessuno ha fatto l'accesso
+astray-401 = Non è stato fatto l'accesso
 astray-403 = Questo non è permesso
 astray-404 = Qui non c'è niente
-astray-408 = È arrivata troppo lentamente
-astray-409 = Ora non è possibile
-astray-421 = hallsweep non si chiama così
+astray-408 = La richiesta è arrivata troppo lentamente
+astray-409 = Ora questa richiesta non è possibile
+astray-421 = hallsweep non ha questo nome
 astray-500 = In hallsweep qualcosa è andato storto
-astray-503 = Per il momento non si può fare
+astray-503 = Per il momento questa richiesta non si può eseguire
 
 ## Per codice: che cosa rifiuta il nucleo, nelle parole di un'altra versione.
 

@@ -3,19 +3,19 @@
 ## attention
 
 attention-waits = Il bagaglio #{ $id } attende il verdetto.
-attention-denied = Questo browser non consente notifiche di questa pagina: lo dicono le sue impostazioni per questo indirizzo.
-attention-unknown = Questo browser non ha notifiche per questo indirizzo: servirebbe https.
+attention-denied = Questo browser blocca le notifiche di questa pagina: controllare le impostazioni del browser per questo indirizzo.
+attention-unknown = Qui questo browser non offre notifiche: per le notifiche serve https.
 
 ## console
 
-console-changed = La pagina è cambiata poco prima della pressione: non è stato inviato niente. Guardare, poi premere di nuovo.
+console-changed = La pagina è cambiata poco prima della pressione: non è stato inviato niente. Controllare la pagina, poi premere di nuovo.
 console-judged-safe = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato SICURO da { $by } alle { $time }.
 console-judged-danger = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato PERICOLO da { $by } alle { $time }.
 console-withdrawn = La domanda è chiusa: il bagaglio #{ $id } non attende più nessun verdetto.
-console-twice = È arrivato con la pressione precedente: non è stato inviato. Premere di nuovo.
-console-refused = È stato rifiutato ({ $status }).
-console-silent = Nessuna risposta. Può ancora essere eseguito: guardare il robot prima di riprovare.
-console-cut = Nessun collegamento: non è arrivato.
+console-twice = Questa pressione è arrivata troppo presto dopo la precedente e non è stata inviata. Premere di nuovo.
+console-refused = hallsweep ha rifiutato il comando ({ $status }).
+console-silent = Nessuna risposta. Il comando può ancora essere eseguito: guardare il robot prima di riprovare.
+console-cut = Nessun collegamento: il comando non è arrivato.
 
 ## editor
 
@@ -29,20 +29,20 @@ editor-dangerous = bagaglio pericoloso { $mark }
 editor-begun-brush = pennello cominciato
 editor-begun-line = linea cominciata
 editor-begun-rectangle = rettangolo cominciato
-editor-sound = È a posto: tutto si può raggiungere.
-editor-unsound = Si può usare. Ma una ricerca non arriva dappertutto:
-editor-unchecked = Non ancora controllata.
+editor-sound = La sala è a posto: tutto si può raggiungere.
+editor-unsound = La sala si può usare, ma una ricerca non arriva dappertutto:
+editor-unchecked = La sala non è ancora controllata.
 editor-found-pieceUnreached = il bagaglio «{ $name }» non si può raggiungere: nessuna cella libera accanto porta alla base
 editor-found-cellUnreached = questa cella libera non si può raggiungere dalla base
-editor-found-more = e altri posti che non si possono raggiungere: { $count }
-editor-found-noLuggage = non contiene bagagli: una ricerca non ha niente da esaminare
-editor-large = Il file ha { $bytes } byte, e qui sono al massimo { $most }: avviare hallsweep con --hall FILE.
+editor-found-more = altri posti che non si possono raggiungere: { $count }
+editor-found-noLuggage = la sala non contiene bagagli: una ricerca non ha niente da esaminare
+editor-large = Il file ha { $bytes } byte, più del limite di { $most }: avviare hallsweep con --hall FILE.
 editor-cut = hallsweep non si raggiunge: riprovare
 editor-refused = hallsweep risponde: «{ $detail }»
-editor-letters = 26 bagagli hanno già una lettera, e altre non ce ne sono: trasformarne prima uno in pavimento.
-editor-undrawable = Questa sala qui non si può disegnare: modificarla più sotto, come testo.
+editor-letters = Tutte le 26 lettere sono in uso: trasformare prima in pavimento uno dei bagagli con lettera.
+editor-undrawable = Questa sala qui non si può disegnare: modificare il testo più sotto.
 editor-sides = Qui una sala ha da 1 a { $most } colonne e righe.
-editor-home-outside = La base resterebbe fuori: spostarla prima.
+editor-home-outside = La base resterebbe fuori dalla sala: spostare prima la base.
 editor-open = { $file } è aperto: { $width } × { $height } celle, bagagli: { $pieces }
 
 ## hall
@@ -59,8 +59,8 @@ laboratory-pause = Pausa
 laboratory-speed = Velocità
 laboratory-clock = { $time } di { $seconds } s
 laboratory-clock-said = { $time } di { $seconds } secondi
-laboratory-answered = hallsweep dice { $status }
-laboratory-cannot-move = L'immagine non può muoversi: { $why }.
+laboratory-answered = hallsweep ha risposto { $status }
+laboratory-cannot-move = L'animazione non può partire: { $why }.
 
 ## pallet
 
@@ -72,10 +72,10 @@ pallet-lifted = il pacco è sollevato
 pallet-on-floor = il pacco è sul pavimento
 pallet-phase = Fase { $phase } di 8, pacco { $parcel } di { $parcels }
 pallet-before = Prima della prima fase
-pallet-at-the-start = entrambi i robot sono alla partenza
+pallet-at-the-start = entrambi i robot sono alla posizione di partenza
 pallet-where = { $delivered } di { $parcels } nell'area di arrivo; { $parcel }
 pallet-all-there = Tutti i pacchi sono nell'area di arrivo
-pallet-acknowledged = L'allarme è confermato; entrambi aspettano AVVIA
+pallet-acknowledged = L'allarme è confermato; entrambi i robot aspettano AVVIA
 pallet-nothing-waits = Nulla aspetta l'operatore
 
 ## photo
@@ -84,7 +84,7 @@ pallet-nothing-waits = Nulla aspetta l'operatore
 
 replay-slider = Tempo del recupero, in secondi
 replay-player = Riproduzione del recupero
-replay-cannot-move = Gli alberi non possono muoversi: { $why }.
+replay-cannot-move = La riproduzione non può partire: { $why }.
 
 ## roomba
 
@@ -94,7 +94,7 @@ roomba-now = { $phase } · pavimento { $share } % · pareti incontrate { $walls 
 
 ## simulator
 
-simulator-unsent = Non è stato inviato: hallsweep non si raggiunge. Riprovare.
+simulator-unsent = Il comando non è stato inviato: hallsweep non si raggiunge. Riprovare.
 
 ## time
 

@@ -2,7 +2,7 @@
 
 simulator-title = Simulatore
 simulator-viewer = Accesso come osservatore: si vede il simulatore e si può premere STOP. Per tutto il resto serve la chiave di un operatore.
-simulator-about = Quello che si fa qui si fa alla sala simulata e ai suoi robot, e non alla missione: un simulatore in pausa è un robot che non va avanti. STOP lo ferma lo stesso, subito.
+simulator-about = Questi comandi cambiano la sala simulata e i suoi robot, non la missione: in un simulatore in pausa i robot non si muovono. STOP agisce subito, anche in pausa.
 
 ## Il tempo.
 
@@ -13,7 +13,7 @@ simulator-runs-max = In corso alla massima velocità possibile.
 simulator-go-on = Riprendere
 simulator-pause = Pausa
 simulator-step = Un passo<small>fino alla fine dell'ordine in corso</small>
-simulator-step-unpaused = Un passo<small>quando è in pausa</small>
+simulator-step-unpaused = Un passo<small>solo in pausa</small>
 simulator-speed = Velocità
 simulator-speed-max = la massima possibile
 simulator-set-speed = Impostare la velocità
@@ -23,28 +23,28 @@ simulator-set-speed = Impostare la velocità
 simulator-faults = Guasti del robot
 simulator-well-linkLost = Collegamento: a posto
 simulator-failing-linkLost = Collegamento: interrotto
-simulator-means-linkLost = senza, il robot si ferma da solo e la missione è bloccata
+simulator-means-linkLost = senza collegamento il robot si ferma da solo e la missione è bloccata
 simulator-bring-linkLost = Interrompere il collegamento
 simulator-mend-linkLost = Ripristinare il collegamento
 simulator-well-noThermometer = Termometro: a posto
 simulator-failing-noThermometer = Termometro: mancante
-simulator-means-noThermometer = senza, dal robot non arriva alcuna misura
+simulator-means-noThermometer = senza termometro il robot non invia misure
 simulator-bring-noThermometer = Togliere il termometro
 simulator-mend-noThermometer = Rimettere il termometro
 simulator-well-cameraFails = Fotocamera: a posto
 simulator-failing-cameraFails = Fotocamera: guasta
-simulator-means-cameraFails = quando è guasta, nessuna foto riesce
+simulator-means-cameraFails = quando la fotocamera è guasta, nessuna foto riesce
 simulator-bring-cameraFails = Guastare la fotocamera
 simulator-mend-cameraFails = Riparare la fotocamera
 
 ## Un passaggio ostruito.
 
 simulator-way = Un passaggio ostruito
-simulator-way-about = Un ostacolo che non fa parte della sala. Dove c'è un robot, viene messo appena il robot si è spostato.
+simulator-way-about = Si possono aggiungere ostacoli che non fanno parte della sala. In una cella con un robot, l'ostacolo appare quando il robot si è spostato.
 simulator-block-ahead = Ostruire il passaggio davanti
 simulator-block = Ostruire questa cella
 simulator-free = Liberare { $cell }
-simulator-nothing-blocked = Nessun passaggio è ostruito.
+simulator-nothing-blocked = Nessuna cella è ostruita.
 
 ## La sala.
 
@@ -54,7 +54,7 @@ simulator-hall-now = I robot sono in <b>{ $hall }</b>: { $columns } × { $rows }
    *[other] { $pieces } bagagli
 }; seme { $seed }.
 simulator-seed = Seme
-simulator-put-down = Collocare i robot in quella sala
+simulator-put-down = Mettere i robot in questa sala
 simulator-bound = Al momento: { $why }.
 simulator-to-editor = Modificare la sala
 simulator-start = AVVIA la ricerca

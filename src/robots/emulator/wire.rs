@@ -26,16 +26,16 @@ pub enum End {
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
     #[error(
-        "cannot listen on {at} for programs: {error}; choose another address of this machine with --listen, as 127.0.0.1:0 for a \
-         free port"
+        "cannot listen on {at} for programs: {error}; choose another address of this machine with --listen, such as 127.0.0.1:0 \
+         for a free port"
     )]
     Listen { at: String, error: io::Error },
     #[error(
-        "the serial device {device} cannot be opened at {baud} baud: {error}; look whether it is plugged in and yours to open, and \
-         name it with --serial, as /dev/ttyUSB0"
+        "the serial device {device} cannot be opened at {baud} baud: {error}; check that the device is plugged in and that you \
+         may open it, and name the device with --serial, such as /dev/ttyUSB0"
     )]
     Device { device: String, baud: u32, error: io::Error },
-    #[error("the simulated robot ended by a mistake of its own: start it again and look at the log above")]
+    #[error("the simulated robot ended after an internal error: start it again, and look at the log above")]
     SimulationEnded,
 }
 

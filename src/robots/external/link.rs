@@ -188,7 +188,7 @@ impl ExternalLink {
 
     fn written(&mut self, file: Option<MemoryFile>) {
         if file.is_none() {
-            tracing::error!(robot = %self.robot, "where the robot stands is not kept any more");
+            tracing::error!(robot = %self.robot, "the position of the robot is not stored any more");
         }
         let owes = file.as_ref().is_some_and(|file| file.owed().is_some());
         self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
@@ -235,7 +235,11 @@ impl ExternalLink {
     }
 
     fn cannot_be_reached(&self, error: &io::Error) -> String {
-        let fought_over = if self.brief >= OFTEN { "; again and again: does another program call it?" } else { "" };
+        let fought_over = if self.brief >= OFTEN {
+            "; the connection breaks repeatedly: check whether another program uses this robot"
+        } else {
+            ""
+        };
         format!("the robot at {} cannot be reached: {error}{fought_over}", self.address)
     }
 

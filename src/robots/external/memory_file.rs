@@ -19,16 +19,18 @@ const MOST: usize = 4 << 20;
 #[derive(Debug, thiserror::Error)]
 pub(super) enum MemoryFileError {
     #[error(
-        "cannot read {} ({error}): make it a file that whoever runs hallsweep can read; or put the robot at its start, move the file away, and start \
-         again", .path.display()
+        "cannot read the file {} ({error}): let the user who runs hallsweep read the file; or put the robot at its start, move \
+         the file away, and start hallsweep again", .path.display()
     )]
     Unreadable { path: PathBuf, error: io::Error },
     #[error(
-        "{} is damaged: {fault}; put the robot at its start, move the file away, and start again: what is on record stays", .path.display()
+        "the file {} is damaged: {fault}; put the robot at its start, move the file away, and start hallsweep again: the journal \
+         stays", .path.display()
     )]
     Damaged { path: PathBuf, fault: String },
     #[error(
-        "{} is out of date, since the disk could not be written: put the robot at its start, remove the file, and start again: what is on record stays",
+        "the file {} is out of date, because the disk could not be written: put the robot at its start, remove the file, and \
+         start hallsweep again: the journal stays",
         .path.display()
     )]
     OutOfDate { path: PathBuf },
@@ -75,7 +77,9 @@ impl MemoryFile {
                 let damaged = |fault: &str| MemoryFileError::Damaged { path: path(), fault: fault.to_owned() };
                 let (of, memory) = understood(&bytes).map_err(damaged)?;
                 if of != whose {
-                    tracing::warn!(file = %file.path().display(), of, robot = whose, "it is of another robot: this one is taken to stand at its start");
+                    tracing::warn!(file = %file.path().display(), of, robot = whose, "the file belongs to another robot: \
+                                                                                      hallsweep assumes that this robot stands \
+                                                                                      at its start");
                 }
                 (of == whose).then_some(memory)
             }
@@ -90,13 +94,14 @@ impl MemoryFile {
     /// Writes the memory, which is one line. After a failure the robot goes on, and the log says so once.
     pub(super) fn keep(&mut self, memory: String) {
         let written = self.write(&memory);
-        let failing = "cannot keep where the robot stands: make room, or the folder writable";
-        self.file.say(&written, failing, "where the robot stands is kept again");
+        let failing = "cannot store the position of the robot: free disk space, or make the folder writable";
+        self.file.say(&written, failing, "the position of the robot is stored again");
         match (&written, self.mark) {
             (Err(_), Mark::No | Mark::OfAnother) => match self.mark_out_of_date() {
                 Ok(()) => self.mark = Mark::Own,
                 Err(error) => {
-                    tracing::error!(file = %self.out_of_date.display(), %error, "the next start will not know that the robot stands elsewhere")
+                    tracing::error!(file = %self.out_of_date.display(), %error, "the next start may use an old position of the \
+                                                                                 robot")
                 }
             },
             (Ok(()), Mark::Own | Mark::OfAnother) if fs::remove_file(&self.out_of_date).is_ok() => self.mark = Mark::No,
@@ -136,12 +141,12 @@ fn mark(out_of_date: &Path, whose: &str) -> Mark {
 }
 
 fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "it is no text")?;
+    let text = std::str::from_utf8(bytes).map_err(|_| "it is not text")?;
     let (whose, memory) = match text.split('\n').collect::<Vec<_>>()[..] {
         [whose, memory, sum, ""] if sum == checksum(&format!("{whose}\n{memory}")) => (whose, memory),
         // Earlier versions wrote no checksum.
         [whose, memory] if memory.starts_with('{') && memory.ends_with('}') => (whose, memory),
-        _ => return Err("it is not what was written"),
+        _ => return Err("its content is not as hallsweep wrote it"),
     };
     Ok((whose.to_owned(), memory.to_owned()))
 }

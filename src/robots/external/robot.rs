@@ -94,7 +94,7 @@ impl ExternalRobot {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {
             ExternalMemory::Lost(lost) => {
-                tracing::error!(robot = %id, lost, "nobody knows where the robot was left: it is not started");
+                tracing::error!(robot = %id, lost, "the position of the robot is unknown: hallsweep does not start this robot");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
             ExternalMemory::Here(file, known) => (Some(file), known),
@@ -107,7 +107,8 @@ impl ExternalRobot {
                     robot.in_room(room)
                 } else {
                     let ms = step.as_millis();
-                    tracing::warn!(robot = %id, "no scene file is set (HALLSWEEP__ROBOT__SCENE): a cell is taken to last {ms} ms");
+                    tracing::warn!(robot = %id, "no scene file is set (HALLSWEEP__ROBOT__SCENE): hallsweep assumes {ms} ms per \
+                                                 cell");
                     robot
                 })
             }

@@ -141,7 +141,7 @@ impl Wire {
                 Wire::Serial(port) => port.write_all(&bytes).await,
             }
         };
-        let late = || io::Error::new(io::ErrorKind::TimedOut, "it does not take what is sent");
+        let late = || io::Error::new(io::ErrorKind::TimedOut, "it does not accept data");
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
     }
 
@@ -213,5 +213,5 @@ fn received(mut bytes: Vec<u8>, count: usize) -> io::Result<Vec<u8>> {
 }
 
 fn ended() -> io::Error {
-    io::Error::new(io::ErrorKind::UnexpectedEof, "the robot has ended the connection")
+    io::Error::new(io::ErrorKind::UnexpectedEof, "the robot closed the connection")
 }

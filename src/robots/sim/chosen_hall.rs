@@ -23,8 +23,8 @@ pub(in crate::robots) struct ChosenHall {
 
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{} is the hall that was chosen in the simulator, and cannot be used: {fault}; mend it, or move it away, then start hallsweep again: \
-     the hall is then that of the setting hall.file",
+    "the hall that was chosen in the simulator, {}, cannot be used: {fault}; correct the file, or move it away to use the hall \
+     of the setting hall.file, then start hallsweep again",
     .path.display()
 )]
 pub(in crate::robots) struct UnusableChosenHall {
@@ -50,11 +50,15 @@ impl ChosenHall {
         let path = names::CHOSEN_HALL.within(&self.folder);
         let unusable = |fault: String| UnusableChosenHall { path: path.clone(), fault };
         let Some(bytes) = self.file().read(MOST).map_err(|error| unusable(error.to_string()))? else { return Ok(None) };
-        let text = String::from_utf8(bytes).map_err(|_| unusable("it is no text".to_owned()))?;
+        let text = String::from_utf8(bytes).map_err(|_| unusable("it is not text".to_owned()))?;
         let line = |begin: &str| text.lines().find_map(|line| line.strip_prefix(begin)).map(str::to_owned);
         let instead = line(INSTEAD).ok_or_else(|| unusable(format!("the line `{INSTEAD}…` is missing")))?;
         if instead != written(&self.usual) {
-            tracing::info!(instead, hall = self.usual, "the settings name another hall than when one was chosen: they hold");
+            tracing::info!(
+                instead,
+                hall = self.usual,
+                "the setting hall.file has changed since this hall was chosen in the simulator: hallsweep uses the setting"
+            );
             return Ok(None);
         }
         let seed = line(SEED).and_then(|seed| seed.parse().ok());

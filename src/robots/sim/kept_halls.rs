@@ -42,12 +42,14 @@ impl KeptHalls {
         let file = file(self.data.as_deref().filter(|_| self.lock().contains(name))?, name);
         let unusable = |words: String| {
             let path = file.path().display();
-            NotSimulated::Hall(format!("the hall that is kept as {name} cannot be used: {words}; mend {path}, or move it away"))
+            NotSimulated::Hall(format!(
+                "the stored hall {name} cannot be used: {words}; correct the file {path}, or move it away"
+            ))
         };
         let text = match file.read(MOST_BYTES) {
             Ok(Some(bytes)) if bytes.len() > MOST_BYTES => Err(unusable(format!("it is larger than {MOST_BYTES} bytes"))),
             Ok(Some(bytes)) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
-            Ok(None) => Err(unusable("its file is gone".to_owned())),
+            Ok(None) => Err(unusable("its file is missing".to_owned())),
             Err(error) => Err(unusable(error.to_string())),
         };
         Some(
@@ -103,7 +105,8 @@ fn found(folder: &Path) -> BTreeSet<String> {
     let offered: BTreeSet<String> = names.into_iter().take(MOST).map(str::to_owned).collect();
     if offered.len() < files.len() {
         let (files, offered) = (files.len(), offered.len());
-        tracing::warn!(folder = %folder.display(), files, offered, "not every file here is offered: a hundred are, of names as hall-1.toml");
+        tracing::warn!(folder = %folder.display(), files, offered, "the simulator offers at most 100 files of this folder, with \
+                                                                    names such as hall-1.toml");
     }
     offered
 }
@@ -112,8 +115,8 @@ fn found(folder: &Path) -> BTreeSet<String> {
 pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     let folder = names::HALLS.within(data);
     let error = files::check_folder(&folder).err()?;
-    let what = "no hall that is kept there is offered: move it away, then start hallsweep again";
-    Some(format!("{} cannot be used ({error}), so that {what}", folder.display()))
+    let what = "the simulator offers no stored halls: move it away, then start hallsweep again";
+    Some(format!("{} cannot be used ({error}), so {what}", folder.display()))
 }
 
 /// The file and its name are durable when this returns.
@@ -193,10 +196,10 @@ mod tests {
         assert_eq!(halls.names(), ["bad", "large", "mine"]);
         assert!(halls.read("mine").is_some_and(|hall| hall.is_ok()));
         let why = |name: &str| halls.read(name).expect("it is there").expect_err("it is unusable").to_string();
-        assert!(why("bad").contains("kept as bad cannot be used: bad.toml:1"), "{}", why("bad"));
+        assert!(why("bad").contains("the stored hall bad cannot be used: bad.toml:1"), "{}", why("bad"));
         assert!(why("large").contains("larger than"), "{}", why("large"));
         fs::remove_file(names::HALLS.within(&folder.0).join("mine.toml")).expect("it is there");
-        assert!(why("mine").contains("its file is gone"));
+        assert!(why("mine").contains("its file is missing"));
         put("late.toml", "drawing = \"\"\"\nS.T\n\"\"\"\n");
         assert_eq!(
             halls.keep("late", &hall("seed"), false),
@@ -227,6 +230,6 @@ mod tests {
         let halls = KeptHalls::within(Some(&folder.0));
         assert_eq!(halls.names(), ["dir", "mine"]);
         let why = halls.read("dir").expect("it is there").expect_err("it is no hall").to_string();
-        assert!(why.contains("it is a folder; mend") && why.contains("halls/dir.toml, or move it away"), "{why}");
+        assert!(why.contains("it is a folder; correct the file") && why.contains("halls/dir.toml, or move it away"), "{why}");
     }
 }

@@ -59,7 +59,7 @@ impl Offered {
         }
         self.kept.read(name).unwrap_or_else(|| {
             let known = self.names().join(", ");
-            Err(NotSimulated::Hall(format!("no hall of the name {name:?} is offered: there are {known}")))
+            Err(NotSimulated::Hall(format!("the simulator has no hall {name:?}; it has {known}")))
         })
     }
 

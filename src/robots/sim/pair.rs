@@ -102,7 +102,7 @@ impl SimPair {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {
             PairRecollection::Lost(lost) => {
-                tracing::error!(lost, "nobody knows where the simulated pair was left: it is not started");
+                tracing::error!(lost, "the position of the simulated pair is unknown: hallsweep does not start the pair");
                 return [(), ()].map(|()| -> Adapter { Box::new(|side| Box::pin(async move { side.reports.closed().await })) });
             }
             PairRecollection::Here(state_file, memory) => (memory, Some(state_file)),

@@ -36,7 +36,7 @@ impl PairStateFile {
             return Err(StateFileError::OtherHall { path: path(), remembered, given });
         }
         if !memory.fits(hall) {
-            let fault = "it says that the pair stands where it cannot be".to_owned();
+            let fault = "the pair cannot stand at the position in this file".to_owned();
             return Err(StateFileError::Damaged { path: path(), fault });
         }
         Ok((state_file, Some(memory)))
@@ -54,8 +54,9 @@ impl PairStateFile {
     /// later one, is written.
     pub(super) fn keep(&mut self, memory: PairMemory) {
         let written = self.file.swap(&page::written(&self.whose, &memory));
-        let failing = "cannot keep where the simulated pair stands: make room, or the folder writable; it is tried again";
-        self.file.say(&written, failing, "where the simulated pair stands is kept again");
+        let failing = "cannot store the position of the simulated pair: free disk space, or make the folder writable; hallsweep \
+                       tries again";
+        self.file.say(&written, failing, "the position of the simulated pair is stored again");
         self.owed = written.is_err().then(|| Box::new(memory));
     }
 

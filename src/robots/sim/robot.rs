@@ -84,7 +84,8 @@ impl SimRobot {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
             SimRecollection::Lost(lost) => {
-                tracing::error!(robot = %id, lost, "nobody knows where the simulated robot was left: it is not started");
+                tracing::error!(robot = %id, lost, "the position of the simulated robot is unknown: hallsweep does not start \
+                                                    this robot");
                 return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
             }
             SimRecollection::Here(state_file, memory) => (memory.map(|memory| *memory), Some(*state_file)),

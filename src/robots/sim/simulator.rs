@@ -237,7 +237,7 @@ impl InHand {
         self.handle.put_down(issuer, venue, self.robots.clone()).await??;
         for (decide, is_put_down) in moves {
             if decide.send(next.clone()).is_err() || is_put_down.await.is_err() {
-                tracing::error!("a simulated robot has ended while it was put down in another hall");
+                tracing::error!("a simulated robot stopped working during the move to another hall");
             }
         }
         Ok(())
@@ -253,7 +253,7 @@ impl InHand {
         let reached = states
             .wait_for(|state| !state.robots.iter().any(|shown| self.robots.contains(&shown.id) && shown.unreached.is_some()));
         if tokio::time::timeout(READY_WITHIN, reached).await.is_err() {
-            tracing::warn!("the simulated robots have not said yet where they stand");
+            tracing::warn!("the simulated robots have not reported their positions yet");
         }
     }
 
@@ -325,7 +325,7 @@ mod tests {
     #[test]
     fn a_hall_that_is_not_there_too_large_or_wrong_is_refused_in_words() {
         let why = |source| read(source, &Offered::with("seed", None, None)).expect_err("it is refused").to_string();
-        assert!(why(HallSource::Named("/etc/passwd".to_owned())).contains("there are airport, empty-8x8"));
+        assert!(why(HallSource::Named("/etc/passwd".to_owned())).contains("; it has airport, empty-8x8"));
         assert!(why(HallSource::Toml("width = 600\nheight = 2\n".to_owned())).contains("600 × 2 cells is too large"));
         assert!(why(HallSource::Toml("width = 0\nheight = 2\n".to_owned())).starts_with("hall.toml:1: "));
         assert!(read(HallSource::Toml("width = 250\nheight = 250\n".to_owned()), &Offered::with("seed", None, None)).is_ok());

@@ -59,7 +59,7 @@ impl SimStateFile {
             return Err(StateFileError::OtherHall { path: path(), remembered, given });
         }
         if !memory.fits(floor) {
-            let fault = "it says that the robot stands where it cannot be".to_owned();
+            let fault = "the robot cannot stand at the position in this file".to_owned();
             return Err(StateFileError::Damaged { path: path(), fault });
         }
         (state_file.turn, state_file.anew) = (turn, false);
@@ -83,8 +83,9 @@ impl SimStateFile {
     /// later one, is written.
     pub(super) fn keep(&mut self, memory: SimMemory) {
         let written = self.write(&memory);
-        let failing = "cannot keep where the simulated robot stands: make room, or the folder writable; it is tried again";
-        self.file.say(&written, failing, "where the simulated robot stands is kept again");
+        let failing = "cannot store the position of the simulated robot: free disk space, or make the folder writable; hallsweep \
+                       tries again";
+        self.file.say(&written, failing, "the position of the simulated robot is stored again");
         self.owed = written.as_ref().is_err().then_some(memory);
         // A file that somebody removed is created again.
         self.anew |= written.is_err_and(|error| error.kind() == io::ErrorKind::NotFound);

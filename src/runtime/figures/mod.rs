@@ -156,45 +156,41 @@ impl Figures {
         #[expect(clippy::cast_precision_loss, reason = "a millisecond of this century is exact")]
         started.set(self.0.started.unix_ms as f64 / 1000.0);
         to.register_with_unit("start_time", "When the program was started, in seconds since 1970", Unit::Seconds, started);
-        let lost = "Lines of the program's log that standard error did not take";
+        let lost = "Log lines that could not be written to standard error";
         to.register("log_lines_lost", lost, LOG_LINES_LOST.clone());
     }
 
     fn register_mission(&self, to: &mut Registry) {
         let all = &*self.0;
-        to.register("missions_begun", "Missions that were begun", all.missions_begun.clone());
-        let ended = "Missions that were put away, by the phase to which they had come";
+        to.register("missions_begun", "Missions begun", all.missions_begun.clone());
+        let ended = "Missions archived, by their last phase";
         to.register("missions_ended", ended, all.missions_ended.clone());
-        to.register("phases", "How often the mission came to a phase", all.phases.clone());
-        to.register("steps", "Cells by which the robot that searches came on", all.steps.clone());
-        to.register("turns", "Quarter turns of the robot that searches", all.turns.clone());
-        to.register("stops", "STOPs that were pressed, whoever pressed them and wherever", all.stops.clone());
-        to.register("commands", "Commands on record, by what became of them", all.commands.clone());
-        to.register("refusals", "Refused commands on record, by the code of the reason", all.refusals.clone());
-        to.register("luggage", "Pieces of luggage that were put on record", all.luggage.clone());
-        to.register("photos", "Photos that were put on record", all.photos.clone());
-        to.register("verdicts", "Verdicts on record", all.verdicts.clone());
-        to.register("alarms", "Alarms that were raised and put on record", all.alarms.clone());
+        to.register("phases", "Times that a mission entered a phase, by phase", all.phases.clone());
+        to.register("steps", "Moves of the searching robot from one cell to the next", all.steps.clone());
+        to.register("turns", "Quarter turns of the searching robot", all.turns.clone());
+        to.register("stops", "STOPs received, from every sender", all.stops.clone());
+        to.register("commands", "Commands recorded, by command and outcome", all.commands.clone());
+        to.register("refusals", "Refused commands recorded, by code of the refusal", all.refusals.clone());
+        to.register("luggage", "Pieces of luggage recorded", all.luggage.clone());
+        to.register("photos", "Photos recorded", all.photos.clone());
+        to.register("verdicts", "Verdicts recorded, by verdict", all.verdicts.clone());
+        to.register("alarms", "Alarms recorded", all.alarms.clone());
     }
 
     fn register_doors_and_store(&self, to: &mut Registry) {
         let all = &*self.0;
-        let connections = "What is open at a door: HTTP connections that have asked for something, clients of our own MQTT \
-                           broker, CoAP observations";
+        let connections = "Open HTTP connections that have sent a request, clients of hallsweep's own MQTT broker, and CoAP \
+                           observations, by door";
         to.register("connections", connections, all.connections.clone());
-        to.register(
-            "journal_last_entry",
-            "The number of the last entry of the journal that is kept",
-            all.journal_last_entry.clone(),
-        );
+        to.register("journal_last_entry", "Number of the last stored entry of the journal", all.journal_last_entry.clone());
         to.register("store_failing", "1 while the store cannot write, else 0", all.store_failing.clone());
-        to.register("store_losses", "How often writing has failed so that something was lost", all.store_losses.clone());
-        let record = "From the moment in which the store is given a page of entries until it says that the page is kept";
+        to.register("store_losses", "Write failures of the store that lost entries", all.store_losses.clone());
+        let record = "Time from when the store receives a page of entries until the store reports the page as stored";
         to.register_with_unit("record", record, Unit::Seconds, all.records.clone());
-        let command = "From the moment in which the loop takes a command until it has answered, the record it waits for included";
+        let command = "Time from when the loop receives a command until the loop answers, including the wait for the record";
         to.register_with_unit("command", command, Unit::Seconds, all.answers.clone());
-        let stop = "From the moment in which a STOP is raised, which halts every robot, until the loop hears of it; of several \
-                    unheard ones the first";
+        let stop = "Time from when a STOP halts the robots until the loop handles the STOP; if several STOPs wait, the first one \
+                    counts";
         to.register_with_unit("stop", stop, Unit::Seconds, all.stopping.clone());
     }
 }

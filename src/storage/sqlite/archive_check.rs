@@ -58,9 +58,9 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     }
     if begins.seq > Seq(0) && records.unpacked(begins).is_none() {
         let last =
-            records.written_out(begins.seq).map(|last| format!("; the last of them is {} (SHA-256 {})", last.file, last.digest));
+            records.written_out(begins.seq).map(|last| format!("; the last archive is {} (SHA-256 {})", last.file, last.digest));
         let last = last.unwrap_or_default();
-        faults.push(format!("entries 1 to {} are in archives that were not named{last}", begins.seq));
+        faults.push(format!("entries 1 to {} are in archives that were not checked{last}", begins.seq));
     }
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
@@ -77,18 +77,20 @@ fn between<'a>(
     let OpenArchive { shown, digest, .. } = archive;
     let is_there = |connection, page: Head| chain::page_of(connection, page.seq).map(|there| there == Some(page));
     if records.unpacked.iter().any(|record| record.digest == *digest) {
-        let why = "another archive stands between them, or it was changed";
+        let why = "an archive between the two is missing, or one of the two was changed";
         if begins != archive.begins || records.unpacked(begins).is_none_or(|record| record.digest != *digest) {
-            return Ok(Some(format!("{later} does not begin where {shown} does, from which the journal was unpacked: {why}")));
+            return Ok(Some(format!(
+                "{later} does not begin where the archive {shown} begins, from which the journal was unpacked: {why}"
+            )));
         }
         let goes_on = others.try_fold(false, |found, other| Ok::<_, Fault>(found || is_there(other, archive.ends)?))?;
-        return Ok((!goes_on).then(|| format!("the journal is not what {shown} holds, from which it was unpacked: {why}")));
+        return Ok((!goes_on).then(|| format!("the journal differs from the archive {shown}, from which it was unpacked: {why}")));
     }
     if !is_there(&archive.connection, begins)? {
-        return Ok(Some(format!("{later} does not begin with what {shown} ends with: another archive stands between them")));
+        return Ok(Some(format!("{later} does not continue {shown}: an archive between the two is missing")));
     }
     let is_on_record = records.written_out.iter().any(|record| record.digest == *digest);
-    let words = || format!("{shown} was not written out of this journal, or was changed since: its SHA-256 is {digest}");
+    let words = || format!("{shown} is not an archive of this journal, or was changed: its SHA-256 is {digest}");
     Ok((!is_on_record).then(words))
 }
 

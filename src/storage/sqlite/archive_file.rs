@@ -97,7 +97,8 @@ pub(super) fn write_out_within(
     let is_there = |cut: &&Cut| file(cut).symlink_metadata().is_ok();
     let Some(cut) = cuts.iter().rfind(is_there).or_else(|| cuts.iter().rfind(|cut| bound.takes(cut))) else {
         return Err(Unreadable(format!(
-            "mission {first} is more than is written out at a start: end hallsweep and write it out with `hallsweep journal archive`"
+            "mission {first} is too large to be archived at a start: end hallsweep, and archive the mission with `hallsweep \
+             journal archive`"
         )));
     };
     ready(&folder)?;
@@ -105,7 +106,7 @@ pub(super) fn write_out_within(
     let file = file(cut);
     if is_within(data, &file) {
         return Err(Unreadable(format!(
-            "{} would lie among the files of the data folder, some of which are written over: name one elsewhere",
+            "{} is inside a data folder, where hallsweep may overwrite it: choose a file in another folder",
             file.display()
         )));
     }
@@ -134,7 +135,7 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if marker::read(folder).map_err(words)?.is_some() {
         return Err(Unreadable(
-            "something was said to be lost: start hallsweep once, so that it is taken back, then archive".to_owned(),
+            "the folder has a record of lost entries: start hallsweep once to process this record, then archive".to_owned(),
         ));
     }
     head::check(folder).map_err(words)?;
@@ -156,7 +157,7 @@ fn sound_by(folder: &Folder, check: fn(&Connection, &Folder) -> Result<Findings,
     match findings.faults.first() {
         None => Ok(connection),
         Some(fault) => Err(Unreadable(format!(
-            "{} is not sound, and stays as it is: {fault} (faults found: {})",
+            "{} has faults, and was not changed: {fault} (faults found: {})",
             folder.path().display(),
             findings.count
         ))),
@@ -168,7 +169,7 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
     if file.symlink_metadata().is_ok() {
         let why = |Unreadable(why)| {
             Unreadable(format!(
-                "{} cannot be used, something else is there: name another, or move it away ({why})",
+                "{} exists with other contents: name another file, or move this file away ({why})",
                 file.display()
             ))
         };
@@ -185,7 +186,7 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
     // The partial file is useless, since the journal still has everything.
     let said = |fault: Fault| {
         if matches!(fault, Fault::Photo(_)) {
-            Unreadable(format!("nothing is written out: {}", fault.words(folder.path(), Then::StartAgain)))
+            Unreadable(format!("nothing was archived: {}", fault.words(folder.path(), Then::StartAgain)))
         } else {
             refused(file, &fault)
         }
@@ -242,12 +243,12 @@ pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Ar
     let fault = |fault: Fault| refused(file, &fault);
     let archive = Folder::new(file);
     if !archive.is_archive() {
-        return Err(Unreadable(format!("{} is no archive", file.display())));
+        return Err(Unreadable(format!("{} is not an archive", file.display())));
     }
     let archive = sound(&archive)?;
     let stretch = (chain::anchor(&archive).map_err(fault)?, chain::end(&archive).map_err(fault)?);
     if stretch != (chain::anchor(journal).map_err(fault)?, cut.last) {
-        return Err(Unreadable(format!("{} does not hold what the journal does", file.display())));
+        return Err(Unreadable(format!("{} differs from the journal", file.display())));
     }
     let photos: i64 =
         archive.query_row("SELECT count(*) FROM photos", [], |row| row.get(0)).map_err(|error| fault(error.into()))?;

@@ -103,14 +103,14 @@ pub(super) fn check(connection: &Connection, mut say: impl FnMut(String)) -> Res
         }
         let which = format!("entries {} to {}", before.seq.next(), kept.seq);
         if page.last != kept.seq {
-            say(format!("{which}: the last of them is not there, although the chain of digests names it"));
+            say(format!("{which}: the last entry is missing, although the chain of digests names it"));
         } else if page.close() != kept {
-            say(format!("{which} are not what was kept, or do not follow on what stood before them: their digest is another"));
+            say(format!("{which} were changed, or do not follow the entries before them: their digest differs"));
         }
         before = kept;
     }
     if let Some(row) = entry {
-        say(format!("the entries from {} on are in no page of the chain of digests: hallsweep has not written them", place(row)));
+        say(format!("the entries from {} on are in no page of the chain of digests, so another program wrote them", place(row)));
     }
     Ok(())
 }

@@ -85,7 +85,8 @@ fn checked(
 
 /// Whether the journal still holds the entry that `journal.head` names.
 fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
-    let none = "there is no journal.head: whether entries were cut off at the end is not known; the next start makes it anew";
+    let none = "the file journal.head is missing, so missing entries at the end cannot be detected; the next start makes the \
+                file again";
     let lost = head.as_ref().map_or(Ok(()), |_| head::check(folder)).and_then(|()| marker::read(folder).map(drop));
     if let Err(fault @ Fault::Unusable(names::LOST, _)) = lost {
         findings.fault(fault.words(folder.path(), Then::StartAgain));
@@ -111,7 +112,7 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
 
 fn as_made(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     if schema::format(connection)? == schema::Format::Current && tables(connection)? != tables(&expected(folder)?)? {
-        findings.fault("its tables, indices and triggers are not those that hallsweep makes".to_owned());
+        findings.fault("the tables, indices or triggers differ from those that hallsweep makes".to_owned());
     }
     Ok(())
 }
@@ -170,17 +171,17 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
     }
     let (digest, records) = (anchor.hex(), Records::of(connection)?);
     if folder.is_archive() {
-        findings.notes.push(format!("it begins behind entry {}, whose page has the digest {digest}", anchor.seq));
+        findings.notes.push(format!("the journal begins after entry {}, whose page has the digest {digest}", anchor.seq));
     } else if let Some(record) = records.unpacked(anchor) {
         findings.notes.push(format!(
-            "it was unpacked from the archive {} (SHA-256 {}), and begins as that does behind entry {}, whose page has the digest {digest}: \
-             `hallsweep journal check --archive FILE` holds that one against it",
+            "the journal was unpacked from the archive {} (SHA-256 {}), and begins after entry {}, whose page has the digest \
+             {digest}: `hallsweep journal check --archive FILE` compares the archive with the journal",
             record.file, record.digest, anchor.seq
         ));
     } else if let Some(record) = records.written_out(anchor.seq) {
         findings.notes.push(format!(
-            "entries 1 to {} are in archives, the last of them {} (SHA-256 {}), up to a page with the digest {digest}: \
-             `hallsweep journal check --archive FILE` holds them against the journal",
+            "entries 1 to {} are in archives; the last archive is {} (SHA-256 {}), and its last page has the digest {digest}: \
+             `hallsweep journal check --archive FILE` compares an archive with the journal",
             anchor.seq, record.file, record.digest
         ));
     } else {
@@ -195,26 +196,26 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
 fn advice(folder: &Folder) -> String {
     let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
     let then = if goes_on {
-        "hallsweep goes on without them, so nothing has to be done".to_owned()
+        "hallsweep continues without these entries, so you need to do nothing".to_owned()
     } else {
         format!(
-            "hallsweep does not go on over them: end it, copy the whole folder {}, then put a backup in place of the journal, or move \
-             {ALL} away together to begin anew",
+            "hallsweep cannot continue after these entries: end hallsweep, copy the whole folder {}, then replace the journal by \
+             a backup, or move {ALL} away together to begin with an empty journal",
             folder.path().display()
         )
     };
     format!(
-        "some entries cannot be understood, all others are sound (`hallsweep journal export` writes them out): {then}; do not run \
-         `hallsweep journal rebuild`, because the tables still know what these entries said"
+        "some entries cannot be understood, all others are sound (`hallsweep journal export` prints the sound entries): {then}; \
+         do not run `hallsweep journal rebuild`, because the tables still have the data of these entries"
     )
 }
 
 fn gap(before: Seq, after: Seq, losses: &[Seq], findings: &mut Findings) {
     let which = format!("entries {} to {}", before.next(), after.0.saturating_sub(1));
     if losses.contains(&before) {
-        findings.notes.push(format!("{which} were lost while the store could not write, and said to be lost"));
+        findings.notes.push(format!("{which} were lost while the store could not write, and the loss was reported"));
     } else {
-        findings.fault(format!("{which} are missing, and no failure of the store is on record that explains it"));
+        findings.fault(format!("{which} are missing, and no recorded failure of the store explains the gap"));
     }
 }
 
@@ -231,7 +232,7 @@ fn projections(connection: &Connection, anew: &Connection, findings: &mut Findin
         let missing = expected.iter().filter(|row| !there.contains(*row)).count();
         if differing + missing > 0 {
             findings.fault(format!(
-                "the table {table} is not what follows from the journal ({differing} rows differ, {missing} are missing): \
+                "the table {table} does not match the entries of the journal ({differing} rows differ, {missing} are missing): \
                  end hallsweep and run `hallsweep journal rebuild`"
             ));
         }

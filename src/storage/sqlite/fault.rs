@@ -15,7 +15,7 @@ use hallsweep_core::units::Seq;
 pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm, journal.head and the folder photos";
 
 /// Advice when `journal.head` does not belong to the journal.
-const WRONG_ONE: &str = "nothing is written to it: put the one back that belongs to journal.head, or, when a backup is meant to stand there, \
+const WRONG_ONE: &str = "the journal was not changed: put back the journal that belongs to journal.head, or, to use a backup, \
                          move journal.head away; then start hallsweep again";
 
 /// Maximum number of characters shown of SQLite's findings: it may list hundreds of pages.
@@ -123,8 +123,8 @@ impl Fault {
         let (file, shown) = (file.display(), folder.display());
         let damaged = |detail: &dyn Display| {
             format!(
-                "the journal {file} is damaged; it is left as it is: move {ALL} away together, or put a backup in their place, \
-                 then start hallsweep again ({})",
+                "the journal {file} is damaged; it was not changed: move {ALL} away together, or replace these files by a \
+                 backup, then start hallsweep again ({})",
                 one_line(detail)
             )
         };
@@ -137,53 +137,53 @@ impl Fault {
             Fault::GivenUp | Fault::Hung => Trouble::Silent.words(folder, then),
             Fault::Behind => Trouble::Slow.words(folder, then),
             Fault::OnlyLog => format!(
-                "the journal {file} is missing or empty, but journal.db-wal beside it holds entries; nothing is touched: put \
-                 the journal.db that belongs to it back, or move {ALL} away together, then start hallsweep again"
+                "the journal {file} is missing or empty, but journal.db-wal beside it has entries; nothing was changed: put back \
+                 the journal.db that belongs to journal.db-wal, or move {ALL} away together, then start hallsweep again"
             ),
             Fault::OnlyPhotos => format!(
-                "the journal {file} has no entry, but photos are kept in {shown}; nothing is touched: put the journal that \
-                 belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
+                "the journal {file} has no entry, but {shown} has photos; nothing was changed: put back the journal that belongs \
+                 to the photos, or move {ALL} away together to begin with an empty journal, then start hallsweep again"
             ),
             Fault::Unusable(name, why) => unusable(*name, why, folder),
             Fault::Closed(path) => {
                 let then = Trouble::then(then);
-                format!("{} is closed to the user who runs hallsweep: give it to that user; {then}", path.display())
+                format!("the user who runs hallsweep cannot open {}: give that user access; {then}", path.display())
             }
             Fault::TakenAway(name) => format!(
                 "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
                  hallsweep, put the journal back, then start hallsweep again"
             ),
             Fault::Newer(format) => format!(
-                "the journal {file} was written by a newer hallsweep (format {format}); it is left as it is: start the newer \
-                 one, or choose another folder with --data"
+                "the journal {file} was written by a newer hallsweep (format {format}); it was not changed: start the newer \
+                 hallsweep, or choose another folder with --data"
             ),
             Fault::Older(format) => {
                 let locked = Trouble::Locked.words(folder, then);
                 format!(
-                    "the journal {file} is of an older hallsweep (format {format}) and is brought up to date when this one is started with \
-                     it; where that fails: {locked}"
+                    "the journal {file} was written by an older hallsweep (format {format}): start this hallsweep with the \
+                     journal to convert it; if the start fails: {locked}"
                 )
             }
             Fault::Foreign => {
-                format!("{file} is no journal of hallsweep; it is left as it is: choose another folder with --data")
+                format!("{file} is not a journal of hallsweep; it was not changed: choose another folder with --data")
             }
             Fault::Unparsed(seq, why) => format!(
-                "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after it: write out the sound \
-                 ones with `hallsweep journal export` if you want them, put a backup in its place, or move {ALL} away together, then \
-                 start hallsweep again"
+                "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after this entry: save the \
+                 sound entries with `hallsweep journal export` if you need them, replace the journal by a backup, or move {ALL} \
+                 away together, then start hallsweep again"
             ),
             Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
-            Fault::CutOff(seq) => format!("the journal {file} ends before entry {seq}, up to which it was kept; {WRONG_ONE}"),
-            Fault::Another(seq) => format!("entry {seq} of the journal {file} is not the one that was kept; {WRONG_ONE}"),
+            Fault::CutOff(seq) => format!("the journal {file} ends before entry {seq}, which was stored; {WRONG_ONE}"),
+            Fault::Another(seq) => format!("entry {seq} of the journal {file} is not the entry that was stored; {WRONG_ONE}"),
             Fault::Unchained(seq) => format!(
-                "the journal {file} has been written to by something else: its chain of digests ends with entry {seq}, and its entries do \
-                 not; nothing is written to it: `hallsweep journal check` says more; put a backup in its place, or move {ALL} away \
-                 together, then start hallsweep again"
+                "another program has written to the journal {file}: its chain of digests ends with entry {seq}, but its entries \
+                 do not; the journal was not changed: `hallsweep journal check` says more; replace the journal by a backup, or \
+                 move {ALL} away together, then start hallsweep again"
             ),
             Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
             Fault::Photo(what) => format!("{what}: put the folder photos of a backup back into {shown}"),
             Fault::Number(number) => format!("the journal has no room for the number {number}"),
-            Fault::Gone => "the writer of the journal has ended by a mistake of its own: start hallsweep again".to_owned(),
+            Fault::Gone => "the writer of the journal stopped after an internal error: start hallsweep again".to_owned(),
         }
     }
 }
@@ -234,18 +234,18 @@ impl Trouble {
             Trouble::Full => format!("the disk is full: free some space for {folder}; {then}"),
             Trouble::Locked => format!("{folder}, or a file in it, cannot be written to: make it writable; {then}"),
             Trouble::Busy => format!("another program keeps the journal in {folder} locked: end it; {then}"),
-            Trouble::Broken(error) => format!("the disk reports an error ({error}): look after {folder}; {then}"),
-            Trouble::Silent => format!("the disk does not answer: look after {folder}; {then}"),
-            Trouble::Slow => format!("the disk does not keep up: look after {folder}; {then}"),
+            Trouble::Broken(error) => format!("the disk reports an error ({error}): check the disk of {folder}; {then}"),
+            Trouble::Silent => format!("the disk does not answer: check the disk of {folder}; {then}"),
+            Trouble::Slow => format!("the disk is too slow: check the disk of {folder}; {then}"),
         }
     }
 }
 
 fn unusable(name: Name, why: &str, folder: &Path) -> String {
     let what = if [names::JOURNAL, names::LOG, names::LOG_INDEX, names::PHOTOS].contains(&name) {
-        format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
+        format!("it was not changed: put back the right one, or move {ALL} away together to begin with an empty journal")
     } else if name == names::LOST {
-        "move it away; what stands in the journal counts then, also what may have been answered as not recorded".to_owned()
+        "move it away; all entries in the journal then count, even entries that were reported as not recorded".to_owned()
     } else {
         "move it away".to_owned()
     };

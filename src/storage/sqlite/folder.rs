@@ -128,7 +128,7 @@ impl Folder {
         self.check_plain(&[names::ROLLBACK])?;
         let bytes = files::read_if_there(&names::ROLLBACK.within(&self.path), BEGINS.len())?.unwrap_or_default();
         let begins = bytes.first().is_none_or(|first| *first == 0) || bytes.starts_with(&BEGINS);
-        if begins { Ok(()) } else { Err(Fault::Unusable(names::ROLLBACK, "it does not begin as it should".to_owned())) }
+        if begins { Ok(()) } else { Err(Fault::Unusable(names::ROLLBACK, "its first bytes are wrong".to_owned())) }
     }
 
     /// SQLite ignores a log with a wrong header, and would overwrite the entries in it.
@@ -136,7 +136,7 @@ impl Folder {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
         let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
         let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
-        if begins { Ok(()) } else { Err(Fault::Unusable(names::LOG, "it does not begin as it should".to_owned())) }
+        if begins { Ok(()) } else { Err(Fault::Unusable(names::LOG, "its first bytes are wrong".to_owned())) }
     }
 
     pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {

@@ -53,8 +53,8 @@ impl HeadFile {
                 let written = file.write_over(text(&head).as_bytes()).map(drop);
                 file.say(
                     &written,
-                    "cannot be written: entries that are cut off behind it would not be missed",
-                    "is written again",
+                    "this file cannot be written: a loss of the newest entries could not be detected",
+                    "this file is written again",
                 );
             }
             drop(say_done);
@@ -99,7 +99,7 @@ pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     let Some(head) = read(folder)? else { return Ok(()) };
     let lost_after = marker::read(folder)?;
     if lost_after.is_some_and(|kept| kept < head.seq) {
-        let why = format!("it says that entries were lost that were kept, up to entry {}", head.seq);
+        let why = format!("it says that entries are lost, but these entries were stored, up to entry {}", head.seq);
         return Err(Fault::Unusable(names::LOST, why));
     }
     let Some(connect::JournalReader { connection, .. }) = connect::reader_of_entries(folder)? else {

@@ -47,7 +47,8 @@ impl Marker {
         let put = std::thread::Builder::new().name("journal-marker".to_owned()).spawn(move || {
             let is_ours = lock.is_none() || folder.lock_identity() == lock;
             if let Some(error) = is_ours.then(|| folder.marker().write_over(text(Some(kept)).as_bytes())).and_then(Result::err) {
-                tracing::warn!(%error, "what is lost could not be written down: a kill now may bring it back");
+                tracing::warn!(%error, "cannot record which entries are lost: if hallsweep is killed now, these entries may come \
+                                        back");
             }
             putting.fetch_sub(1, Ordering::SeqCst);
             drop(done);
@@ -76,7 +77,7 @@ pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
 /// The entry after which everything was declared lost; `None` when nothing was.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
     let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
-    let damaged = || Fault::Unusable(names::LOST, "it is damaged, so that what was said to be lost is not known".to_owned());
+    let damaged = || Fault::Unusable(names::LOST, "it is damaged, so the lost entries are unknown".to_owned());
     understood(&bytes).ok_or_else(damaged)
 }
 

@@ -73,7 +73,7 @@ const QUEUE: usize = 1024;
 pub enum OpenError {
     #[error("{0}")]
     InUse(String),
-    #[error("the system does not let the store start: {0}")]
+    #[error("the store cannot start: {0}")]
     System(std::io::Error),
 }
 

@@ -69,9 +69,9 @@ impl Pictures<'_> {
                 statement.query_row([&picture.digest], |row| row.get(0)).optional()?
             }
         };
-        let bytes: Vec<u8> = bytes.ok_or_else(|| spoilt("is not there"))?;
+        let bytes: Vec<u8> = bytes.ok_or_else(|| spoilt("is missing"))?;
         if digest(&bytes) != picture.digest {
-            return Err(spoilt("is not what it was"));
+            return Err(spoilt("was changed"));
         }
         let media_type = MEDIA_TYPES.into_iter().find(|known| *known == picture.media_type).unwrap_or(OTHER);
         Ok(Photo { bytes: Arc::from(bytes), media_type })

@@ -80,7 +80,7 @@ pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     // Fails when there is no journal, so that none is created.
     drop(ReadOnlyJournal::open(path)?);
     if folder.is_archive() {
-        return Err(Unreadable(format!("{} is an archive, which is only read", path.display())));
+        return Err(Unreadable(format!("{} is an archive, and archives are never changed", path.display())));
     }
     let rebuilt = || {
         let lock = folder.lock()?;

@@ -183,7 +183,7 @@ fn check_quickly(connection: &Connection) -> Result<(), Fault> {
         Ok(found) if found == "ok" => Ok(()),
         Ok(found) => Err(Fault::Damaged(found)),
         Err(error) if error.sqlite_error_code() == Some(ErrorCode::OperationInterrupted) => {
-            tracing::warn!("the journal is too large to be checked at every start: run `hallsweep journal check` now and then");
+            tracing::warn!("the journal is too large to be checked at every start: run `hallsweep journal check` regularly");
             Ok(())
         }
         Err(error) => Err(error.into()),

@@ -214,7 +214,7 @@ fn understood(connection: &Connection, row: &Row<'_>, seq: Seq, before: Option<S
     let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
     let (fact, picture) = journal::read_body(body).map_err(|why| Fault::Unparsed(seq, why))?;
     if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
-        return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
+        return Err(Fault::Damaged(format!("entry {seq} has a wrong kind")));
     }
     // If the query fails, the entry is returned as it was written.
     let fact = fact.as_it_was(|luggage| was_dangerous(connection, luggage, seq, before).unwrap_or(false));

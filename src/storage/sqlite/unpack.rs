@@ -87,7 +87,7 @@ impl UnpackTarget {
             Ok(_) => false,
             Err(error) => error.kind() == io::ErrorKind::NotFound,
         };
-        let words = || Unreadable(format!("{} is in the way, with something else in it: move it away", self.build.display()));
+        let words = || Unreadable(format!("{} has other contents: move it away", self.build.display()));
         if is_ours { Ok(()) } else { Err(words()) }
     }
 

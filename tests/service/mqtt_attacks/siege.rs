@@ -108,7 +108,7 @@ impl Siege {
         assert_eq!(newcomer.subscribe("hallsweep/discovery/#", 0), 0);
         while newcomer.message().topic != STATE {}
         let said = self.said();
-        for word in ["takes its place", "panicked", "has ended"] {
+        for word in ["a new rumqttd replaces it", "panicked", "has ended"] {
             assert!(!said.contains(word), "{said}");
         }
     }

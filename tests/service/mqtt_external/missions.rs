@@ -205,7 +205,7 @@ fn replaced(kind: Kind, name: &str, larger: &[&str]) {
     drop(program);
     let said = std::fs::read_to_string(&log).expect("the program has written it");
     let _ = std::fs::remove_file(&log);
-    assert_eq!(said.matches("a topic of ours was overwritten").count(), usual.len() + larger.len(), "{said}");
+    assert_eq!(said.matches("another client overwrote a topic of hallsweep").count(), usual.len() + larger.len(), "{said}");
 }
 
 #[test]

@@ -139,10 +139,11 @@ fn console_and_report_say_that_a_map_was_made_without_a_scene_file_and_with_one_
         program.until("the link is up", linked);
         program.command("start").accepted();
         program.until_phase("explored");
-        for (language, said) in
-            [("en", "may be a cell beside where they are shown"), ("it", "una cella accanto a dove sono mostrati")]
-        {
-            for path in ["/", &format!("/missions/1/report?language={language}")] {
+        for (language, shown, reported) in [
+            ("en", "may be one cell away from where the map shows them", "may be a cell beside where they are shown"),
+            ("it", "a una cella da dove li mostra la mappa", "una cella accanto a dove sono mostrati"),
+        ] {
+            for (path, said) in [("/", shown), (&*format!("/missions/1/report?language={language}"), reported)] {
                 let page = program.read(path, &[("Accept-Language", language)]).text();
                 assert_eq!(page.contains(said), !with_scene, "{path} in {language}, with the scene file: {with_scene}");
             }

@@ -128,8 +128,8 @@ impl Document {
             text += looked_at.1;
             let (most_nodes, most_text) = MOST_TOGETHER;
             let too_many = match (nodes > most_nodes, text > most_text) {
-                (true, _) => ("nodes in the trees so far, each with its subtrees", most_nodes),
-                (_, true) => ("bytes of attributes in the trees so far, each with its subtrees", most_text),
+                (true, _) => ("nodes in the trees up to this one, subtrees included", most_nodes),
+                (_, true) => ("bytes of attributes in the trees up to this one, subtrees included", most_text),
                 (false, false) => continue,
             };
             return findings.fault(TreeError::at(tree.place, Reason::TooMany { what: too_many.0, most: too_many.1 }));
@@ -146,11 +146,11 @@ impl Document {
         for (place, name, is_port) in ids.chain(models) {
             let is_bad = |letter: char| letter.is_ascii_control() || " <>&\"'/\\:*?|.".contains(letter);
             let why = match name.as_str() {
-                "Root" | "root" if !is_port => "it is reserved there",
-                "ID" | "name" if is_port => "it is reserved there",
-                name if name.contains(is_bad) => "it may have no blanks, and none of < > & \" ' / \\ : * ? | . in it",
+                "Root" | "root" if !is_port => "the name is reserved",
+                "ID" | "name" if is_port => "the name is reserved",
+                name if name.contains(is_bad) => "a name has no blanks and none of < > & \" ' / \\ : * ? | .",
                 name if is_port && name.starts_with(|letter: char| letter.is_ascii_digit()) => {
-                    "that of a port begins with a letter"
+                    "the name of a port begins with a letter"
                 }
                 _ => continue,
             };

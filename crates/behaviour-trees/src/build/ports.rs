@@ -171,7 +171,7 @@ impl<'a> Builder<'a> {
         let names: Vec<&str> = parties.value.split(';').map(str::trim).collect();
         let is_bad = |name: &&str| name.is_empty() || names.iter().filter(|other| *other == name).count() > 1;
         if names.len() > MOST_PARTIES || names.iter().any(is_bad) {
-            let wanted = "names with ; between them, each once, 16 at most";
+            let wanted = "1 to 16 different names, separated by ;";
             let reason = Reason::Word { port: "parties".to_owned(), value: parties.value.clone(), wanted };
             return Err(TreeError::at(parties.place, reason));
         }

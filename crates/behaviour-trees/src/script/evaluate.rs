@@ -241,10 +241,10 @@ mod tests {
     #[test]
     fn an_entry_keeps_its_type() {
         check("x := 3; x += 1; x", Ok(Value::Int(4)));
-        check("x := 3; x /= 2", Err("in its script 1.5 cannot be assigned to {x}, which holds 3"));
+        check("x := 3; x /= 2", Err("its script cannot assign 1.5 to {x}, whose value is 3"));
         check("x := 1.0; x = 3; x", number(3.0));
         check("x := 'a'; x += 'b'; x", Ok(Value::text("ab")));
-        check("x := 'a'; x = 3", Err("in its script 3 cannot be assigned to {x}, which holds 'a'"));
+        check("x := 'a'; x = 3", Err("its script cannot assign 3 to {x}, whose value is 'a'"));
         check("x := 5; x = '7'; x", Ok(Value::Int(7)));
     }
 
@@ -252,30 +252,30 @@ mod tests {
     fn what_cannot_be_done_is_said() {
         check("1 / 0", Err("its script divides by zero"));
         check("1e308 * 10", Err("a number in its script is too large"));
-        check("x + 1", Err("in its script the entry {x} holds nothing"));
-        check("x = 1", Err("in its script the entry {x} is not there yet: := makes it"));
-        check("'a' - 1", Err("in its script - does not go with 'a' and 1"));
-        check("-'a'", Err("in its script - does not go with 'a'"));
-        check("7 || 0", Err("in its script || does not go with 7 and 0"));
-        check("-0.5 || 1", Err("in its script || does not go with -0.5 and 1"));
-        check("'a' && 1", Err("in its script && does not go with 'a' and 1"));
-        check("1.5 & 1", Err("in its script & does not go with 1.5 and 1"));
-        check("'a' == 1", Err("in its script a comparison does not go with 'a' and 1"));
+        check("x + 1", Err("the entry {x} in its script has no value"));
+        check("x = 1", Err("the entry {x} in its script does not exist yet: := creates the entry"));
+        check("'a' - 1", Err("its script cannot apply - to 'a' and 1"));
+        check("-'a'", Err("its script cannot apply - to 'a'"));
+        check("7 || 0", Err("its script cannot apply || to 7 and 0"));
+        check("-0.5 || 1", Err("its script cannot apply || to -0.5 and 1"));
+        check("'a' && 1", Err("its script cannot apply && to 'a' and 1"));
+        check("1.5 & 1", Err("its script cannot apply & to 1.5 and 1"));
+        check("'a' == 1", Err("its script cannot apply a comparison to 'a' and 1"));
     }
 
     #[test]
     fn what_is_no_script_is_refused() {
-        check("", Err("it is empty"));
-        check(" ; ", Err("it is empty"));
-        check("1 +", Err("at character 3 there is the end, and a value should be there"));
-        check("(1", Err("at character 2 there is the end, and ) should be there"));
-        check("1 2", Err("at character 2 there is 2, and ; or the end should be there"));
-        check("3 := x", Err("at character 2 something is assigned to what is no entry"));
-        check("1 + 2 & 3", Err("at character 6 there is &, and parentheses where arithmetic and bits are mixed should be there"));
-        check("!1 + 2", Err("at character 3 there is +, and parentheses where arithmetic and bits are mixed should be there"));
-        check(&"(".repeat(200), Err("it is nested deeper than 64 levels"));
-        check(&"1+".repeat(200), Err("it is nested deeper than 64 levels"));
-        check(&"x".repeat(5000), Err("it is 5000 bytes long, and 4096 is the most"));
+        check("", Err("the script is empty"));
+        check(" ; ", Err("the script is empty"));
+        check("1 +", Err("expected a value at character 3, found the end"));
+        check("(1", Err("expected ) at character 2, found the end"));
+        check("1 2", Err("expected ; or the end at character 2, found 2"));
+        check("3 := x", Err("the assignment at character 2 has no entry on its left side"));
+        check("1 + 2 & 3", Err("expected parentheses between arithmetic and bit operators at character 6, found &"));
+        check("!1 + 2", Err("expected parentheses between arithmetic and bit operators at character 3, found +"));
+        check(&"(".repeat(200), Err("the script is nested deeper than 64 levels"));
+        check(&"1+".repeat(200), Err("the script is nested deeper than 64 levels"));
+        check(&"x".repeat(5000), Err("the script is 5000 bytes long; the limit is 4096 bytes"));
     }
 
     /// A text that doubles itself ends at the limit of the blackboard.

@@ -99,16 +99,16 @@ enum Assignment {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
     /// The length of the script in bytes, more than [`LONGEST_SCRIPT`].
-    #[error("it is {0} bytes long, and {LONGEST_SCRIPT} is the most")]
+    #[error("the script is {0} bytes long; the limit is {LONGEST_SCRIPT} bytes")]
     TooLong(usize),
     /// The script is nested deeper than 64 levels: scripts are executed by recursive calls.
-    #[error("it is nested deeper than {DEEPEST_EXPRESSION} levels")]
+    #[error("the script is nested deeper than {DEEPEST_EXPRESSION} levels")]
     TooDeep,
     /// The script has no statement; blanks and `;` are no statements.
-    #[error("it is empty")]
+    #[error("the script is empty")]
     Empty,
     /// The first part of the script that does not fit the part before it.
-    #[error("at character {at} there is {found}, and {wanted} should be there")]
+    #[error("expected {wanted} at character {at}, found {found}")]
     Unexpected {
         /// The place of this part in bytes, from 0.
         at: usize,
@@ -118,7 +118,7 @@ pub enum ScriptError {
         wanted: &'static str,
     },
     /// The place, in bytes, of an assignment whose left side is no name of an entry.
-    #[error("at character {0} something is assigned to what is no entry")]
+    #[error("the assignment at character {0} has no entry on its left side")]
     NoEntry(usize),
     /// A name for which the blackboard cannot create an entry.
     #[error(transparent)]
@@ -128,21 +128,21 @@ pub enum ScriptError {
 /// Why a script could not be executed, as a part of the fault of its node.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
-    #[error("in its script the entry {{{0}}} holds nothing")]
+    #[error("the entry {{{0}}} in its script has no value")]
     Nothing(String),
-    #[error("in its script the entry {{{0}}} is not there yet: := makes it")]
+    #[error("the entry {{{0}}} in its script does not exist yet: := creates the entry")]
     NotThere(String),
     #[error("its script divides by zero")]
     ByZero,
     #[error("a number in its script is too large")]
     TooLarge,
-    #[error("in its script {operator} does not go with {left} and {right}")]
+    #[error("its script cannot apply {operator} to {left} and {right}")]
     Operands { operator: &'static str, left: String, right: String },
-    #[error("in its script {operator} does not go with {operand}")]
+    #[error("its script cannot apply {operator} to {operand}")]
     Operand { operator: &'static str, operand: String },
-    #[error("in its script {value} cannot be assigned to {{{entry}}}, which holds {before}")]
+    #[error("its script cannot assign {value} to {{{entry}}}, whose value is {before}")]
     Assigned { entry: String, value: String, before: String },
-    #[error("its script comes to {0}, which is neither true nor false")]
+    #[error("the result of its script is {0}, which is neither true nor false")]
     NoTruth(String),
     #[error("in its script: {0}")]
     Unfit(#[from] Unfit),

@@ -164,7 +164,7 @@ impl Parser<'_> {
             first
         };
         if after(self, &ARITHMETIC) || after(self, &BITS) {
-            return self.unexpected("parentheses where arithmetic and bits are mixed");
+            return self.unexpected("parentheses between arithmetic and bit operators");
         }
         Ok(result)
     }

@@ -41,7 +41,7 @@ fn token(text: &str, at: usize, first: char) -> Result<(Token, usize), ScriptErr
     }
     if first == '\'' || first == '"' {
         let inside = &rest[1..];
-        let unexpected = || ScriptError::Unexpected { at, found: "a text without an end".to_owned(), wanted: "its quote" };
+        let unexpected = || ScriptError::Unexpected { at, found: "a text without an end".to_owned(), wanted: "a closing quote" };
         let end = inside.find(first).ok_or_else(unexpected)?;
         return Ok((Token::Value(Value::text(&inside[..end])), end + 2));
     }
@@ -119,11 +119,11 @@ mod tests {
     #[test]
     fn what_is_no_piece_is_said_with_its_place() {
         for (text, said) in [
-            ("x := 3x", "at character 5 there is \"3\", and a number should be there"),
-            ("x := 'a", "at character 5 there is a text without an end, and its quote should be there"),
-            ("x # 3", "at character 2 there is a '#', and a value, a name or an operator should be there"),
-            ("1e", "at character 0 there is \"1e\", and a number should be there"),
-            ("99999999999999999999", "at character 0 there is \"99999999999999999999\", and a number should be there"),
+            ("x := 3x", "expected a number at character 5, found \"3\""),
+            ("x := 'a", "expected a closing quote at character 5, found a text without an end"),
+            ("x # 3", "expected a value, a name or an operator at character 2, found a '#'"),
+            ("1e", "expected a number at character 0, found \"1e\""),
+            ("99999999999999999999", "expected a number at character 0, found \"99999999999999999999\""),
         ] {
             assert_eq!(tokens(text).expect_err(text).to_string(), said);
         }

@@ -205,7 +205,9 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         let meant = if number < 0 { all.saturating_add(number).saturating_add(1).max(0) } else { number };
         match usize::try_from(meant) {
             Ok(meant) if meant <= count => Ok(meant),
-            _ => self.fault(at, format!("its port {} is {number}, and it has {count} children", self.port_name(node, port))),
+            _ => {
+                self.fault(at, format!("its port {} is {number}, but the node has {count} children", self.port_name(node, port)))
+            }
         }
     }
 

@@ -61,13 +61,13 @@ impl<L: Leaves> TreeRun<'_, L> {
     fn next_element(&mut self, at: usize, node: &Node, ty: ValueType) -> Result<Option<Value>, super::Faulted> {
         let Some(queue) = self.port(node, 0) else { return Ok(None) };
         let Some(queue) = queue.as_text() else {
-            return self.fault(at, "its port queue holds no text with ; between the elements");
+            return self.fault(at, "its port queue is not a text of elements separated by ;");
         };
         let Some(element) = queue.split_terminator(';').nth(self.live[at].count as usize) else { return Ok(None) };
         match Value::parse(element, ty) {
             Some(value) => Ok(Some(value)),
             None => {
-                let reason = format!("in its queue {element:?} is no {}", ty.word());
+                let reason = format!("the element {element:?} of its queue is not of type {}", ty.word());
                 self.fault(at, reason)
             }
         }

@@ -20,7 +20,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
             return self.fault(at, misuse.to_string());
         }
         match said {
-            Status::Idle => self.fault(at, "it said IDLE, which is for nodes that are not ticked"),
+            Status::Idle => self.fault(at, "it returned IDLE, which is not allowed in a tick"),
             Status::Running | Status::Success | Status::Failure | Status::Skipped => Ok(said),
         }
     }

@@ -249,7 +249,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
 
     fn unexpected<T>(&mut self, at: usize, child: usize, said: Status) -> Result<T, Faulted> {
         let child = self.shape.labels[child].path.clone();
-        self.fault(at, format!("its child {child} said {}, and there is nothing to be done then", said.word()))
+        self.fault(at, format!("its child {child} returned {}, which is not allowed here", said.word()))
     }
 
     fn holds(&mut self, at: usize, script: &Script) -> Result<bool, Faulted> {
@@ -281,7 +281,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
         match self.port(node, port).and_then(Value::as_int) {
             Some(number) => Ok(number),
-            None => self.fault(at, format!("its port {} holds no whole number", self.port_name(node, port))),
+            None => self.fault(at, format!("the value of its port {} is not a whole number", self.port_name(node, port))),
         }
     }
 

@@ -57,7 +57,7 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
         if error == roxmltree::Error::NodesLimitReached {
-            let what = "elements, comments and texts between them in one file";
+            let what = "elements, comments and texts in one file";
             return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
         }
         // The place is shown in front already, so it is removed from the end of the message.

@@ -39,46 +39,45 @@ fn refused(text: &str, expected: &str) {
 
 #[test]
 fn what_is_no_file_of_trees_is_refused() {
-    refused("", "1:1: this is no XML: the document does not have a root node");
-    refused("<root>\n <a></root>", "2:5: this is no XML: expected 'a' tag, not 'root'");
-    refused("<html/>", "1:1: the file begins with <html>, and <root BTCPP_format=\"4\"> should be there");
+    refused("", "1:1: this is not XML: the document does not have a root node");
+    refused("<root>\n <a></root>", "2:5: this is not XML: expected 'a' tag, not 'root'");
+    refused("<html/>", "1:1: the file begins with <html> instead of <root BTCPP_format=\"4\">");
     refused(
         "<root BTCPP_format=\"3\"><TreeNodesModel><Action ID=\"A\"/></TreeNodesModel></root>",
-        "1:1: <root> says BTCPP_format=\"3\", and only version \"4\" is read here",
+        "1:1: <root> says BTCPP_format=\"3\", but only format \"4\" is supported",
     );
     refused("<root BTCPP_format=\"4\"/>", "1:1: there is no <BehaviorTree> in the file");
     refused(
         "<root BTCPP_format=\"4\"><Sequence/></root>",
-        "1:1: there is no <BehaviorTree> in the file\n1:24: <Sequence> does not belong here",
+        "1:1: there is no <BehaviorTree> in the file\n1:24: <Sequence> is not allowed here",
     );
     refused("<root BTCPP_format=\"4\"><BehaviorTree ID=\"\"><Say/></BehaviorTree></root>", "1:24: <BehaviorTree> has no ID");
     refused(
         "<root BTCPP_format=\"4\"><include path=\"x.xml\"/></root>",
-        "1:24: <include> is not read here: put all trees into one file",
+        "1:24: <include> is not supported: put all trees into one file",
     );
     refused(
         "<root BTCPP_format=\"4\"><TreeNodesModel/>\n<TreeNodesModel/></root>",
-        "1:1: there is no <BehaviorTree> in the file\n2:1: there is a second <TreeNodesModel>, and only one may be",
+        "1:1: there is no <BehaviorTree> in the file\n2:1: there is a second <TreeNodesModel>, but only one is allowed",
     );
     refused(
         "<root BTCPP_format=\"4\"><TreeNodesModel><Action ID=\"A\"><input_port/></Action></TreeNodesModel></root>",
         "1:55: <input_port> has no name",
     );
-    refused(
-        "<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\"/></root>",
-        "1:24: the tree T has 0 nodes at its top, and must have one",
-    );
+    refused("<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\"/></root>", "1:24: the tree T has 0 root nodes, but must have one");
     refused(
         &tree("<AlwaysSuccess/> and <AlwaysSuccess/>"),
-        "1:24: the tree T has 2 nodes at its top, and must have one\n2:17: there is text between the elements: \"and\"",
+        "1:24: the tree T has 2 root nodes, but must have one\n2:17: there is text between the elements: \"and\"",
     );
-    refused(&tree("<b:AlwaysSuccess xmlns:b=\"x\"/>"), "2:1: xmlns is not read here: files of trees have no namespaces");
-    refused(&tree("<AlwaysSuccess name='xmlns' xmlns='x'/>"), "2:1: xmlns is not read here: files of trees have no namespaces");
-    refused(&tree("<AlwaysSuccess xml:lang=\"x\"/>"), "2:1: <AlwaysSuccess> does not belong here");
+    refused(&tree("<b:AlwaysSuccess xmlns:b=\"x\"/>"), "2:1: xmlns is not supported: files of trees have no namespaces");
+    refused(&tree("<AlwaysSuccess name='xmlns' xmlns='x'/>"), "2:1: xmlns is not supported: files of trees have no namespaces");
+    refused(&tree("<AlwaysSuccess xml:lang=\"x\"/>"), "2:1: <AlwaysSuccess> is not allowed here");
     let doctype = "<!DOCTYPE a [<!ENTITY x \"y\">]><root BTCPP_format=\"4\"/>";
-    assert!(checked(doctype).expect_err("a file needs no entities of its own").contains("this is no XML: XML with DTD detected"));
+    assert!(
+        checked(doctype).expect_err("a file needs no entities of its own").contains("this is not XML: XML with DTD detected")
+    );
     let long = " ".repeat(super::LONGEST_FILE + 1);
-    refused(&long, "1:1: the file is 1048577 bytes long, and 1048576 is the most");
+    refused(&long, "1:1: the file is 1048577 bytes long; the limit is 1048576 bytes");
 }
 
 #[test]
@@ -89,10 +88,10 @@ fn what_nodes_are_not_is_refused() {
         &tree("<Say ID=\"x\"/>"),
         "2:1: <Say> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have",
     );
-    refused(&tree("<Condition ID=\"Say\"/>"), "2:1: Say is written as <Condition>, and it is of another sort");
+    refused(&tree("<Condition ID=\"Say\"/>"), "2:1: Say is written as <Condition>, but is a node of another kind");
     refused(
         &tree("<Decorator ID=\"Sequence\"><Say/></Decorator>"),
-        "2:1: Sequence is written as <Decorator>, and it is of another sort",
+        "2:1: Sequence is written as <Decorator>, but is a node of another kind",
     );
     refused(&tree("<Sequence/>"), "2:1: Sequence has 0 children, and must have 1 or more");
     refused(&tree("<Inverter><Say/><Say/></Inverter>"), "2:1: Inverter has 2 children, and must have 1");
@@ -111,38 +110,41 @@ fn what_nodes_are_not_is_refused() {
 fn what_ports_are_not_is_refused() {
     refused(&tree("<Say txt=\"a\"/>"), "2:6: Say has no port txt");
     refused(&tree("<Sequence text=\"a\"><Say/></Sequence>"), "2:11: Sequence has no port text");
-    refused(&tree("<Say times=\"many\"/>"), "2:6: the port times is of type int, and \"many\" is none");
-    refused(&tree("<Repeat num_cycles=\"1.5\"><Say/></Repeat>"), "2:9: the port num_cycles is of type int, and \"1.5\" is none");
+    refused(&tree("<Say times=\"many\"/>"), "2:6: the port times needs a value of type int, but has \"many\"");
+    refused(
+        &tree("<Repeat num_cycles=\"1.5\"><Say/></Repeat>"),
+        "2:9: the port num_cycles needs a value of type int, but has \"1.5\"",
+    );
     refused(&tree("<Repeat><Say/></Repeat>"), "2:1: Repeat needs its port num_cycles");
     refused(&tree("<Timeout msec=\"-1\"><Say/></Timeout>"), "2:10: the port msec is \"-1\", and must be 0 or more");
-    refused(&tree("<LoopInt queue=\"1;x\"><Say/></LoopInt>"), "2:10: the port queue is of type int, and \"x\" is none");
+    refused(&tree("<LoopInt queue=\"1;x\"><Say/></LoopInt>"), "2:10: the port queue needs a value of type int, but has \"x\"");
     refused(
         &tree("<LoopInt queue=\"1;2\" value=\"v\"><Say/></LoopInt>"),
-        "2:22: the port value is written by its node, so it must name an entry: {name}",
+        "2:22: the port value is an output, so its value must name an entry: {name}",
     );
-    refused(&tree("<Near cell=\"3;4\"/>"), "2:7: the port cell is written by its node, so it must name an entry: {name}");
+    refused(&tree("<Near cell=\"3;4\"/>"), "2:7: the port cell is an output, so its value must name an entry: {name}");
     refused(
         &tree("<Sequence><Near cell=\"{x}\"/>\n<Say text=\"{x}\"/></Sequence>"),
         "3:6: the entry {x} is of type cell elsewhere, and of type text here",
     );
-    refused(&tree("<Script code=\"{x}\"/>"), "2:9: the port code is looked at when the tree is built, so it cannot be an entry");
     refused(
-        &tree("<Script code=\"1 +\"/>"),
-        "2:9: code is no script: at character 3 there is the end, and a value should be there",
+        &tree("<Script code=\"{x}\"/>"),
+        "2:9: the port code is read when the tree is built, so its value cannot be an entry",
     );
-    refused(&tree("<Say _skipIf=\"\"/>"), "2:6: _skipIf is no script: it is empty");
-    refused(&tree("<Say _skipif=\"1\"/>"), "2:6: there is no condition or setting _skipif: _skipIf is meant");
+    refused(&tree("<Script code=\"1 +\"/>"), "2:9: code is not a valid script: expected a value at character 3, found the end");
+    refused(&tree("<Say _skipIf=\"\"/>"), "2:6: _skipIf is not a valid script: the script is empty");
+    refused(&tree("<Say _skipif=\"1\"/>"), "2:6: _skipif is no condition or setting: write _skipIf");
     refused(
         &tree("<Precondition if=\"1\" else=\"IDLE\"><Say/></Precondition>"),
         "2:22: the port else is \"IDLE\", and must be SUCCESS, FAILURE, RUNNING or SKIPPED",
     );
     refused(
         &tree("<Sync parties=\"a;;b\"/>"),
-        "2:7: the port parties is \"a;;b\", and must be names with ; between them, each once, 16 at most",
+        "2:7: the port parties is \"a;;b\", and must be 1 to 16 different names, separated by ;",
     );
     refused(
         &tree("<Sequence><Sync parties=\"a;b\"/><Sync parties=\"a;c\"/></Sequence>"),
-        "2:38: the barrier Sync has other parties elsewhere",
+        "2:38: another node gives the barrier Sync different parties",
     );
 }
 
@@ -156,13 +158,13 @@ fn what_trees_are_not_to_each_other_is_refused() {
     refused(&file(" main_tree_to_execute=\"A\"", &itself), "2:22: the tree B uses itself\n3:22: the tree A uses itself");
     refused(&tree("<SubTree ID=\"X\"/>"), "2:1: there is no tree X in the file");
     let twice = two.replace("ID=\"B\"><Say", "ID=\"A\"><Say").replace("<SubTree ID=\"B\"/>", "<Say/>");
-    refused(&file(" main_tree_to_execute=\"A\"", &twice), "3:1: the ID A is taken already");
+    refused(&file(" main_tree_to_execute=\"A\"", &twice), "3:1: the ID A is already in use");
     let taken = two.replace("\"B\"", "\"Say\"");
-    refused(&file(" main_tree_to_execute=\"A\"", &taken), "3:1: the ID Say is that of a kind of node");
+    refused(&file(" main_tree_to_execute=\"A\"", &taken), "3:1: the ID Say is the name of a kind of node");
     let model = "<TreeNodesModel><SubTree ID=\"B\"><input_port name=\"goal\"/></SubTree></TreeNodesModel>";
     refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{model}")), "2:22: B needs its port goal");
     let twice = "<TreeNodesModel><Action ID=\"X\"/><Action ID=\"X\"/></TreeNodesModel>";
-    refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{twice}")), "3:75: the ID X is taken already");
+    refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{twice}")), "3:75: the ID X is already in use");
 }
 
 /// BehaviorTree.CPP does the same, and thus `read(write(document))` is the same document.
@@ -197,7 +199,7 @@ fn what_would_fill_the_memory_is_refused() {
         "<root BTCPP_format=\"4\" main_tree_to_execute=\"t0\">{trees}<BehaviorTree ID=\"t40\"><Say/></BehaviorTree></root>"
     );
     let said = checked(&file).expect_err("it is too large");
-    assert!(said.ends_with("the tree has more than 10000 nodes, those of its subtrees counted"), "{said}");
+    assert!(said.ends_with("the tree has more than 10000 nodes, subtrees included"), "{said}");
     let long = format!("<Say _note=\"{}\"/>", "x".repeat(200_000));
     let uses = |count: usize| format!("<Sequence>{}</Sequence>", "<SubTree ID=\"L\"/>".repeat(count));
     let file = |trees: usize, leaf: &str, count: usize| {
@@ -207,19 +209,19 @@ fn what_would_fill_the_memory_is_refused() {
     };
     assert!(checked(&file(1, &long, 10)).is_ok());
     let said = checked(&file(1, &long, 11)).expect_err("too much in one");
-    assert!(said.ends_with("the attributes of the tree are longer than 2097152 bytes, those of its subtrees counted"), "{said}");
+    assert!(said.ends_with("the attributes of the tree are longer than 2097152 bytes, subtrees included"), "{said}");
     let said = checked(&file(5, &long, 10)).expect_err("too much together");
     assert!(
-        said.ends_with("there are more than 8388608 bytes of attributes in the trees so far, each with its subtrees"),
+        said.ends_with("there are more than 8388608 bytes of attributes in the trees up to this one, subtrees included"),
         "{said}"
     );
     let many = format!("<Sequence>{}</Sequence>", "<Say/>".repeat(97));
     let said = checked(&file(30, &many, 90)).expect_err("too many together");
-    assert!(said.ends_with("there are more than 200000 nodes in the trees so far, each with its subtrees"), "{said}");
+    assert!(said.ends_with("there are more than 200000 nodes in the trees up to this one, subtrees included"), "{said}");
     let deep = format!("{}<Say/>{}", "<Inverter>".repeat(200), "</Inverter>".repeat(200));
-    refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, those of its subtrees counted");
+    refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, subtrees included");
     let deeper = "<a>".repeat(100_000);
-    refused(&tree(&deeper), "1:1: there are more than 32768 elements, comments and texts between them in one file");
+    refused(&tree(&deeper), "1:1: there are more than 32768 elements, comments and texts in one file");
     let crowd: String = (0..65).map(|n| format!(" a{n}=\"1\"")).collect();
     refused(&tree(&format!("<Say{crowd}/>")), "2:1: there are more than 64 attributes in one element");
     // `<!-->` looks like a whole comment, but is only the beginning of one.

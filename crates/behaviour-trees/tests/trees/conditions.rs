@@ -63,8 +63,8 @@ fn a_script_node_does_and_a_script_condition_asks() {
     check("<Sequence><Script code=\"a := 2; a *= 3\"/><ScriptCondition code=\"a == 6\"/></Sequence>", "SUCCESS", &[], "SUCCESS");
     check("<ScriptCondition code=\"n &gt; 3\"/>", "SUCCESS", &[("n", 3)], "FAILURE");
     check("<Script code=\"n / 0\"/>", "SUCCESS", &[("n", 3)], "!its script divides by zero");
-    check("<ScriptCondition code=\"m\"/>", "SUCCESS", &[], "!in its script the entry {m} holds nothing");
-    check("<ScriptCondition code=\"'x'\"/>", "SUCCESS", &[], "!its script comes to 'x', which is neither true nor false");
+    check("<ScriptCondition code=\"m\"/>", "SUCCESS", &[], "!the entry {m} in its script has no value");
+    check("<ScriptCondition code=\"'x'\"/>", "SUCCESS", &[], "!the result of its script is 'x', which is neither true nor false");
 }
 
 /// Its script is evaluated until it is true, and not again before the child is done.
@@ -88,7 +88,7 @@ fn entries_are_written_copied_and_emptied() {
 
 #[test]
 fn a_port_without_a_value_is_said() {
-    let said = "!its port num_cycles holds no whole number";
+    let said = "!the value of its port num_cycles is not a whole number";
     check("<Repeat num_cycles=\"{n}\"><Work/></Repeat>", "SUCCESS", &[], said);
     check("<Repeat num_cycles=\"{n}\"><Work/></Repeat>", "FAILURE", &[("n", 2)], "FAILURE");
 }
@@ -154,6 +154,6 @@ fn a_sleep_that_is_over_does_not_begin_again_before_it_is_reset() {
 #[test]
 fn an_entry_that_was_unset_must_be_made_again() {
     let root = "<Sequence><UnsetBlackboard key=\"n\"/><Script code=\"n = 1\"/></Sequence>";
-    check(root, "SUCCESS", &[("n", 0)], "!in its script the entry {n} is not there yet: := makes it");
+    check(root, "SUCCESS", &[("n", 0)], "!the entry {n} in its script does not exist yet: := creates the entry");
     check(&root.replace("n = 1", "n := 1"), "SUCCESS", &[("n", 0)], "SUCCESS");
 }

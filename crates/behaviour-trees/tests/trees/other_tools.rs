@@ -71,7 +71,7 @@ fn a_file_that_includes_another_is_written_again_and_not_run() {
     let mut catalogue = Catalogue::default();
     catalogue.add_models(&document);
     assert!(catalogue.place("A").is_some(), "what a project declares is known by it");
-    let include = "2:1: <include> is not read here: put all trees into one file";
+    let include = "2:1: <include> is not supported: put all trees into one file";
     assert_eq!(faults(project), [include]);
     let with_tree = project.replace("<TreeNodes", "<BehaviorTree ID=\"T\"><AlwaysSuccess/></BehaviorTree><TreeNodes");
     let document = xml::read(&with_tree).unwrap();
@@ -84,10 +84,15 @@ fn a_file_that_includes_another_is_written_again_and_not_run() {
 fn a_control_node_or_decorator_that_a_file_declares_is_checked_and_not_run() {
     let models = "<Control ID=\"Pipeline\"/><Decorator ID=\"Rate\"><input_port name=\"hz\" type=\"double\"/></Decorator><Action ID=\"Go\"/>";
     let good = "<Pipeline><Rate hz=\"1.0\"><Pipeline><Go/></Pipeline></Rate><Control ID=\"Pipeline\"><Go/></Control></Pipeline>";
-    let why = "of the file's own: only those of BehaviorTree.CPP are performed, and a mock stands for a leaf alone, so a tree with \
-               it can be checked but not run";
-    let pipeline = format!("2:1: Pipeline is a <Control> {why}");
-    assert_eq!(found(&file(good, models)), (vec![], vec![pipeline.clone(), format!("2:11: Rate is a <Decorator> {why}")]));
+    let note = |id: &str, form: &str| {
+        format!(
+            "{id} is a <{form}> that the file declares: a tree with {id} can be checked but not run, since a mock \
+             replaces only a leaf"
+        )
+    };
+    let pipeline = format!("2:1: {}", note("Pipeline", "Control"));
+    let rate = format!("2:11: {}", note("Rate", "Decorator"));
+    assert_eq!(found(&file(good, models)), (vec![], vec![pipeline.clone(), rate]));
     let document = xml::read(&file(good, models)).unwrap();
     let mut mocks = Mocks::default();
     mocks.add("*=SUCCESS").unwrap();
@@ -97,10 +102,10 @@ fn a_control_node_or_decorator_that_a_file_declares_is_checked_and_not_run() {
     let wrong = "<Pipeline>\n<Rate hz=\"often\" x=\"1\" _skipIf=\"+\"/>\n<Action ID=\"Rate\"/>\n<Pipeline/>\n<Other><Go/></Other></Pipeline>";
     let expected = [
         "3:1: Rate has 0 children, and must have 1",
-        "3:7: the port hz is of type number, and \"often\" is none",
+        "3:7: the port hz needs a value of type number, but has \"often\"",
         "3:18: Rate has no port x",
-        "3:24: _skipIf is no script: at character 0 there is +, and a value should be there",
-        "4:1: Rate is written as <Action>, and it is of another sort",
+        "3:24: _skipIf is not a valid script: expected a value at character 0, found +",
+        "4:1: Rate is written as <Action>, but is a node of another kind",
         "5:1: Pipeline has 0 children, and must have 1 or more",
         "6:1: the node Other is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>",
     ];
@@ -134,8 +139,8 @@ fn models_of_another_file_are_known() {
 fn what_is_of_format_3_is_named_with_what_it_is_called_now() {
     let three = file("<SubTreePlus ID=\"S\" __autoremap=\"1\"/>", "").replace(" BTCPP_format=\"4\"", "");
     let expected = [
-        "1:1: <root> has no BTCPP_format, as in files of format 3, and only format 4 is read here: write BTCPP_format=\"4\" if it is of \
-         format 4, else convert it (convert_v3_to_v4.py of BehaviorTree.CPP does)",
+        "1:1: <root> has no BTCPP_format: write BTCPP_format=\"4\" if the file is of format 4, else convert it with \
+         convert_v3_to_v4.py of BehaviorTree.CPP",
         "2:1: SubTreePlus is of format 3: in format 4 it is SubTree, with _autoremap where it has __autoremap",
     ];
     assert_eq!(faults(&three), expected);
@@ -153,9 +158,9 @@ fn what_is_of_format_3_is_named_with_what_it_is_called_now() {
             "<SubTree ID=\"S\" __shared_blackboard=\"1\"/>",
             "2:17: __shared_blackboard is of format 3: in format 4 it is _autoremap",
         ),
-        ("<SubTree ID=\"S\" _autoRemap=\"1\"/>", "2:17: there is no condition or setting _autoRemap: _autoremap is meant"),
-        ("<AlwaysSuccess __skipIf=\"1\"/>", "2:16: there is no condition or setting __skipIf: _skipIf is meant"),
-        ("<AlwaysSuccess _skip_if=\"1\"/>", "2:16: there is no condition or setting _skip_if: _skipIf is meant"),
+        ("<SubTree ID=\"S\" _autoRemap=\"1\"/>", "2:17: _autoRemap is no condition or setting: write _autoremap"),
+        ("<AlwaysSuccess __skipIf=\"1\"/>", "2:16: __skipIf is no condition or setting: write _skipIf"),
+        ("<AlwaysSuccess _skip_if=\"1\"/>", "2:16: _skip_if is no condition or setting: write _skipIf"),
     ];
     for (root, expected) in table {
         let file = file(root, "").replace("<TreeNodes", "<BehaviorTree ID=\"S\"><AlwaysSuccess/></BehaviorTree><TreeNodes");
@@ -171,7 +176,7 @@ fn names_that_behaviortree_cpp_refuses_are_noted() {
         assert_eq!(faults, Vec::<String>::new(), "{text}");
         notes
     };
-    let why = "it may have no blanks, and none of < > & \" ' / \\ : * ? | . in it";
+    let why = "a name has no blanks and none of < > & \" ' / \\ : * ? | .";
     for name in ["Main Tree", "Main.Tree", "a/b", "a&amp;b", "a*", "a&#9;b"] {
         let text = file("<AlwaysSuccess/>", "").replace("ID=\"T\"", &format!("ID=\"{name}\""));
         let name = name.replace("&amp;", "&").replace("&#9;", "\\t");
@@ -179,7 +184,7 @@ fn names_that_behaviortree_cpp_refuses_are_noted() {
     }
     for name in ["Root", "root"] {
         let text = file("<AlwaysSuccess/>", "").replace("ID=\"T\"", &format!("ID=\"{name}\""));
-        assert!(noted(&text)[0].ends_with("from version 4.10 on: it is reserved there"));
+        assert!(noted(&text)[0].ends_with("from version 4.10 on: the name is reserved"));
     }
     let models = "<Action ID=\"x.y\"><input_port name=\"a.b\"/><input_port name=\"1\"/><input_port name=\"ID\"/></Action>";
     assert_eq!(noted(&file("<AlwaysSuccess name=\"a b.c\"/>", models)).len(), 4);
@@ -202,7 +207,7 @@ fn every_fault_of_a_file_is_told_at_once() {
         "3:11: Sequence has no port wrong",
         "3:21: there is text between the elements: \"words\"",
         "4:1: <Say> has an ID, which only",
-        "4:13: the port n is of type int, and \"many\" is none",
+        "4:13: the port n needs a value of type int, but has \"many\"",
         "4:22: Say has no port m",
         "5:1: <Action> has no ID",
         "6:1: the node Fly is not known",
@@ -210,12 +215,12 @@ fn every_fault_of_a_file_is_told_at_once() {
         "8:1: the tree A uses itself",
         "12:1: Repeat needs its port num_cycles",
         "12:9: Inverter has 0 children, and must have 1",
-        "13:1: the ID B is taken already",
-        "14:1: the tree C has 0 nodes at its top, and must have one",
-        "15:1: <Odd> does not belong here",
+        "13:1: the ID B is already in use",
+        "14:1: the tree C has 0 root nodes, but must have one",
+        "15:1: <Odd> is not allowed here",
         "16:67: <input_port> has no name",
         "17:1: <Action> has no ID",
-        "18:1: there is a second <TreeNodesModel>, and only one may be",
+        "18:1: there is a second <TreeNodesModel>, but only one is allowed",
     ];
     let told = faults(text);
     assert_eq!(told.len(), expected.len(), "{told:#?}");
@@ -256,7 +261,7 @@ fn a_file_without_a_main_tree_is_well_formed() {
     let document = xml::read(two).unwrap();
     let build = |main| Tree::build(&document, main, &Catalogue::default(), &mut Blackboard::new());
     assert!(build(Some("B")).is_ok());
-    let expected = "1:1: the file has several trees, and no main_tree_to_execute says which one runs: A, B";
+    let expected = "1:1: the file has several trees, but no main_tree_to_execute: A, B";
     assert_eq!(build(None).unwrap_err().to_string(), expected);
     let missing = two.replace("\"4\"", "\"4\" main_tree_to_execute=\"C\"");
     assert_eq!(faults(&missing), ["1:1: there is no tree C in the file"]);

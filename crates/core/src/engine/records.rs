@@ -181,5 +181,5 @@ impl Engine {
 }
 
 fn photo_of(context: &InputContext) -> Result<Photo, String> {
-    context.photo.clone().ok_or_else(|| context.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
+    context.photo.clone().ok_or_else(|| context.words.clone().unwrap_or_else(|| "no photo arrived".to_owned()))
 }

@@ -314,7 +314,7 @@ impl Engine {
         self.mission.route.clear();
         self.count(Move::Forward);
         let Some(cell) = cell else {
-            let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
+            let words = "an obstacle blocks the turn, or the way back to the centre of the cell".to_owned();
             return self.robot_failed(words);
         };
         self.meet(cell, pose.heading, obstacle);

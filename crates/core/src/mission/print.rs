@@ -11,10 +11,10 @@ use crate::phase::PhaseName;
 pub fn table_markdown() -> String {
     let mut text = String::from(
         "# The transition table\n\n\
-         Printed from `crates/core/src/mission/table/` by `hallsweep table`; a test holds the two together. For every phase and every\n\
-         input the first rule that applies decides. What is the same in every phase, or in all but driving, comes first, and once.\n\
-         Before the table is asked, a movement command (START, BACK HOME, RETRIEVE, move, goto) that carries an epoch older than the\n\
-         last stop's is refused as outdated. Raising a hold during a mission also raises `awaitingStart`.\n",
+         Printed from `crates/core/src/mission/table/` by `hallsweep table`; a test compares the two. For every phase and every\n\
+         input the first rule that applies decides. The rules of every phase, and of every phase but driving, come first.\n\
+         A movement command (START, BACK HOME, RETRIEVE, move, goto) with an epoch older than the last stop's is refused as\n\
+         outdated before these rules apply. Raising a hold during a mission also raises `awaitingStart`.\n",
     );
     text.push_str(&section("in every phase", |input| match row(input) {
         InputRow::Everywhere(rules) => Some(rules),
@@ -43,7 +43,8 @@ fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> Stri
         if cell == [Rule::Go(To::Stay, &[])] {
             idle.push(input.in_words());
         } else {
-            let lines: Vec<String> = cell.iter().map(|rule| rule_in_words(*rule)).collect();
+            let has_case = cell.iter().any(|rule| matches!(rule, Rule::When(..)));
+            let lines: Vec<String> = cell.iter().map(|rule| rule_in_words(*rule, has_case)).collect();
             text.push_str(&format!("| {} | {} |\n", input.in_words(), lines.join("; ")));
         }
     }
@@ -53,14 +54,16 @@ fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> Stri
     text
 }
 
-fn rule_in_words(rule: Rule) -> String {
+/// `has_case` is true if the cell of this rule has a rule for a case.
+fn rule_in_words(rule: Rule, has_case: bool) -> String {
     match rule {
         Rule::RefuseIf(bar) => format!("refused if {}", bar.in_words()),
-        Rule::RefuseIfThen(bar, acts) => format!("refused if {} (but {})", bar.in_words(), acts_in_words(acts)),
+        Rule::RefuseIfThen(bar, acts) => format!("refused if {} (but still: {})", bar.in_words(), acts_in_words(acts)),
         Rule::When(case, to, acts) => format!("when {}: {}", case.in_words(), outcome(to, acts)),
+        Rule::Go(to, acts) if has_case => format!("otherwise: {}", outcome(to, acts)),
         Rule::Go(to, acts) => outcome(to, acts),
         Rule::Never(bar) => format!("refused: {}", bar.in_words()),
-        Rule::AsInterrupted => "as in the interrupted phase, which stays interrupted".to_owned(),
+        Rule::AsInterrupted => "by the rules of the interrupted phase; the present phase goes on".to_owned(),
     }
 }
 

@@ -54,12 +54,12 @@ impl PhotoState {
 /// Why there is no photo of a piece. `Display` is the sentence a person reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPhoto {
-    #[error("there is no photo of luggage #{0}: {1}; take it again")]
+    #[error("there is no photo of luggage #{0}: {1}; take the photo again")]
     Failed(LuggageId, String),
     /// The take that was asked for, and the number of takes.
-    #[error("there is no photo {1} of luggage #{0}: there are 1 to {2}")]
+    #[error("there is no photo {1} of luggage #{0}: the photos have the numbers 1 to {2}")]
     NotTaken(LuggageId, u64, u32),
-    #[error("the photo of luggage #{0} is not kept")]
+    #[error("the photo of luggage #{0} is not stored")]
     NotKept(LuggageId),
 }
 

@@ -134,7 +134,7 @@ impl LineDriver {
         if (1..=MOST_BYTES).contains(&length) {
             self.picture = Some(Picture::new(length, crc, is_wanted, until));
         } else if is_wanted && let Some(open) = self.close(seq) {
-            let why = format!("its photo has {length} bytes: from 1 to {MOST_BYTES} are taken");
+            let why = format!("its photo has {length} bytes, but must have 1 to {MOST_BYTES}");
             self.events.push_back(RobotEvent::PhotoFailed(open.order.id, why));
         }
     }

@@ -35,7 +35,7 @@ const PAUSE: Duration = Duration::from_secs(1);
 const UNHALTED: Duration = Duration::from_millis(1500);
 
 /// Why a robot that has received the last number gets no more orders.
-pub(super) const ALL_COUNTED: &str = "the robot has counted its last order: switch it off and on";
+pub(super) const ALL_COUNTED: &str = "the robot has no order numbers left: switch the robot off and on";
 
 #[derive(Debug)]
 pub struct LineDriver {
@@ -169,8 +169,8 @@ impl LineDriver {
             Action::Recentre => RobotTask::Recentre,
             Action::Photograph(_) => RobotTask::Photo,
             Action::Move(Move::NudgeLeft | Move::NudgeRight) => return Err("the line protocol has no small corrective turns"),
-            Action::Enter | Action::Leave => return Err("the line protocol knows nothing before the entrance"),
-            Action::Arm(_) => return Err("the line protocol knows no arm"),
+            Action::Enter | Action::Leave => return Err("the line protocol has no orders outside the hall"),
+            Action::Arm(_) => return Err("the line protocol has no orders for an arm"),
         };
         if self.has(Part::Base) || !task.is_motion() { Ok(task) } else { Err("the robot says that it has no base") }
     }
@@ -213,15 +213,15 @@ impl LineDriver {
             open.is_late = true;
             open.until = now.since_start + UNHALTED;
         } else if open.task.is_motion() {
-            self.break_link("the robot answers no halt".to_owned());
+            self.break_link("the robot did not answer a halt".to_owned());
         } else if let Some(open) = self.open.take() {
             self.picture = None;
-            self.events.push_back(RobotEvent::PhotoFailed(open.order.id, "the photo did not come in time".to_owned()));
+            self.events.push_back(RobotEvent::PhotoFailed(open.order.id, "the photo did not arrive in time".to_owned()));
         }
     }
 
     fn give_up(&mut self, patience: Duration) {
-        let damaged = if self.lines.passed_over() > 0 { "; lines were damaged on their way" } else { "" };
+        let damaged = if self.lines.passed_over() > 0 { "; some lines arrived damaged" } else { "" };
         let unknown = self.not_understood.take().map(|text| format!("; `{text}` was not understood"));
         let words = format!("the robot said nothing for {} s{damaged}{}", patience.as_secs_f64(), unknown.unwrap_or_default());
         self.break_link(words);
@@ -352,7 +352,8 @@ impl Driver for LineDriver {
             self.expire(now);
         }
         if is_due(self.drawing.map(|(_, until)| until)) {
-            let missed = self.drawing.take().map(|(id, _)| RobotEvent::PhotoFailed(id, "it was not drawn in time".to_owned()));
+            let missed =
+                self.drawing.take().map(|(id, _)| RobotEvent::PhotoFailed(id, "the photo was not drawn in time".to_owned()));
             self.events.extend(missed);
         }
         if let Some(patience) = self.patience().filter(|patience| is_due(Some(self.heard + *patience))) {

@@ -50,7 +50,10 @@ impl LineDriver {
             LinkStage::Down => {}
             LinkStage::Greeting(Some(from)) if hello.last == Some(*from) => self.rise(hello, *from, now),
             LinkStage::Greeting(_) if now.since_start.saturating_sub(self.connected) > GREETED => {
-                self.break_link(format!("{} says who it is and takes no orders: is there another program?", hello.name));
+                self.break_link(format!(
+                    "{} answers but accepts no orders: look whether another program drives the robot",
+                    hello.name
+                ));
             }
             LinkStage::Greeting(Some(from)) if hello.last < Some(*from) => {}
             LinkStage::Greeting(_) => self.begin_above(hello.last, now),
@@ -71,16 +74,16 @@ impl LineDriver {
         // of that order.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
-            Some(format!("{name} answers instead of {}: check where it stands", robot.name))
+            Some(format!("{name} answers instead of {}: check the place of the robot", robot.name))
         } else if *last < Some(robot.from) {
-            Some(format!("{name} was switched off and on: look whether it stands where it says"))
+            Some(format!("{name} was switched off and on: check that its reported place is right"))
         } else if *last > Some(self.seq) {
-            Some("another program has given the robot orders: let one drive it".to_owned())
+            Some("another program has given the robot orders: let only one program drive the robot".to_owned())
         } else if parts.with(Part::AcknowledgedMoves) != robot.parts {
-            Some(format!("{name} has other parts than it had: is it the same robot?"))
+            Some(format!("{name} now reports other parts: check that it is the same robot"))
         } else if !is_there {
             let [(cell, heading), (was, headed)] = [at, was_at].map(|pose| (pose.cell, pose.heading.name()));
-            Some(format!("{name} says that it stands at {cell}, {heading}, and stood at {was}, {headed}: look where it stands"))
+            Some(format!("{name} says that it is at {cell}, {heading}, but was at {was}, {headed}: check its place"))
         } else {
             None
         }
@@ -117,7 +120,7 @@ impl LineDriver {
             return self.break_link(words);
         }
         if let Some(before) = self.name.replace(name.clone()).filter(|before| *before != name) {
-            self.tell_lost(&format!("{name} answers instead of {before}: check where it stands"));
+            self.tell_lost(&format!("{name} answers instead of {before}: check the place of the robot"));
         }
         let [step, turn] = [step, turn].map(|time| time.min(SLOWEST));
         // Every robot of this protocol answers each move.

@@ -50,13 +50,14 @@ impl Picture {
 
     pub(super) fn developed(self) -> Result<Photo, String> {
         if !self.is_whole() {
-            return Err(format!("only {} of {} bytes of the photo came: take it again", self.come, self.length));
+            return Err(format!("only {} of {} bytes of the photo arrived: take the photo again", self.come, self.length));
         }
         if self.crc.value() != self.expected {
-            return Err("the photo was damaged on its way: take it again".to_owned());
+            return Err("the photo arrived damaged: take the photo again".to_owned());
         }
         let kind = KINDS.into_iter().find(|(is_one, _)| is_one(&self.bytes));
-        let (_, media_type) = kind.ok_or("the photo is no whole picture, PNG or JPEG: let the robot send one of these")?;
+        let (_, media_type) =
+            kind.ok_or("the photo is not a complete PNG or JPEG image: the robot must send one of these formats")?;
         Ok(Photo { bytes: Arc::from(self.bytes), media_type })
     }
 }
@@ -148,8 +149,8 @@ mod tests {
         for (bytes, length, expected, words) in [
             (PNG, 100, crc(PNG), "of 100 bytes"),
             (PNG, u32::try_from(PNG.len()).expect("it is short"), 0, "damaged"),
-            (b"text", 4, crc(b"text"), "no whole picture"),
-            (b"\xff\xd8\xff", 3, crc(b"\xff\xd8\xff"), "no whole picture"),
+            (b"text", 4, crc(b"text"), "not a complete PNG or JPEG"),
+            (b"\xff\xd8\xff", 3, crc(b"\xff\xd8\xff"), "not a complete PNG or JPEG"),
         ] {
             let why = developed(bytes, length, expected).expect_err("it is none");
             assert!(why.contains(words), "{why}");

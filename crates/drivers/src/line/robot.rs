@@ -245,7 +245,8 @@ impl LineRobot {
     /// Sends a photo, which is not stored. If the order is repeated, the answer says so.
     fn send_photo(&mut self, photo: &Photo) {
         let Some(UnderWay { seq, .. }) = self.under_way.take() else { return };
-        self.answer = Some((seq, FromRobot::NoPhoto(seq, Words::new("it was sent already, and is lost: order another"))));
+        self.answer =
+            Some((seq, FromRobot::NoPhoto(seq, Words::new("the photo was sent already and is lost: order another photo"))));
         if self.from.is_none() && self.outputs.len() < WAITING {
             let length = u32::try_from(photo.bytes.len()).unwrap_or(u32::MAX);
             let mut crc = Crc32::new();

@@ -72,7 +72,7 @@ impl VirtualRobot {
     pub(super) fn gauge_on(&mut self) {
         let longest = self.gauge.unwrap_or_default() * SLOWER;
         if self.gauged.div_duration_f64(self.step) > longest {
-            return self.lose_sight("what its scene file says that stands ahead is not met");
+            return self.lose_sight("it did not meet the obstacle ahead that its scene file shows");
         }
         self.drive(Heading::South, LEG, false);
     }
@@ -91,10 +91,10 @@ impl VirtualRobot {
         let Some(ahead) = self.gauge.take() else { return };
         let step = self.gauged.div_f64(ahead);
         if step.div_duration_f64(self.step) < SLOWER.recip() || step < STEPS[0] {
-            return self.lose_sight("something stands much nearer to its start than its scene file says");
+            return self.lose_sight("an obstacle is much nearer to its start than its scene file shows");
         }
         if step > STEPS[1] {
-            return self.lose_sight("its page is slower than any that shows a robot");
+            return self.lose_sight("its page is too slow");
         }
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();

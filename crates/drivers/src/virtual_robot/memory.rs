@@ -39,14 +39,14 @@ impl VirtualRobot {
     pub fn remembering(dialect: Dialect, step: Duration, written: &str) -> Result<VirtualRobot, String> {
         let remembered: Remembered = serde_json::from_str(written).map_err(|error| error.to_string())?;
         if remembered.version != VERSION {
-            return Err(format!("it is of version {}, and {VERSION} is known", remembered.version));
+            return Err(format!("its version is {}, but only version {VERSION} is supported", remembered.version));
         }
         let heading = |name: &str| Heading::ALL.into_iter().find(|heading| heading.name() == name);
         let unheard = match remembered.unheard {
             None => None,
             Some((name, cells, felt)) => {
                 let sound = [cells, felt].iter().all(|way| (0.0..=100.0).contains(way));
-                let towards = heading(&name).filter(|_| sound).ok_or("its last step is none")?;
+                let towards = heading(&name).filter(|_| sound).ok_or("its last step is not valid")?;
                 Some(Unheard { towards, cells, felt })
             }
         };
@@ -54,7 +54,7 @@ impl VirtualRobot {
         let step_s = Duration::try_from_secs_f64(remembered.step_s).ok().filter(|step| (STEPS[0]..=STEPS[1]).contains(step));
         let are_times = remembered.latency_s.is_none_or(is_measured) && step_s.is_some();
         if !remembered.reckoning.is_sound() || !are_times {
-            return Err("it says that the robot stands where none can be".to_owned());
+            return Err("its remembered place is impossible".to_owned());
         }
         // A step that was set anew is more reliable than a measured one.
         let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
@@ -117,7 +117,7 @@ mod tests {
     fn what_is_written_is_read_and_written_alike() {
         let written = VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330)).remembered();
         assert_eq!(read(&written).map(|robot| robot.remembered()), Ok(written.clone()));
-        assert!(read(&written.replace("\"version\":1", "\"version\":2")).is_err_and(|words| words.contains("version 2")));
+        assert!(read(&written.replace("\"version\":1", "\"version\":2")).is_err_and(|words| words.contains("its version is 2")));
         assert!(read(&written.replace("south", "up")).is_err(), "it faces nowhere");
         assert!(read(&written.replace("\"step_s\":0.33", "\"step_s\":0.0")).is_err(), "nothing takes no time");
     }

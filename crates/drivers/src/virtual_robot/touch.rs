@@ -42,7 +42,7 @@ impl VirtualRobot {
             return self.stands_before_it();
         }
         if further == FURTHER {
-            return self.lose("what stood ahead of it is not met any more, so it has drifted");
+            return self.lose("it does not meet the obstacle ahead any more, so it has drifted");
         }
         let (towards, backward) = (self.moves_towards(), self.moves_backward());
         self.aim(Aim::Touch { is_certain, further: further + 1 });

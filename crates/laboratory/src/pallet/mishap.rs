@@ -56,11 +56,11 @@ pub struct AskedFault {
 /// The message does not contain the faulty text: whoever shows the error puts the text before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
-    #[error("nothing that goes wrong is called that; there are lost, lostLifting, unrecognised, blocked, jammed and absent")]
+    #[error("this mishap is unknown: use lost, lostLifting, unrecognised, blocked, jammed or absent")]
     Unknown,
-    #[error("absent is said of the whole run, without a parcel")]
+    #[error("absent concerns the whole run and has no parcel number")]
     OfTheWholeRun,
-    #[error("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet")]
+    #[error("the number of a parcel is 1 to {MOST_PARCELS}")]
     NoParcel,
 }
 
@@ -149,7 +149,7 @@ impl Missed {
     pub const fn in_words(self) -> &'static str {
         match self {
             Missed::NobodyCalled => "the operator was never called",
-            Missed::RunEnded => "the run ended before it could happen",
+            Missed::RunEnded => "the run ended earlier",
         }
     }
 }

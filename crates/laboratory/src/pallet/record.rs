@@ -49,14 +49,14 @@ impl Phase {
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
-            Phase::Find => "SRM1 finds the pallet and tells where it is",
-            Phase::Approach => "both come to the pallet, SRM2 when it has been told where it is",
-            Phase::Identify => "the parcel is identified, both stand beside it",
-            Phase::PickUp => "the grippers close; force and angle are held",
+            Phase::Find => "SRM1 finds the pallet and reports its position",
+            Phase::Approach => "both robots drive to the pallet, SRM2 after SRM1's report",
+            Phase::Identify => "the parcel is identified, both robots stop beside the parcel",
+            Phase::PickUp => "the grippers close; the robots control force and angle",
             Phase::Transport => "the parcel is lifted and carried to the target area",
-            Phase::PutDown => "the parcel is put down and let go",
-            Phase::Return => "both go back to the pallet",
-            Phase::Next => "the same for the next parcel",
+            Phase::PutDown => "the parcel is put down and released",
+            Phase::Return => "both robots go back to the pallet",
+            Phase::Next => "phases 3 to 7 repeat for the next parcel",
         }
     }
 
@@ -153,8 +153,8 @@ impl PalletFault {
         match self {
             PalletFault::Pair(fault) => fault.in_words(),
             PalletFault::OperatorAbsent => "the operator was called and has not come",
-            PalletFault::NotAllThere => "the trees ended, and not all parcels are in the target area",
-            PalletFault::TakesTooLong => "the run takes longer than it ever should",
+            PalletFault::NotAllThere => "the trees ended before all parcels were in the target area",
+            PalletFault::TakesTooLong => "the run takes longer than its time limit",
         }
     }
 }

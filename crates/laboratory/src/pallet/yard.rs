@@ -39,7 +39,7 @@ const OBSTACLES: f64 = 0.16;
 const CLEAR: i32 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} parcels cannot be moved in one run: from 1 to {MOST_PARCELS} fit on the pallet")]
+#[error("the pallet cannot have {0} parcels: give 1 to {MOST_PARCELS}")]
 pub struct ParcelsError(pub u32);
 
 /// A drawn yard, which never changes.
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn no_parcel_and_too_many_are_refused_in_words() {
         let words = Yard::new(25, 1).unwrap_err().to_string();
-        assert_eq!(words, "25 parcels cannot be moved in one run: from 1 to 24 fit on the pallet");
+        assert_eq!(words, "the pallet cannot have 25 parcels: give 1 to 24");
         assert!(Yard::new(0, 1).is_err());
     }
 }

@@ -51,14 +51,14 @@ impl fmt::Display for Parting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let said = |change: &Option<Transition>| match change {
             Some(change) => {
-                let angle = change.angle.map_or_else(String::new, |angle| format!(" by {angle:.3} rad"));
-                format!("goes from {} to {}{angle} at {:.2} s", change.from.name(), change.to.name(), change.seconds())
+                let angle = change.angle.map_or_else(String::new, |angle| format!(" with a turn of {angle:.3} rad"));
+                format!("goes from {} to {} at {:.2} s{angle}", change.from.name(), change.to.name(), change.seconds())
             }
             None => "has no further transition".to_owned(),
         };
         let [(one, first), (other, second)] = &self.next;
         let (one, other, first, second) = (one.name(), other.name(), said(first), said(second));
-        write!(f, "{one} and {other} part after {} transitions: the {one} {first}, the {other} {second}", self.common)
+        write!(f, "{one} and {other} differ after {} transitions: the {one} {first}, the {other} {second}", self.common)
     }
 }
 
@@ -113,7 +113,7 @@ mod tests {
         let said = with(|run| run.transitions.truncate(0)).unwrap().to_string();
         assert_eq!(
             said,
-            "machine and tree part after 0 transitions: the machine goes from MoveForward to MoveInSpiral at 3.00 s, \
+            "machine and tree differ after 0 transitions: the machine goes from MoveForward to MoveInSpiral at 3.00 s, \
              the tree has no further transition"
         );
     }

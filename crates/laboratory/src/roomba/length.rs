@@ -10,7 +10,7 @@ pub struct RunLength {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no length of a run: give seconds, from 1 to {most}", most = RunLength::LONGEST_S)]
+#[error("{0:?} is not a length of a run: give 1 to {most} seconds", most = RunLength::LONGEST_S)]
 pub struct RunLengthError(String);
 
 impl RunLength {
@@ -64,7 +64,7 @@ mod tests {
     fn what_is_no_length_is_refused_by_its_own_words() {
         for text in ["0", "0.99", "-5", "3600.1", "1e300", "NaN", "inf", "", "a minute", "60s"] {
             let said = text.parse::<RunLength>().unwrap_err().to_string();
-            assert_eq!(said, format!("{text:?} is no length of a run: give seconds, from 1 to 3600"));
+            assert_eq!(said, format!("{text:?} is not a length of a run: give 1 to 3600 seconds"));
         }
     }
 }

@@ -277,7 +277,7 @@ mod tests {
         both.runs[1].transitions.truncate(2);
         let parted = written(&both);
         assert_eq!(parted["same"], false);
-        assert!(parted["parting"].as_str().unwrap().starts_with("machine and tree part after 2 transitions"), "{parted}");
+        assert!(parted["parting"].as_str().unwrap().starts_with("machine and tree differ after 2 transitions"), "{parted}");
         both.runs.truncate(1);
         assert_eq!(written(&both)["same"], Value::Null);
     }

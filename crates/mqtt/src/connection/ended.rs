@@ -8,19 +8,19 @@ use crate::packet::reason::Reason;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Ended {
     /// The client sent a DISCONNECT that discards its will.
-    #[error("the client took its leave")]
+    #[error("the client disconnected")]
     Left,
     /// The client sent a DISCONNECT that asks for its will to be published.
-    #[error("the client went, and left its will")]
+    #[error("the client disconnected and asked for its will")]
     LeftWithWill,
     /// The socket was closed or broke without a DISCONNECT, so the will is published.
-    #[error("the connection is gone")]
+    #[error("the connection was lost")]
     Gone,
     /// A packet breaks the rules of MQTT; the packets before it were handled.
-    #[error("the client sent nonsense: {0}")]
+    #[error("the client sent an invalid packet: {0}")]
     Malformed(#[from] Malformed),
     /// The client sent a packet that no client sends, or a second CONNECT.
-    #[error("the client sent a {0:?}, which is not for it to send")]
+    #[error("the client sent a {0:?}, which a client may not send")]
     Unexpected(PacketKind),
     /// No packet came for one and a half times the keep alive (section 3.1.2.10), or for a day.
     #[error("the client was silent for too long")]
@@ -40,13 +40,13 @@ pub enum Ended {
     #[error("another connection came with the same client id")]
     TakenOver,
     /// The connection had to make room for others; data that waited to be sent is dropped.
-    #[error("there were too many connections, or too much waited to be read, and it gave way to others")]
+    #[error("the connection was closed because there were too many connections or too much unread data")]
     GaveWay,
     /// The client's key was removed or is no longer valid, so the client's session ends as well.
-    #[error("its key is not known any more")]
+    #[error("the key of the client is not valid any more")]
     NotKnown,
     /// The program ends; wills are not published.
-    #[error("the program ends")]
+    #[error("the program is ending")]
     Closing,
 }
 

@@ -26,7 +26,7 @@ struct Told {
 
 const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
 
-const NOT_KEPT: &str = "it cannot be kept, there being too many kept messages; it was passed on";
+const NOT_KEPT: &str = "the message was delivered but not retained, because there are too many retained messages";
 
 impl ClientConnection {
     /// Handles a PUBLISH; `packet` is the whole packet. The acknowledgement is sent whatever becomes of the message
@@ -84,7 +84,7 @@ impl ClientConnection {
         let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
         let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
         if !is_allowed {
-            self.refusals.note(will.topic.as_bytes(), "such a will", &self.broker.lines, self.now);
+            self.refusals.note(will.topic.as_bytes(), "this will is not allowed", &self.broker.lines, self.now);
         }
         is_allowed
     }

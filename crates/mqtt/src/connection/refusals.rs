@@ -44,7 +44,7 @@ impl Refusals {
         self.count += 1;
         if self.count.is_power_of_two() && lines.admit(now) {
             let topic: String = String::from_utf8_lossy(topic).chars().take(SHOWN).collect();
-            tracing::warn!(client = %self.name, topic, refused = self.count, "refused over MQTT, this being the latest: {why}");
+            tracing::warn!(client = %self.name, topic, refused = self.count, "refused over MQTT; the latest reason: {why}");
         }
     }
 }

@@ -26,11 +26,11 @@ pub(super) enum Route {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Dropped {
-    #[error("its sender may not publish there")]
+    #[error("the sender may not publish on this topic")]
     Forbidden,
     #[error(transparent)]
     Unfit(Unfit),
-    #[error("its properties are longer than {PROPERTIES} bytes")]
+    #[error("the properties of the message are longer than {PROPERTIES} bytes")]
     Properties,
 }
 

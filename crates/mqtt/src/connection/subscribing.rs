@@ -16,7 +16,7 @@ use crate::packet::{Version, write};
 enum NotTaken {
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    #[error("one connection holds at most {FILTERS} filters, of {FILTER_BYTES} bytes in all")]
+    #[error("a connection may have at most {FILTERS} filters with {FILTER_BYTES} bytes in all")]
     Many,
     #[error("only clients of MQTT 5 can share subscriptions")]
     Shared,

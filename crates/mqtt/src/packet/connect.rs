@@ -69,13 +69,13 @@ pub struct Will {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoConnect {
     /// The protocol level of a version that is not supported, such as 3 for MQTT 3.1.
-    #[error("it speaks level {0} of the protocol, and only 4 and 5, which are MQTT 3.1.1 and 5, are spoken here")]
+    #[error("the client uses protocol level {0}, but only 4 (MQTT 3.1.1) and 5 (MQTT 5) are supported")]
     Level(u8),
     /// The version by which the CONNECT was read, and what is wrong with it. Only a client of MQTT 5 is told.
     #[error("{1}")]
     Malformed(Version, Malformed),
     /// The client asks for enhanced authentication, which is not supported (MQTT 5, section 4.12).
-    #[error("it wants to show in several steps who it is, and only a name and a password are taken")]
+    #[error("the client asks for enhanced authentication, but only a name and a password are supported")]
     Authentication,
 }
 

@@ -39,12 +39,12 @@ impl Welcome {
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
-            Welcome::Accepted => "it is let in",
-            Welcome::Version => "this version of the protocol is not spoken",
+            Welcome::Accepted => "the client is accepted",
+            Welcome::Version => "this version of the protocol is not supported",
             Welcome::ClientId => "the client id is too long",
-            Welcome::Unavailable => "there is no room",
+            Welcome::Unavailable => "the server accepts no more clients now",
             Welcome::Login => "name and password are not known",
-            Welcome::NotAllowed => "a name and a password are asked for, or the will may not be published there",
+            Welcome::NotAllowed => "a name and a password are required, or the will may not be published",
         }
     }
 

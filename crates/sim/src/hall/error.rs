@@ -32,13 +32,13 @@ pub enum HallFault {
     FileTooLarge(u64),
     #[error("this image is larger than {0} bytes: save it with larger pixels")]
     ImageFileTooLarge(u64),
-    #[error("this file is larger than {0} bytes: what is said of an image takes a few lines")]
+    #[error("this file is larger than {0} bytes: the description of an image has a few lines")]
     YamlTooLarge(u64),
     #[error("this file is not UTF-8 text: save it as UTF-8")]
     NotText,
     #[error(
-        "this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map begins with \
-         `type octile`; a ROS map is named by its .yaml; a map in text has only `r` `1` `0` `X`"
+        "this is not a hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map begins with \
+         `type octile`; a ROS map is given by its .yaml; a map in text has only `r` `1` `0` `X`"
     )]
     NoHall,
     #[error("{0}")]
@@ -49,15 +49,15 @@ pub enum HallFault {
     DrawingAndSize,
     #[error("a hall of {0} × {1} cells has no floor: give at least one column and one row")]
     Empty(u64, u64),
-    #[error("a hall of {0} × {1} cells is too large: at most {2} × {2} cells are kept")]
+    #[error("a hall of {0} × {1} cells is too large: at most {2} × {2} cells are allowed")]
     TooLarge(u64, u64, usize),
     #[error("row {row} has {columns} columns, row 1 has {first}: make all rows equally long")]
     Ragged { row: usize, columns: usize, first: usize },
     #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)")]
     UnknownSquare { row: usize, column: usize, mark: char },
-    #[error("no start: put one `S` into the drawing where the robot starts")]
+    #[error("there is no start: put one `S` into the drawing where the robot starts")]
     NoStart,
-    #[error("a second start `S` in row {row}, column {column}: keep one")]
+    #[error("there is a second start `S` in row {row}, column {column}: keep only one")]
     SecondStart { row: usize, column: usize },
     #[error("luggage `{0}` is drawn in places that do not touch: give each piece a letter of its own")]
     Scattered(char),
@@ -65,29 +65,31 @@ pub enum HallFault {
     Undescribed(char),
     #[error("luggage {0:?} is described but not in the drawing: draw it, or remove this [[luggage]]")]
     Undrawn(String),
-    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing (a `T` takes no description)")]
+    #[error("the mark {0:?} is not one letter a–z: use the letter from the drawing (a `T` has no description)")]
     NotAMark(String),
-    #[error("luggage `{0}` is described twice: keep one")]
+    #[error("luggage `{0}` is described twice: keep one description")]
     DescribedTwice(char),
-    #[error("{0:?} is no kind of luggage: use suitcase, backpack, trolley, duffel, box or handbag")]
+    #[error("{0:?} is not a kind of luggage: use suitcase, backpack, trolley, duffel, box or handbag")]
     UnknownKind(String),
-    #[error("{0:?} is no colour: use #rrggbb or one of {1}")]
+    #[error("{0:?} is not a colour: use #rrggbb or one of {1}")]
     UnknownColour(String, String),
     #[error("`{key}` is {value}: give a number from {least} to {most}")]
     OutOfRange { key: &'static str, value: String, least: String, most: String },
     #[error("`name` has {0} characters: give 1 to 64")]
     NameLength(usize),
-    #[error("`description` has {0} characters: at most 1000 are kept")]
+    #[error("`description` has {0} characters: at most 1000 are allowed")]
     DescriptionLength(usize),
-    #[error("more than {0} pieces of luggage: remove some")]
+    #[error("there are more than {0} pieces of luggage: remove some")]
     TooManyPieces(usize),
-    #[error("more than {0} temperatures: remove some")]
+    #[error("there are more than {0} temperatures: remove some")]
     TooManyTemperatures(usize),
-    #[error("the temperature at {at} s comes after the one at {before} s: put them in order of time, each time once")]
+    #[error(
+        "the temperature at {at} s comes after the one at {before} s: sort the temperatures by time, with each time only once"
+    )]
     TemperatureOrder { at: String, before: String },
-    #[error("the speed of the player is {0}, or missing: give it as the page has it, from 0.014 (5 s a cell) to 1.33 (50 ms)")]
+    #[error("the speed of the player is {0}, or missing: give the speed of the page, from 0.014 (5 s per cell) to 1.33 (50 ms)")]
     PlayerSpeed(String),
-    #[error("not a MovingAI map: line {line} {}, it should read `{form}`", said(.found))]
+    #[error("this is not a MovingAI map: line {line} {} instead of `{form}`", said(.found))]
     Header { line: usize, found: String, form: &'static str },
     #[error("the header says {said} rows, but there are {found}: correct `height` or the rows")]
     RowCount { said: usize, found: usize },
@@ -97,9 +99,9 @@ pub enum HallFault {
         "row {row} has {mark:?} in column {column}: a MovingAI map has only `.` `G` `S` (free), `T` (luggage), `@` `O` `W` (wall)"
     )]
     UnknownTerrain { row: usize, column: usize, mark: char },
-    #[error("no free cell: the robot has nowhere to stand")]
+    #[error("there is no free cell for the robot: make one cell free")]
     NoFreeCell,
-    #[error("maps of type {0:?} are not read: the types known are `octile` and `octile-corner`")]
+    #[error("maps of type {0:?} are not supported: use `octile` or `octile-corner`")]
     UnknownType(String),
     #[error(
         "an octile-corner map of height {height} has {wanted} rows after `map`, half of corner heights and half of terrain, but \
@@ -112,29 +114,30 @@ pub enum HallFault {
         "row {row} has {mark:?} in column {column}: a map in text has only `r` (robot), `1` (visited), `0` (not yet), `X` (obstacle)"
     )]
     UnknownMark { row: usize, column: usize, mark: char },
-    #[error("no robot: put one `r` where the robot starts")]
+    #[error("there is no robot: put one `r` where the robot starts")]
     NoRobot,
-    #[error("a second robot `r` in row {row}, column {column}: keep one")]
+    #[error("there is a second robot `r` in row {row}, column {column}: keep only one")]
     SecondRobot { row: usize, column: usize },
     #[error(
-        "an image alone does not say how long a pixel is: put {0} beside it, with `image`, `resolution`, `origin`, `negate`, `occupied_thresh` and `free_thresh`"
+        "an image does not give the size of a pixel: put {0} beside the image, with `image`, `resolution`, `origin`, \
+         `negate`, `occupied_thresh` and `free_thresh`"
     )]
     NoYaml(String),
     #[error("cannot read the image {path} ({error}): correct `image`")]
     UnreadableImage { path: String, error: String },
-    #[error("this file names an image: a hall is made of both, so give the path of the .yaml")]
+    #[error("this file needs its image: give the path of the .yaml, so that both are read")]
     NeedsImage,
-    #[error("this is no image that can be read: save it as PGM (P5 or P2) or PNG")]
+    #[error("this image cannot be read: save it as PGM (P5 or P2) or PNG")]
     NoImage,
-    #[error("BMP images are not read: convert it to PNG or PGM, and name the new file in `image`")]
+    #[error("BMP images are not supported: convert the image to PNG or PGM, and name the new file in `image`")]
     Bmp,
-    #[error("not a PGM image: {0}")]
+    #[error("this is not a PGM image: {0}")]
     Pgm(String),
-    #[error("the image says {wanted} pixels, but ends after {found}: save it again")]
+    #[error("the image should have {wanted} pixels, but ends after {found}: save it again")]
     ShortImage { wanted: usize, found: usize },
-    #[error("pixel {column} of row {row} is {value}, and the lightest is {most}: correct it")]
+    #[error("pixel {column} of row {row} is {value}, but the lightest value is {most}: correct this pixel")]
     PixelTooLight { row: usize, column: usize, value: u64, most: u16 },
-    #[error("not a PNG image that can be read ({0}): save it again, not interlaced, or as PGM")]
+    #[error("this PNG image cannot be read ({0}): save it again without interlacing, or as PGM")]
     Png(String),
     #[error("an image of {0} × {1} pixels has no floor: give at least one column and one row")]
     EmptyImage(u64, u64),
@@ -149,32 +152,34 @@ pub enum HallFault {
     #[error("`origin` turns the image by {0} radians: turn the image itself, and give 0")]
     Turned(String),
     #[error(
-        "`home` is [{x}, {y}], which is no free cell of this hall: give column and row of one, counted from 0 in the north-west corner"
+        "`home` is [{x}, {y}], which is not a free cell of this hall: give column and row of a free cell, counted from 0 in the \
+         north-west corner"
     )]
     HomeNotFree { x: u32, y: u32 },
     #[error(
-        "the start {column},{row} is no free cell of this hall of {columns} × {rows} cells: give column and row of one, counted from 0 in the north-west corner"
+        "the start {column},{row} is not a free cell of this hall of {columns} × {rows} cells: give column and row of a free cell, \
+         counted from 0 in the north-west corner"
     )]
     StartNotFree { column: u32, row: u32, columns: i32, rows: i32 },
     #[error("cells of {cell} m are finer than the pixels of {resolution} m: give {resolution} or more")]
     CellTooFine { cell: String, resolution: String },
-    #[error("cannot read this file ({0}): give the path of a scene file, as the virtual robot's page has it")]
+    #[error("cannot read this file ({0}): give the path of a scene file of the virtual robot's page")]
     UnreadableScene(String),
-    #[error("this file is larger than {0} bytes: it is no scene of the virtual robot's page")]
+    #[error("this file is larger than {0} bytes: a scene file of the virtual robot's page is smaller")]
     SceneTooLarge(usize),
-    #[error("there is no scene here: a scene file says `const config = {{…}}` or `export default {{…}}`")]
+    #[error("this file has no scene: a scene file contains `const config = {{…}}` or `export default {{…}}`")]
     NoLiteral,
-    #[error("the object that begins here is not closed: add what is missing")]
+    #[error("the object that begins here is not closed: add its end")]
     UnclosedLiteral,
-    #[error("this nests deeper than {0}: no scene does")]
+    #[error("this is nested deeper than {0} levels, which no scene needs: correct this line")]
     TooDeep(usize),
-    #[error("there are more than {0} sonars or obstacles of a sort: remove some")]
+    #[error("there are more than {0} sonars or obstacles of one kind: remove some")]
     TooManyThings(usize),
     #[error("the player stands in {0:?}: move one of them")]
     PlayerStuck(String),
     #[error("this is the scene of a virtual robot: make a hall of it with `hallsweep hall import {0}`")]
     IsScene(String),
-    #[error("cells of {asked} m are asked for, but those of this file are of {has} m: leave --cell out")]
+    #[error("--cell is {asked} m, but the cells of this file are {has} m wide: leave --cell out")]
     CellGiven { asked: String, has: String },
 }
 

@@ -44,7 +44,7 @@ impl Format {
 }
 
 /// The description in the file of an explored hall.
-const EXPLORED: &str = "As far as it was explored; where nothing is known it has walls.";
+const EXPLORED: &str = "This is the hall as explored; unknown cells are walls.";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenHall {
@@ -198,7 +198,7 @@ fn pieces(count: usize) -> String {
 fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     let is_luggage = |truth: &Truth| matches!(truth, Truth::Luggage(_));
     if !hall.pieces().is_empty() && !again.squares.iter().any(is_luggage) {
-        return vec![format!("what is luggage ({}, now walls)", pieces(hall.pieces().len()))];
+        return vec![format!("the luggage ({}, now walls)", pieces(hall.pieces().len()))];
     }
     // A piece is recognised by its first cell, in either drawing.
     let begins =

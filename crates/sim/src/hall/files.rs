@@ -242,12 +242,12 @@ mod tests {
 
     #[test]
     fn a_text_of_neither_format_is_told_what_a_hall_file_is() {
-        let no_hall = "x:1: this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map \
-                       begins with `type octile`; a ROS map is named by its .yaml; a map in text has only `r` `1` `0` `X`";
+        let no_hall = "x:1: this is not a hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI \
+                       map begins with `type octile`; a ROS map is given by its .yaml; a map in text has only `r` `1` `0` `X`";
         for text in ["hello", "hello\nworld\n", "{\"width\": 3}", "S..#\n....\n", "type"] {
             let error = Hall::parse("x", text).unwrap_err().to_string();
             let expect = if text == "type" {
-                "x:1: not a MovingAI map: line 1 reads \"type\", it should read `type octile`"
+                "x:1: this is not a MovingAI map: line 1 reads \"type\" instead of `type octile`"
             } else {
                 no_hall
             };
@@ -266,15 +266,15 @@ mod tests {
         check(
             "m",
             "height 1\nwidth 1\nmap\n.\n",
-            "1: not a MovingAI map: line 1 reads \"height 1\", it should read `type octile`",
+            "1: this is not a MovingAI map: line 1 reads \"height 1\" instead of `type octile`",
         );
-        check("m.map", "..T\n", "1: not a MovingAI map: line 1 reads \"..T\", it should read `type octile`");
-        check("m.map", "", "1: not a MovingAI map: line 1 is empty, it should read `type octile`");
+        check("m.map", "..T\n", "1: this is not a MovingAI map: line 1 reads \"..T\" instead of `type octile`");
+        check("m.map", "", "1: this is not a MovingAI map: line 1 is empty instead of `type octile`");
         let swapped = "type octile\nwidth 1\nheight 1\nmap\n.\n";
-        check("m", swapped, "2: not a MovingAI map: line 2 reads \"width 1\", it should read `height NUMBER`");
+        check("m", swapped, "2: this is not a MovingAI map: line 2 reads \"width 1\" instead of `height NUMBER`");
         let no_map = format!("type octile\nheight 1\nwidth 1\n{}\n", ".".repeat(50));
         let dots = ".".repeat(40);
-        check("m", &no_map, &format!("4: not a MovingAI map: line 4 begins with \"{dots}\", it should read `map`"));
+        check("m", &no_map, &format!("4: this is not a MovingAI map: line 4 begins with \"{dots}\" instead of `map`"));
     }
 
     #[test]

@@ -158,9 +158,9 @@ mod tests {
     fn a_broken_header_or_row_is_named_with_its_line() {
         check(
             "type octile\nheight x\nwidth 1\nmap\n.\n",
-            "m.map:2: not a MovingAI map: line 2 reads \"height x\", it should read `height NUMBER`",
+            "m.map:2: this is not a MovingAI map: line 2 reads \"height x\" instead of `height NUMBER`",
         );
-        check("type octile\nheight 1\n", "m.map:3: not a MovingAI map: line 3 is empty, it should read `width NUMBER`");
+        check("type octile\nheight 1\n", "m.map:3: this is not a MovingAI map: line 3 is empty instead of `width NUMBER`");
         check(
             "type octile\nheight 2\nwidth 1\nmap\n.\n",
             "m.map:5: the header says 2 rows, but there are 1: correct `height` or the rows",
@@ -171,13 +171,13 @@ mod tests {
         );
         check(
             "type octile\nheight 1\nwidth 5000\nmap\n.\n",
-            "m.map:3: a hall of 5000 × 1 cells is too large: at most 2048 × 2048 cells are kept",
+            "m.map:3: a hall of 5000 × 1 cells is too large: at most 2048 × 2048 cells are allowed",
         );
         check(
             "type octile\nheight 2\nwidth 2\nmap\n..\n.\n",
             "m.map:6: row 2 has 1 columns, the header says 2: correct `width` or the row",
         );
-        check("type octile\nheight 1\nwidth 1\nmap\n@\n", "m.map:5: no free cell: the robot has nowhere to stand");
+        check("type octile\nheight 1\nwidth 1\nmap\n@\n", "m.map:5: there is no free cell for the robot: make one cell free");
         check(
             "type octile\nheight 0\nwidth 9\nmap\n",
             "m.map:2: a hall of 9 × 0 cells has no floor: give at least one column and one row",
@@ -204,8 +204,8 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_corner_heights_and_types_is_named_with_its_line() {
-        let types = "the types known are `octile` and `octile-corner`";
-        check(&CORNERS.replace("octile-corner", "tile"), &format!("m.map:1: maps of type \"tile\" are not read: {types}"));
+        let types = "use `octile` or `octile-corner`";
+        check(&CORNERS.replace("octile-corner", "tile"), &format!("m.map:1: maps of type \"tile\" are not supported: {types}"));
         check(
             &CORNERS.replace("octile-corner", "octile"),
             "m.map:8: the header says 3 rows, but there are 6: correct `height` or the rows",

@@ -95,11 +95,11 @@ pub(super) struct Description {
 pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError> {
     let content: File = serde_saphyr::from_str_with_options(text, limits()).map_err(|error| syntax(file, &error))?;
     let image = content.image.ok_or_else(|| missing("`image`", "name the image file").of(file))?;
-    let resolution = content.resolution.ok_or_else(|| missing("`resolution`", "say how many metres a pixel is long").of(file))?;
-    let origin = content.origin.ok_or_else(|| missing("`origin`", "give [x, y, yaw], as [0, 0, 0]").of(file))?;
-    let negate = content.negate.ok_or_else(|| missing("`negate`", "give 0 where dark is occupied, else 1").of(file))?;
+    let resolution = content.resolution.ok_or_else(|| missing("`resolution`", "give the width of a pixel in metres").of(file))?;
+    let origin = content.origin.ok_or_else(|| missing("`origin`", "give [x, y, yaw], for example [0, 0, 0]").of(file))?;
+    let negate = content.negate.ok_or_else(|| missing("`negate`", "give 0 if dark pixels are occupied, else 1").of(file))?;
     let threshold = |key, what, given: Option<Spanned<f64>>| {
-        let given = given.ok_or_else(|| missing(what, "give how dark a pixel is, from 0 to 1").of(file))?;
+        let given = given.ok_or_else(|| missing(what, "give a darkness from 0 to 1").of(file))?;
         within(file, key, given.value, 0.0..=1.0, line(&given))
     };
     let own = content.hallsweep.map(|own| (own.value, line(&own)));
@@ -170,7 +170,7 @@ fn corner(origin: &[f64]) -> Result<[f64; 2], HallFault> {
 fn syntax(file: &str, error: &serde_saphyr::Error) -> HallError {
     let formatter = serde_saphyr::UserMessageFormatter;
     let said = error.without_snippet().render_with_formatter(&formatter);
-    let fault = HallFault::Syntax(format!("{}: correct this line", said.lines().next().unwrap_or("this is no YAML")));
+    let fault = HallFault::Syntax(format!("{}: correct this line", said.lines().next().unwrap_or("this is not YAML")));
     match error.location().and_then(|location| usize::try_from(location.line()).ok()).filter(|line| *line > 0) {
         Some(line) => fault.at(file, line),
         None => fault.of(file),

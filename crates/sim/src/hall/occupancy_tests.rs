@@ -79,7 +79,7 @@ fn a_cell_is_a_wall_when_any_pixel_in_it_is_and_what_is_left_over_is_a_cell_too(
     let finer = YAML.replace("resolution: 0.5", "resolution: 0.25");
     is_drawn(&finer, &pixels, "#S./..#");
     assert_eq!(drawn(&finer, &pixels, Some(0.25)), Ok(("S..../.#.../....#".to_owned(), 0.25)));
-    assert_eq!(drawn(&finer, &pixels, Some(1.25)).unwrap_err(), "m.pgm: no free cell: the robot has nowhere to stand");
+    assert_eq!(drawn(&finer, &pixels, Some(1.25)).unwrap_err(), "m.pgm: there is no free cell for the robot: make one cell free");
     // Cells of one and a half pixels: a pixel on the border belongs to both.
     let thin = pgm(6, &[254, 0, 254, 254, 254, 254]);
     assert_eq!(drawn(&finer, &thin, Some(0.375)), Ok(("##S.".to_owned(), 0.375)));
@@ -97,7 +97,7 @@ fn decimal_fractions_do_not_make_a_pixel_more_or_less() {
             let image = pgm(row.len(), &[row.clone(), vec![254; row.len()]].concat());
             let rows = drawn(&yaml, &image, Some(cell_m)).map_or_else(|said| said, |(rows, _)| rows);
             let expect = if cells == 1 {
-                "m.pgm: no free cell: the robot has nowhere to stand".to_owned()
+                "m.pgm: there is no free cell for the robot: make one cell free".to_owned()
             } else {
                 format!("#S{}", ".".repeat(cells - 2))
             };
@@ -128,12 +128,9 @@ fn our_own_files_say_where_luggage_lies_and_the_robot_starts() {
     let said = |yaml: &str, cell_m| drawn(yaml, &pixels, cell_m).unwrap_err();
     for (x, y) in [(1, 0), (2, 0), (3, 0), (0, 2), (5, 0), (4_294_967_295_u32, 4_294_967_295_u32)] {
         let home = own.replace("[2, 1]", &format!("[{x}, {y}]"));
-        assert!(said(&home, None).starts_with(&format!("m.yaml:7: `home` is [{x}, {y}], which is no free cell of this hall")));
+        assert!(said(&home, None).starts_with(&format!("m.yaml:7: `home` is [{x}, {y}], which is not a free cell of this hall")));
     }
-    assert_eq!(
-        said(&own, Some(1.0)),
-        "m.yaml: cells of 1 m are asked for, but those of this file are of 0.5 m: leave --cell out"
-    );
+    assert_eq!(said(&own, Some(1.0)), "m.yaml: --cell is 1 m, but the cells of this file are 0.5 m wide: leave --cell out");
     assert!(drawn(&own, &pixels, Some(0.5)).is_ok());
     check(&own.replace("cell_m: 0.5", "cell_m: 9"), "m.yaml:7: `cell_m` is 9: give a number from 0.1 to 5");
     check(&own.replace("luggage: 50", "luggage: 300"), "m.yaml:7: ");
@@ -211,8 +208,8 @@ fn absurd_sizes_are_refused_before_anything_is_made_of_them() {
             .starts_with("m.pgm: an image of 4000000000 × 4000000000 pixels is too large")
     );
     let wide = pgm(3000, &[254; 3000]);
-    assert_eq!(said(YAML, &wide), "m.pgm: a hall of 3000 × 1 cells is too large: at most 2048 × 2048 cells are kept");
-    let short = "m.pgm: the image says 4194304 pixels, but ends after 2: save it again";
+    assert_eq!(said(YAML, &wide), "m.pgm: a hall of 3000 × 1 cells is too large: at most 2048 × 2048 cells are allowed");
+    let short = "m.pgm: the image should have 4194304 pixels, but ends after 2: save it again";
     assert_eq!(said(YAML, b"P5 2048 2048 255\n\xff\xff"), short);
 }
 

@@ -130,19 +130,20 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_an_image_is_said() {
-        check(b"P5\n2 2\n255\n\x00\xff\x33", "the image says 4 pixels, but ends after 3: save it again");
-        check(b"P5\n2 2\n300\n\x00\xff\x00", "the image says 4 pixels, but ends after 1: save it again");
-        check(b"P2\n2 2\n255\n0 1 2", "the image says 4 pixels, but ends after 3: save it again");
-        check(b"P2\n2 2\n255\n0 1 2 -3", "the image says 4 pixels, but ends after 3: save it again");
-        check(b"P2\n2 1\n7\n0 8", "pixel 2 of row 1 is 8, and the lightest is 7: correct it");
-        check(b"P5\n1 1\n7\n\x08", "pixel 1 of row 1 is 8, and the lightest is 7: correct it");
-        let header = |what| format!("not a PGM image: its header has no {what}: it should read `P5 WIDTH HEIGHT LIGHTEST`");
+        check(b"P5\n2 2\n255\n\x00\xff\x33", "the image should have 4 pixels, but ends after 3: save it again");
+        check(b"P5\n2 2\n300\n\x00\xff\x00", "the image should have 4 pixels, but ends after 1: save it again");
+        check(b"P2\n2 2\n255\n0 1 2", "the image should have 4 pixels, but ends after 3: save it again");
+        check(b"P2\n2 2\n255\n0 1 2 -3", "the image should have 4 pixels, but ends after 3: save it again");
+        check(b"P2\n2 1\n7\n0 8", "pixel 2 of row 1 is 8, but the lightest value is 7: correct this pixel");
+        check(b"P5\n1 1\n7\n\x08", "pixel 1 of row 1 is 8, but the lightest value is 7: correct this pixel");
+        let header =
+            |what| format!("this is not a PGM image: its header has no {what}: it should read `P5 WIDTH HEIGHT LIGHTEST`");
         check(b"P5\n", &header("width"));
         check(b"P5\n3", &header("height"));
         check(b"P5\n3 x", &header("height"));
         check(b"P5\n3 3", &header("lightest grey from 1 to 65535"));
         check(b"P5\n3 3 65536\n", &header("lightest grey from 1 to 65535"));
-        check(b"P5\n3 3 0\n", "not a PGM image: its lightest grey is 0: give 1 to 65535");
+        check(b"P5\n3 3 0\n", "this is not a PGM image: its lightest grey is 0: give 1 to 65535");
         check(b"P5\n99999999999999999999 3 255\n", &header("width"));
         check(b"P5\n999999999 3 255\n", "an image of 999999999 × 3 pixels is too large: at most 16384 × 16384 pixels are read");
         check(b"P5\n0 3 255\n", "an image of 0 × 3 pixels has no floor: give at least one column and one row");

@@ -138,21 +138,21 @@ mod tests {
         };
         assert!(first_row(&header(16, 0)).is_ok());
         let said = first_row(&header(28, 1)).unwrap_err();
-        assert_eq!(said, "not a PNG image that can be read (it is interlaced): save it again, not interlaced, or as PGM");
+        assert_eq!(said, "this PNG image cannot be read (it is interlaced): save it again without interlacing, or as PGM");
         let said = first_row(&header(16, 1)).unwrap_err();
         assert_eq!(said, "an image of 16777218 × 1 pixels is too large: at most 16384 × 16384 pixels are read");
     }
 
     #[test]
     fn what_is_no_image_or_a_broken_one_is_refused() {
-        assert_eq!(first_row(b"GIF89a").unwrap_err(), "this is no image that can be read: save it as PGM (P5 or P2) or PNG");
-        let bmp = "BMP images are not read: convert it to PNG or PGM, and name the new file in `image`";
+        assert_eq!(first_row(b"GIF89a").unwrap_err(), "this image cannot be read: save it as PGM (P5 or P2) or PNG");
+        let bmp = "BMP images are not supported: convert the image to PNG or PGM, and name the new file in `image`";
         assert_eq!(first_row(b"BM\x46\0\0\0\0\0\0\0").unwrap_err(), bmp);
-        assert!(first_row(b"P6 1 1 255\n...").unwrap_err().starts_with("this is no image"), "colours are PNG's");
+        assert!(first_row(b"P6 1 1 255\n...").unwrap_err().starts_with("this image cannot be read"), "colours are PNG's");
         let whole = png(ColorType::Grayscale, BitDepth::Eight, 40, &[7; 1600]);
         for length in [8, 20, 33, 45] {
             let said = first_row(&whole[..length]).unwrap_err();
-            assert!(said.starts_with("not a PNG image that can be read ("), "{said}");
+            assert!(said.starts_with("this PNG image cannot be read ("), "{said}");
         }
     }
 }

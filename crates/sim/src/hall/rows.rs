@@ -205,8 +205,8 @@ mod tests {
     #[test]
     fn faults_of_a_drawing_are_named_with_their_row() {
         check(&["S..", ".."], "drawing:2: row 2 has 2 columns, row 1 has 3: make all rows equally long");
-        check(&["..", ".."], "drawing: no start: put one `S` into the drawing where the robot starts");
-        check(&["S.", ".S"], "drawing:2: a second start `S` in row 2, column 2: keep one");
+        check(&["..", ".."], "drawing: there is no start: put one `S` into the drawing where the robot starts");
+        check(&["S.", ".S"], "drawing:2: there is a second start `S` in row 2, column 2: keep only one");
         check(
             &["S?"],
             "drawing:1: row 1 has '?' in column 2: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)",
@@ -240,12 +240,12 @@ mod tests {
         let drawing: Vec<&str> = rows.iter().map(String::as_str).collect();
         assert_eq!(Hall::from_rows("drawing", &drawing).unwrap().pieces().len(), MAX_PIECES - 1);
         let more: Vec<&str> = drawing.into_iter().chain([side.as_str()]).collect();
-        check(&more, "drawing:129: more than 262144 pieces of luggage: remove some");
+        check(&more, "drawing:129: there are more than 262144 pieces of luggage: remove some");
     }
 
     #[test]
     fn a_drawing_larger_than_the_bound_is_refused() {
         let row = ".".repeat(MAX_SIDE + 1);
-        check(&[&row], "drawing: a hall of 2049 × 1 cells is too large: at most 2048 × 2048 cells are kept");
+        check(&[&row], "drawing: a hall of 2049 × 1 cells is too large: at most 2048 × 2048 cells are allowed");
     }
 }

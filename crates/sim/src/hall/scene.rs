@@ -117,7 +117,7 @@ impl Scene {
         // Reading a pipe could block.
         let file = std::fs::metadata(path).and_then(|about| match about.is_file() {
             true => File::open(Path::new(path)),
-            false => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no plain file")),
+            false => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file")),
         });
         let read = file.and_then(|file| file.take(limit).read_to_end(&mut bytes));
         read.map_err(|error| HallFault::UnreadableScene(error.to_string()).of(path))?;
@@ -142,8 +142,11 @@ impl Scene {
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
             // After the `/` of a division the parser expects a comment, and its message says only that.
-            let reason =
-                if reason == "expected comment" { "what stands here is not reckoned out, as .5 is for 1/2" } else { reason };
+            let reason = if reason == "expected comment" {
+                "a calculation is not allowed here: write its result, as .5 for 1/2"
+            } else {
+                reason
+            };
             HallFault::Syntax(format!("{reason}: correct this line")).at(file, line)
         })?;
         written.scene().map_err(|fault| fault.at(file, literal.line))
@@ -251,7 +254,7 @@ impl TryFrom<f64> for Side {
 
     fn try_from(side: f64) -> Result<Side, String> {
         let is_good = (PLAYER..=MAX_FLOOR).contains(&side);
-        if is_good { Ok(Side(side)) } else { Err(format!("a side of the floor is {side}, and may be {PLAYER} to {MAX_FLOOR}")) }
+        if is_good { Ok(Side(side)) } else { Err(format!("a side of the floor is {side}, but must be {PLAYER} to {MAX_FLOOR}")) }
     }
 }
 
@@ -264,7 +267,7 @@ impl TryFrom<f64> for Fraction {
 
     fn try_from(number: f64) -> Result<Fraction, String> {
         let is_good = number.abs() <= MAX_FRACTION;
-        if is_good { Ok(Fraction(number)) } else { Err(format!("{number} is no fraction of the floor, which is about 0 to 1")) }
+        if is_good { Ok(Fraction(number)) } else { Err(format!("{number} is not a fraction of the floor (about 0 to 1)")) }
     }
 }
 
@@ -277,7 +280,7 @@ impl TryFrom<f64> for Length {
 
     fn try_from(number: f64) -> Result<Length, String> {
         let is_good = (0.0..=MAX_FRACTION).contains(&number);
-        if is_good { Ok(Length(number)) } else { Err(format!("{number} is no length, which is 0 to 1 of the floor")) }
+        if is_good { Ok(Length(number)) } else { Err(format!("{number} is not a length (0 to 1 of the floor)")) }
     }
 }
 
@@ -289,7 +292,7 @@ impl TryFrom<f64> for Amount {
     type Error = String;
 
     fn try_from(number: f64) -> Result<Amount, String> {
-        if number.is_finite() { Ok(Amount(number)) } else { Err(format!("{number} is no number that can be used")) }
+        if number.is_finite() { Ok(Amount(number)) } else { Err(format!("{number} is not a finite number")) }
     }
 }
 

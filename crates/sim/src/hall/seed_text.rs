@@ -102,15 +102,15 @@ mod tests {
     #[test]
     fn what_is_wrong_with_a_map_in_text_is_said_with_its_line() {
         let check = |text: &str, expect: &str| assert_eq!(truths(text).expect_err("this map has a fault"), expect);
-        check("|1, 1, \n", "m.txt: no robot: put one `r` where the robot starts");
-        check("|r, 1, \n|1, r, \n", "m.txt:2: a second robot `r` in row 2, column 2: keep one");
+        check("|1, 1, \n", "m.txt: there is no robot: put one `r` where the robot starts");
+        check("|r, 1, \n|1, r, \n", "m.txt:2: there is a second robot `r` in row 2, column 2: keep only one");
         check("|r, 1, \n\n|1, \n", "m.txt:3: row 2 has 1 columns, row 1 has 2: make all rows equally long");
         let marks = "`r` (robot), `1` (visited), `0` (not yet), `X` (obstacle)";
-        check("r 1 @r ?", "m.txt:1: a second robot `r` in row 2, column 1: keep one");
+        check("r 1 @r ?", "m.txt:1: there is a second robot `r` in row 2, column 1: keep only one");
         check("|r, L, \n", &format!("m.txt:1: row 1 has 'L' in column 2: a map in text has only {marks}"));
         check("", "m.txt: a hall of 0 × 0 cells has no floor: give at least one column and one row");
         let row = "1,".repeat(2049);
-        check(&row, "m.txt: a hall of 2049 × 1 cells is too large: at most 2048 × 2048 cells are kept");
+        check(&row, "m.txt: a hall of 2049 × 1 cells is too large: at most 2048 × 2048 cells are allowed");
         assert!(!is_one("") && !is_one("\n, |") && !is_one("r, 1, L"));
     }
 }

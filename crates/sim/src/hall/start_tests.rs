@@ -89,7 +89,7 @@ proptest! {
             }
             Err(fault) => {
                 prop_assert_ne!(mark, Some(&b'.'));
-                let said = format!("the start {column},{row} is no free cell of this hall of ");
+                let said = format!("the start {column},{row} is not a free cell of this hall of ");
                 prop_assert!(fault.to_string().starts_with(&said), "{}", fault);
             }
         }

@@ -366,8 +366,8 @@ celsius = 21.5
         let ragged = HALL.replace("  .ba", "  .baaaaaaa");
         check(&ragged, "halls/x.toml:4: row 2 has 9 columns, row 1 has 3: make all rows equally long");
         check(&HALL.replace(".ba", ".b?"), "halls/x.toml:4: row 2 has '?' in column 3");
-        check(&HALL.replace('S', "."), "halls/x.toml:2: no start");
-        check(&HALL.replace(".ba", "Sba"), "halls/x.toml:4: a second start `S` in row 2, column 1");
+        check(&HALL.replace('S', "."), "halls/x.toml:2: there is no start");
+        check(&HALL.replace(".ba", "Sba"), "halls/x.toml:4: there is a second start `S` in row 2, column 1");
         check(&HALL.replace("S.a", "S.c"), "halls/x.toml:2: luggage `c` is in the drawing but not described");
     }
 
@@ -379,8 +379,8 @@ celsius = 21.5
         );
         check(&HALL.replace("mark = \"b\"", "mark = \"bb\""), "halls/x.toml:13: the mark \"bb\" is not one letter a–z");
         check(&HALL.replace("mark = \"b\"", "mark = \"a\""), "halls/x.toml:13: luggage `a` is described twice");
-        check(&HALL.replace("\"box\"", "\"crate\""), "halls/x.toml:14: \"crate\" is no kind of luggage: use suitcase");
-        check(&HALL.replace("brown", "mud"), "halls/x.toml:15: \"mud\" is no colour: use #rrggbb or one of red,");
+        check(&HALL.replace("\"box\"", "\"crate\""), "halls/x.toml:14: \"crate\" is not a kind of luggage: use suitcase");
+        check(&HALL.replace("brown", "mud"), "halls/x.toml:15: \"mud\" is not a colour: use #rrggbb or one of red,");
         check(&HALL.replace("0.3", "nan"), "halls/x.toml:16: `height_m` is NaN: give a number from 0.1 to 2");
     }
 

@@ -114,7 +114,7 @@ pub fn explore_and_tell(
             None if state.mission.phase == PhaseName::Fault => state.mission.fault.as_ref().map(ToString::to_string),
             None => (!run.advance()).then(|| {
                 let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
-                if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
+                if holds.is_empty() { "the mission makes no more progress".to_owned() } else { holds.join("; ") }
             }),
         };
     }

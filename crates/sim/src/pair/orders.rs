@@ -29,7 +29,7 @@ impl Pair {
             Action::Move(Move::TurnRight) => self.may_drive(which).map(|()| Work::Turn { clockwise: true }),
             Action::Move(step @ (Move::Forward | Move::Backward)) => {
                 self.may_drive(which)?;
-                let Place::Cell(cell) = stands.place else { return Err("it is before the entrance: only in and out lead on") };
+                let Place::Cell(cell) = stands.place else { return Err("it is before the entrance: it can only go in or out") };
                 let heading = if step == Move::Forward { stands.heading } else { stands.heading.opposite() };
                 Ok(step_to(Place::Cell(cell.ahead(heading))))
             }
@@ -58,9 +58,9 @@ impl Pair {
             (Place::Outside(steps), true) => Ok(Place::Outside(steps.saturating_sub(1).max(1))),
             (Place::Cell(_), true) => Err("it is in the hall already"),
             (Place::Cell(Cell::HOME), false) => Ok(Place::Outside(1)),
-            (Place::Cell(_), false) => Err("it is not at home, from where the way out leads"),
+            (Place::Cell(_), false) => Err("it is not at home, where the way out begins"),
             (Place::Outside(steps), false) if steps < Place::FURTHEST => Ok(Place::Outside(steps + 1)),
-            (Place::Outside(_), false) => Err("the way out goes no further"),
+            (Place::Outside(_), false) => Err("it is at the end of the way out"),
         }
     }
 
@@ -75,11 +75,11 @@ impl Pair {
             ArmAction::AlignEndEffector(_) if robot.gripper == Gripper::Closed => Err("its gripper is closed: let go first"),
             ArmAction::AlignEndEffector(place) if !place.is_beside(robot.stands.place) => Err("the parcel is out of its reach"),
             ArmAction::AlignEndEffector(place) if self.ground.piece_at(place).is_none() => Err("there is no parcel"),
-            ArmAction::CloseGripper if robot.aligned.is_none() => Err("its gripper is at no parcel: align it first"),
+            ArmAction::CloseGripper if robot.aligned.is_none() => Err("its gripper is not at a parcel: align the gripper first"),
             ArmAction::HoldForce | ArmAction::HoldAngle | ArmAction::HoldDistance | ArmAction::Lift | ArmAction::Lower
                 if grip.is_none() =>
             {
-                Err("the two hold no parcel")
+                Err("the two robots hold no parcel")
             }
             ArmAction::Release if height > 0.0 => Err("the parcel is off the floor: put it down first"),
             ArmAction::AlignEndEffector(_)
@@ -157,7 +157,7 @@ impl Pair {
             (Work::Step { .. } | Work::Back | Work::Turn { .. } | Work::Arm(_), _) => None,
         };
         let Some((works, lasts)) = begun else {
-            return self.refuse_both("the two were told to do different things with one parcel");
+            return self.refuse_both("the two robots got different orders for one parcel");
         };
         if self.next_step <= self.now {
             self.next_step = self.now + super::grip::STEP;

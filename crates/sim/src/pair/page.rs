@@ -94,13 +94,13 @@ pub fn read(bytes: &[u8]) -> Result<(Whose, PairMemory), Unread> {
     if version != VERSION {
         return Err(Unread::Version(version.chars().take(20).collect()));
     }
-    let (checksum, json) = rest.trim_end_matches('\n').split_once(' ').ok_or_else(|| damaged("its memory is not whole"))?;
+    let (checksum, json) = rest.trim_end_matches('\n').split_once(' ').ok_or_else(|| damaged("its memory is damaged"))?;
     if checksum != format!("{:016x}", Fingerprint::of(json)) {
-        return Err(damaged("its memory is not whole"));
+        return Err(damaged("its memory is damaged"));
     }
     let written: Written =
-        serde_json::from_str(json).map_err(|error| Unread::Damaged(format!("it says what it cannot: {error}")))?;
-    written.read().ok_or_else(|| damaged("it names a heading that there is not"))
+        serde_json::from_str(json).map_err(|error| Unread::Damaged(format!("its memory has an invalid value: {error}")))?;
+    written.read().ok_or_else(|| damaged("it has an unknown heading"))
 }
 
 impl Written {

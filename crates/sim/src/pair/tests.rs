@@ -178,7 +178,7 @@ fn the_two_are_not_torn_apart_by_orders_that_do_not_fit() {
         run.lift();
         run.order(Which::Srm1, one);
         run.order(Which::Srm2, two);
-        assert_eq!(words(&run.events()), "the two were told to do different things with one parcel");
+        assert_eq!(words(&run.events()), "the two robots got different orders for one parcel");
         assert_eq!((run.place(Which::Srm1), run.place(Which::Srm2)), (at(4, 0), at(2, 0)));
     }
 }
@@ -318,7 +318,7 @@ fn a_slip_that_is_asked_for_happens_once_while_lifting_or_in_the_middle_of_a_ste
 fn what_cannot_be_done_is_refused_in_words_and_nothing_moves() {
     let mut run = Run::new(settings());
     for (action, expect) in [
-        (Action::Arm(ArmAction::CloseGripper), "align it first"),
+        (Action::Arm(ArmAction::CloseGripper), "align the gripper first"),
         (Action::Arm(ArmAction::Lift), "hold no parcel"),
         (Action::Arm(ArmAction::HoldForce), "hold no parcel"),
         (Action::Arm(ArmAction::AlignEndEffector(at(9, 0))), "out of its reach"),
@@ -381,7 +381,7 @@ fn the_train_leaves_the_hall_and_comes_in_again() {
         assert_eq!((run.place(Which::Srm1), run.place(Which::Srm2)), (place, at(two, 0)));
     }
     run.order(Which::Srm1, Action::Leave);
-    assert!(words(&run.events()).contains("no further"));
+    assert!(words(&run.events()).contains("the end of the way out"));
     assert_eq!(run.pair.load().unwrap().place, Place::ENTRANCE);
     run.arms(ArmAction::Lower);
     run.arms(ArmAction::Release);

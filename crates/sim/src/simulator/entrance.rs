@@ -22,7 +22,7 @@ impl Sim {
         } else if self.pose != Pose::START {
             self.fail(order.id, "the way out begins at home, facing south");
         } else if self.outside >= Place::FURTHEST {
-            self.fail(order.id, "nobody needs to go further out");
+            self.fail(order.id, "it is at the end of the way out");
         } else {
             self.drive(order, -1.0, End::Outside(self.outside + 1));
         }

@@ -47,16 +47,16 @@ impl Sim {
             ArmAction::CloseGripper => match piece.filter(|piece| Taken::has_room_for(*piece)) {
                 _ if self.taken.carried.is_some() => self.fail(order.id, "it carries a piece already"),
                 Some(piece) => self.handle(order, Handling::Take(piece)),
-                None => self.fail(order.id, "no piece that it can take stands ahead"),
+                None => self.fail(order.id, "there is no piece ahead that it can take"),
             },
             ArmAction::Release if self.pose.cell == Cell::HOME && self.outside == 0 => self.handle(order, Handling::LetGo),
-            ArmAction::Release => self.fail(order.id, "it lets go at home alone, where the container is"),
+            ArmAction::Release => self.fail(order.id, "it can let go only at home, where the container is"),
             ArmAction::AlignEndEffector(_)
             | ArmAction::HoldForce
             | ArmAction::HoldAngle
             | ArmAction::HoldDistance
             | ArmAction::Lift
-            | ArmAction::Lower => self.fail(order.id, "it has a hook and no arm"),
+            | ArmAction::Lower => self.fail(order.id, "it has only a hook, not an arm"),
         }
     }
 

@@ -314,7 +314,7 @@ fn it_leaves_home_backwards_and_comes_in_again_and_can_be_halted_on_the_way() {
     assert_eq!(run.body(), BodyPose::centred(Pose { cell: Cell::new(0, -1), heading: Heading::South }, 0.5));
     assert!(failure(&run.perform(Action::Move(Move::Forward))).contains("before the entrance"));
     assert!(is_done(&run.perform(Action::Leave)));
-    assert!(failure(&run.perform(Action::Leave)).contains("further out"));
+    assert!(failure(&run.perform(Action::Leave)).contains("end of the way out"));
     let order = run.order(Action::Enter);
     run.pass_ms(100);
     assert_eq!(run.halt(), [RobotEvent::Halted(order, true)]);

@@ -90,7 +90,7 @@ pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     for query in &request.queries {
         let name = query.split_once('=').filter(|(name, _)| *name == ID).map(|(_, value)| value);
         let name = name.ok_or_else(|| {
-            Problem::malformed(format!("a command has no query {:?}: its own name comes as {ID}=NAME", in_short(query)))
+            Problem::malformed(format!("a command has no query {:?}: send the id of the command as {ID}=NAME", in_short(query)))
         })?;
         let named = CommandId::new(name).filter(|_| id.is_none());
         id = Some(named.ok_or_else(|| Problem::malformed(no_command_id(ID, name)))?);

@@ -23,7 +23,7 @@ impl Caller {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
             // Short enough: an unverified address gets at most three times the bytes of its request.
             (Caller::Beyond, Need::Stop | Need::Act) => {
-                Err(Refused::NotAllowed("commands only from loopback (127.0.0.1); use HTTP".to_owned()))
+                Err(Refused::NotAllowed("CoAP commands work only on loopback: use HTTP".to_owned()))
             }
         }
     }

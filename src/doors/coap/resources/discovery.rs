@@ -94,7 +94,7 @@ mod tests {
     fn a_link_says_what_it_leads_to() {
         let links = listing(&searching(), &["href=/temperature".to_owned()]);
         let expect = "</temperature>;rt=\"hallsweep.temperature\";if=\"hallsweep.see hallsweep.act\";\
-                      title=\"The temperature, and what follows\";ct=\"50 60 0 110\";obs";
+                      title=\"The temperature and its effect\";ct=\"50 60 0 110\";obs";
         assert_eq!(String::from_utf8(links).unwrap(), expect);
     }
 

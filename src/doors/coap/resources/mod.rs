@@ -151,8 +151,8 @@ impl Resources {
         let asked = problem.asked().unwrap_or_else(|| asked_of(request));
         if Caller::of(request.peer) == Caller::Beyond {
             if let Some(refused) = self.strangers.one_more() {
-                let why = problem.detail();
-                tracing::info!(refused, from = %request.peer.ip(), %asked, why, "strangers were refused; this is the latest");
+                let (from, why) = (request.peer.ip(), problem.detail());
+                tracing::info!(refused, %from, %asked, why, "requests from other machines were refused; this is the latest one");
             }
             return Reply::Now(answer);
         }

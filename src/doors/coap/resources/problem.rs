@@ -16,12 +16,12 @@ const RETRY_S: u32 = 5;
 impl Problem {
     pub(super) fn nothing_at(request: &Request) -> Problem {
         let path = request.path_text();
-        Problem::not_found(format!("there is nothing at {}: GET /.well-known/core lists what there is", in_short(&path)))
+        Problem::not_found(format!("there is nothing at {}: GET /.well-known/core lists the resources", in_short(&path)))
     }
 
     pub(super) fn not_answered(request: &Request, row: &PathRow) -> Problem {
         let methods: Vec<&str> = row.methods().map(Method::name).collect();
-        Problem::no_method(format!("{} does not answer {}: it answers {}", row.path, request.method.name(), methods.join(", ")))
+        Problem::no_method(format!("{} does not accept {}: send {}", row.path, request.method.name(), methods.join(", ")))
     }
 
     pub(super) fn condition(said: &Response) -> Problem {

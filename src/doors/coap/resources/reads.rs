@@ -45,7 +45,7 @@ impl Resources {
         let snapshot = self.handle.snapshot();
         if is_past(shown.show, found.number, &snapshot) {
             return Err(Problem::not_found(format!(
-                "luggage #{} is not of the present mission and changes no more: read it without observing it",
+                "luggage #{} belongs to a past mission and does not change: read it without observing it",
                 found.number
             )));
         }

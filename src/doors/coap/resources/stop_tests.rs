@@ -326,7 +326,7 @@ fn a_stop_that_is_refused_has_halted_and_says_so() {
         assert_eq!(door.given(), [Command::Stop], "{message:?}");
         assert_eq!(answered(&sent).as_deref(), Some(code), "{message:?}");
         let words = String::from_utf8_lossy(&sent[0].bytes).into_owned();
-        assert!(words.contains("refused: halted all the same; "), "{words}");
+        assert!(words.contains("refused: the robot was halted anyway; "), "{words}");
     }
     for message in [Message { rest: vec![0xFF], ..stop() }, Message { token_bits: 9, ..stop() }] {
         let mut door = Door::new();

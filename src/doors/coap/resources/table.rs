@@ -94,9 +94,9 @@ impl PathRow {
 fn only_here() -> [PathRow; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
-    let old_items = shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, items, true);
+    let old_items = shown("/resourcemodel", "resourcemodel", "The model for old clients", Show::OldItems, items, true);
     [
-        shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false),
+        shown("/.well-known/core", "core.links", "The list of resources", Show::Links, links, false),
         PathRow { actions: old_words, ..old_items },
     ]
 }

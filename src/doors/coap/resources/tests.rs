@@ -336,7 +336,7 @@ async fn a_photo_of_a_mission_that_is_over_is_there_and_one_that_failed_says_why
         state.luggage = [Arc::new(failed)].into();
     });
     let (code, words) = app.said(get("/luggage/3/photo")).await;
-    assert_eq!((code.as_str(), words.as_str()), ("4.04", "there is no photo of luggage #3: lens covered; take it again"));
+    assert_eq!((code.as_str(), words.as_str()), ("4.04", "there is no photo of luggage #3: lens covered; take the photo again"));
     assert_eq!(app.said(get("/luggage/71/photo")).await, ("4.04".to_owned(), "there is no luggage #71".to_owned()));
 }
 

@@ -97,7 +97,7 @@ impl Fields {
         match (self.status.as_deref(), self.celsius.as_deref()) {
             (Some("ok"), _) => Ok(TemperatureReport::Ok),
             (Some("tooHigh"), _) => Ok(TemperatureReport::TooHigh),
-            (Some(other), _) => Err(Problem::unusable(format!("{:?} is no status: it is ok or tooHigh", in_short(other)))),
+            (Some(other), _) => Err(Problem::unusable(format!("{:?} is no status: send ok or tooHigh", in_short(other)))),
             (None, degrees) => Ok(command::reading(number("celsius", &needed("celsius", degrees)?.replace(',', "."))?)?),
         }
     }
@@ -115,7 +115,7 @@ fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
 }
 
 fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
-    text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: a number belongs there", in_short(text))))
+    text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: enter a number", in_short(text))))
 }
 
 #[cfg(test)]
@@ -155,8 +155,8 @@ mod tests {
         let fields = Fields { celsius: Some("warm".to_owned()), ..Fields::default() };
         assert!(fields.command("temperature").unwrap_err().detail().contains("\"warm\""));
         let with = |note: String| Fields { id: Some("3".to_owned()), note: Some(note), ..Fields::default() }.command("danger");
-        assert!(with("x".repeat(501)).unwrap_err().detail().contains("501 characters: 500 are the most"));
-        assert!(with("a\u{202e}b".to_owned()).unwrap_err().detail().contains("not seen"));
+        assert!(with("x".repeat(501)).unwrap_err().detail().contains("501 characters: the limit is 500"));
+        assert!(with("a\u{202e}b".to_owned()).unwrap_err().detail().contains("invisible"));
         assert!(matches!(with(" \n".to_owned()), Ok((Command::Verdict { note: None, .. }, _))), "a blank note is none");
     }
 }

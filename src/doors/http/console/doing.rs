@@ -152,7 +152,7 @@ mod tests {
         let snapshot = searching();
         assert_eq!(
             view(&snapshot).hall_in_words(),
-            "15 cells, 3.8 m² searched, 4 places still open; the robot at column 2, row 2, facing east. Luggage #3 at column 3, row 2 waits for \
+            "15 cells, 3.8 m² searched, 4 places left to search; the robot at column 2, row 2, facing east. Luggage #3 at column 3, row 2 waits for \
              its verdict. Luggage #2 at column 1, row 2 is dangerous. Pieces of luggage found: 3."
         );
     }

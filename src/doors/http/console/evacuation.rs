@@ -119,7 +119,7 @@ mod tests {
     fn a_place_is_said_as_seen_from_home() {
         let half = Some(0.5);
         for (cell, cell_m, words) in [
-            (Cell::new(3, 4), half, "1.5 m east and 2.0 m south of home, 2.5 m as the crow flies"),
+            (Cell::new(3, 4), half, "1.5 m east and 2.0 m south of home, 2.5 m in a straight line"),
             (Cell::new(-3, 0), half, "1.5 m west of home"),
             (Cell::new(0, -1), None, "1 cell north of home"),
             (Cell::new(6, 2), None, "6 cells east and 2 cells south of home"),

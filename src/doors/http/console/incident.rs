@@ -157,22 +157,22 @@ mod tests {
             (
                 Retrieving,
                 &stopped,
-                "The retrieval is halted: stopped by the operator · waiting for START. START goes on.",
+                "The retrieval is halted: stopped by the operator · waiting for START. Press START to go on.",
                 Some(START),
             ),
             (Retrieving, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
-            (Retrieving, &read, "When that is over, START goes on.", None),
+            (Retrieving, &read, "When this cause is over, press START to go on.", None),
             (Retrieving, &lost, "Acknowledge the alarm, then press START.", None),
-            (ReturningWithAlarm, &[], "The search has ended, the robot comes home.", None),
+            (ReturningWithAlarm, &[], "The search has ended and the robot is coming home.", None),
             (
                 ReturningWithAlarm,
                 &stopped,
-                "way home is halted: stopped by the operator · waiting for START. START goes on.",
+                "way home is halted: stopped by the operator · waiting for START. Press START to go on.",
                 Some(START),
             ),
             (ReturningWithAlarm, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
-            (Fault, &[], "nothing moves by itself. START goes on.", Some(START)),
-            (BombLocated, &[], "RETRIEVE has it brought into the container.", Some("./console/retrieve")),
+            (Fault, &[], "nothing moves by itself. Press START to go on.", Some(START)),
+            (BombLocated, &[], "Press RETRIEVE to bring the luggage into the container.", Some("./console/retrieve")),
             (BombLocated, &hot, "is dangerous", Some(OK)),
         ] {
             let mut snapshot = searching();

@@ -338,7 +338,7 @@ mod tests {
         let commands = app.page("/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
         for view in [&all, &commands] {
-            check(view, &["title=\"the hall as it stood then\">6</a> entry 6 of the journal cannot be understood"]);
+            check(view, &["title=\"the hall at that moment\">6</a> entry 6 of the journal cannot be understood"]);
         }
         let steps = app.page("/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
@@ -374,8 +374,8 @@ mod tests {
         for (path, status, words) in [
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/99", 503, "the disk is on strike"),
-            ("/missions?before=x", 422, "a whole number from 1 belongs there"),
-            ("/missions/1?show=nothing", 422, "commands belongs there"),
+            ("/missions?before=x", 422, "send a whole number from 1"),
+            ("/missions/1?show=nothing", 422, "send all or commands"),
         ] {
             let response = app.send("GET", path, &[("accept", "text/html")], "").await;
             assert_eq!(response.status(), status, "{path}");

@@ -170,7 +170,7 @@ mod tests {
             "name=\"epoch\" value=\"1\"",
             "<svg id=\"hall\"",
             "15 cells</b> searched",
-            "4 places still open",
+            "4 places left to search",
             "<b data-since=\"1770109200000\">",
             "title=\"luggage #3 waits for its verdict: answer safe or danger first\"",
         ] {
@@ -355,7 +355,7 @@ mod tests {
         assert!(asked.contains("name=\"note\" value=\"&#60;b&#62; red bag\"") && !asked.contains("<b> red"), "{asked}");
         let endless = app.get(&format!("/console/confirm/danger/3?note={}", "x".repeat(501))).await;
         assert_eq!(endless.status(), 422);
-        assert!(text(endless).await.contains("id=\"why-verdict\" role=\"alert\">the note has 501 characters: 500 are the most"));
+        assert!(text(endless).await.contains("id=\"why-verdict\" role=\"alert\">the note has 501 characters: the limit is 500"));
         assert_eq!(app.form("/console/danger", "id=3&note=%3Cb%3E+red%0D%0Abag").await.status(), 303);
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("<b> red bag"));
         assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note });

@@ -148,14 +148,14 @@ mod tests {
         let page = app.page("/missions/1/moment?at=4").await;
         for wanted in [
             "<html lang=\"en\" data-past=\"yes\">",
-            "<b>Past:</b> as it was at",
+            "<b>Past:</b> state at",
             "idle",
             "Held:</b> stopped by the operator",
             "23.5 °C",
             "id=\"hall-robot\"",
             "entry 4 of mission 1",
             "href=\"./missions/1/moment?at=3\">One entry back",
-            "href=\"./missions/1/moment?at=5\">One entry on",
+            "href=\"./missions/1/moment?at=5\">One entry forward",
             "action=\"./console/stop\"",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
@@ -176,7 +176,7 @@ mod tests {
             ]
             .iter();
             let within = ["name=\"move\"", "name=\"x\"", "name=\"y\"", "class=\"small\">Go there"].iter();
-            let is_dead = tag.contains("disabled title=\"this is the past: go back to now first\"");
+            let is_dead = tag.contains("disabled title=\"this page shows the past: go back to now first\"");
             assert!(is_dead || looks.chain(within).any(|word| tag.contains(word)), "<{tag}");
         }
         let first = app.page("/missions/1/moment").await;

@@ -125,10 +125,10 @@ mod tests {
         for wanted in [
             "Recupero nella missione 1 ·",
             "Recupero del bagaglio #1 da parte della coppia",
-            "0,2 s dopo l'inizio, al momento 2 di",
+            "0,2 s dopo l'inizio del recupero, momento 2 di",
             "<li data-t=\"0.1\"><span class=\"seq\">0,1 s</span>",
             ">Precedente</a>",
-            "Gli alberi non possono muoversi",
+            "La riproduzione non può partire",
         ] {
             assert!(page.contains(wanted), "{wanted} in {page}");
         }
@@ -154,7 +154,7 @@ mod tests {
         let app = app(searching());
         let words = |json: serde_json::Value| json["detail"].as_str().unwrap().to_owned();
         let (status, none) = read(app.get("/api/v1/missions/2/retrieval").await).await;
-        assert_eq!((status.as_u16(), words(none)), (404, "nothing was to be fetched in mission 2".to_owned()));
+        assert_eq!((status.as_u16(), words(none)), (404, "mission 2 had no luggage to fetch".to_owned()));
         let (status, unknown) = read(app.get("/api/v1/missions/7/retrieval").await).await;
         assert_eq!(status, 404);
         assert!(words(unknown).starts_with("there is no mission 7"));

@@ -78,7 +78,7 @@ fn a_hot_reading_has_the_age_of_its_own_source_and_is_not_known_when_that_is_sil
     snapshot.temperature.hot[0].1.silent_since = Some(TEN);
     let view = view(&snapshot);
     assert_eq!((view.celsius(), view.old_age().is_some()), ("not known".to_owned(), false));
-    assert_eq!(view.heat(), ["Hall read 27.0 °C last, and is silent. It must fall to 24.0 °C or less."]);
+    assert_eq!(view.heat(), ["Hall last read 27.0 °C and is now silent; the reading must fall to 24.0 °C or less."]);
     assert!(view.reading_age(0).expect("it was read").to_string().contains("last: 27.0 °C"));
 }
 
@@ -91,12 +91,12 @@ fn the_reading_that_is_too_hot_is_named_with_what_ends_it() {
     snapshot.mission.holds = vec![Hold::Temperature];
     let view = view(&snapshot);
     assert_eq!(view.celsius(), "31.5 °C");
-    assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; 24.0 °C or less is wanted"]);
+    assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; required: 24.0 °C or less"]);
     assert_eq!(
         view.heat(),
         [
-            "Hall reads 27.0 °C. It must fall to 24.0 °C or less.",
-            "An operator reported 31.5 °C. It counts until a reading of 24.0 °C or less is reported."
+            "Hall reads 27.0 °C; the reading must fall to 24.0 °C or less.",
+            "An operator reported 31.5 °C. This reading applies until a reading of 24.0 °C or less is reported."
         ]
     );
 }
@@ -144,7 +144,7 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
     let mut snapshot = searching();
     assert_eq!(
         (view(&snapshot).searched().as_str(), view(&snapshot).open().to_string().as_str()),
-        ("15 cells, 3.8 m²", "4 places still open")
+        ("15 cells, 3.8 m²", "4 places left to search")
     );
     let unmeasured = View {
         hall: HallInfo {
@@ -161,7 +161,7 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
     assert_eq!(view(&snapshot).counts_since(), Some(TEN));
     snapshot.mission.progress = Progress { visited: 19, ..Progress::default() };
     snapshot.mission.phase = PhaseName::Explored;
-    assert!(view(&snapshot).open().to_string().starts_with("nothing is open"));
+    assert!(view(&snapshot).open().to_string().starts_with("no place left"));
     assert_eq!(view(&snapshot).counts_since(), None);
 }
 
@@ -203,7 +203,7 @@ fn what_would_change_nothing_is_dead_and_says_why() {
         let view = view(&snapshot);
         [view.bar_of_start(), view.bar_of_back_home(), view.bar_of_ok()]
     };
-    let goes_on = Some("the mission goes on already".to_owned());
+    let goes_on = Some("the mission is already running".to_owned());
     for phase in [Exploring, Inspecting, ReturningHome, ReturningWithAlarm, Retrieving] {
         assert_eq!(dead(phase, &[])[0], goes_on, "{phase:?}");
         assert_eq!(dead(phase, &[Hold::Operator, Hold::AwaitingStart])[0], None, "{phase:?}");
@@ -211,17 +211,17 @@ fn what_would_change_nothing_is_dead_and_says_why() {
     for phase in [Idle, AtHome, Fault, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
         assert_eq!(dead(phase, &[])[0], None, "the core says whether START is refused: {phase:?}");
     }
-    assert_eq!(dead(ReturningHome, &[])[1].as_deref(), Some("the robot comes home already"));
-    assert_eq!(dead(AtHome, &[])[1].as_deref(), Some("the robot is at home already"));
+    assert_eq!(dead(ReturningHome, &[])[1].as_deref(), Some("the robot is already coming home"));
+    assert_eq!(dead(AtHome, &[])[1].as_deref(), Some("the robot is already at home"));
     assert_eq!([dead(Exploring, &[])[1].clone(), dead(ReturningHome, &[Hold::Operator])[1].clone()], [None, None]);
-    assert_eq!(dead(Idle, &[])[2].as_deref(), Some("there is no TOO HIGH to take back"));
+    assert_eq!(dead(Idle, &[])[2].as_deref(), Some("there is no TOO HIGH to cancel"));
     assert_eq!(dead(Exploring, &[Hold::TooHigh])[2], None);
 
     let mut snapshot = idle();
     snapshot.mission.phase = Exploring;
     let part = PARTS.iter().find(|part| part.id == "actions").expect("it is there");
     let shown = (part.render)(&view(&snapshot));
-    assert!(shown.contains("START: the mission goes on already."), "{shown}");
+    assert!(shown.contains("START: the mission is already running."), "{shown}");
     snapshot.mission.refusals.start = Some(Refused::Moving);
     assert_ne!(view(&snapshot).bar_of_start(), goes_on, "a refusal has its own reason");
 }
@@ -254,7 +254,7 @@ fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead()
     let simulated = panel(&snapshot, Some(sim));
     assert!(simulated.contains("<dt>Kind</dt><dd>sim</dd>") && simulated.contains("camera, sonar, LED"), "{simulated}");
     assert!(
-        !simulated.contains("Instead of what is missing") && !simulated.contains("Address"),
+        !simulated.contains("Replacements for missing parts") && !simulated.contains("Address"),
         "it has everything: {simulated}"
     );
     let mut robots = snapshot.robots.to_vec();
@@ -432,7 +432,7 @@ fn in_every_state_of_a_mission_each_field_says_what_is_so() {
         [
             ("at rest", idle(), at_rest, &[][..], &[LIT, "unlinked\">"][..]),
             ("exploring", explores, moving, &[LIT, "\" data-old=\"0\">1:14</b> ago"], &["unlinked\">"]),
-            ("awaiting a verdict", searching(), KNOWN, &["data-luggage=\"3\"", "Nobody has acknowledged it yet"], &[]),
+            ("awaiting a verdict", searching(), KNOWN, &["data-luggage=\"3\"", "Nobody has acknowledged this alarm yet"], &[]),
             ("stopped", stopped, KNOWN, &["held by STOP", "stopped by the operator"], &[]),
             ("too hot", hot, too_hot, &["num heat tooHigh", "Hall reads 27.0 °C"], &["<p class=\"status\">ok</p>"]),
             ("a retrieval", retrieving(&[]), KNOWN, &[FETCHED], &[]),
@@ -488,7 +488,7 @@ fn in_the_past_nothing_is_live_and_alarms_were_raised_then() {
                 "the past",
                 searching(),
                 on_record,
-                &["data-past=\"yes\"", "on record since 10:00:00", "<b>Alarm</b> raised at", "Danger then:"][..],
+                &["data-past=\"yes\"", "recorded at 10:00:00", "<b>Alarm</b> raised at", "Danger then:"][..],
                 &["Nobody has acknowledged", "<b>Next:</b>", "class=\"evacuate\"", "panel alarm", "ago</p>", "unlinked\">"][..],
             ),
             ("the past of a lost link", unlinked(), on_record, &["data-past=\"yes\""], &["unlinked\">"]),

@@ -111,14 +111,14 @@ pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketA
     tokio::select! {
         biased;
         () = encrypted(stream, peer, waiting, Arc::clone(&cut), context) => {}
-        () = has_to_go => tracing::debug!("a connection gave way to a newer one"),
+        () = has_to_go => tracing::debug!("a connection was closed to make room for a newer connection"),
     }
 }
 
 /// Performs the TLS handshake if the door has TLS, and reads the connection.
 async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cut: Arc<Notify>, context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!(%error, "small packets of a connection will be held back");
+        tracing::debug!(%error, "TCP_NODELAY could not be set: small packets may be delayed");
     }
     let Some(Tls(acceptor)) = context.tls.clone() else {
         let said = first_words(&stream);
@@ -131,8 +131,8 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cu
             let (from, to) = tokio::io::split(stream);
             Box::pin(Connection::new(from, to, peer, waiting, cut, context).hear(BytesMut::new())).await;
         }
-        Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
-        Err(_) => tracing::debug!("a client did not agree on encryption in time"),
+        Ok(Err(error)) => tracing::debug!(%error, "a TLS handshake failed"),
+        Err(_) => tracing::debug!("a TLS handshake took too long"),
     }
 }
 

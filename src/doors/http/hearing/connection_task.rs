@@ -217,7 +217,7 @@ struct Transport<W> {
 impl<W> Transport<W> {
     fn forgiven<T>(&mut self, written: Poll<io::Result<T>>, instead: T) -> Poll<io::Result<T>> {
         let Poll::Ready(Err(error)) = written else { return written };
-        tracing::debug!(%error, "a client was gone before its answer");
+        tracing::debug!(%error, "a client disconnected before its answer was sent");
         self.is_gone = true;
         self.gone.notify_one();
         Poll::Ready(Ok(instead))

@@ -74,7 +74,7 @@ impl AskedPallet {
         let parcels = query.count("parcels", 1..=MOST_PARCELS)?.unwrap_or(USUAL_PARCELS);
         let parcels = u32::try_from(parcels).unwrap_or(u32::MAX);
         let asked = asked(parcels, &faults).map_err(|BeyondError { parcel }| {
-            Problem::unusable(format!("`{names_parcel}` names parcel {parcel}, and `parcels` puts {parcels} on the pallet"))
+            Problem::unusable(format!("`{names_parcel}` names parcel {parcel}, but the pallet has only {parcels}: see `parcels`"))
         })?;
         Ok(AskedPallet { seed, parcels, faults, asked })
     }
@@ -115,7 +115,7 @@ impl AskedPage {
 fn faults(query: &Query, read: impl Fn(&str) -> Result<AskedFault, Problem>) -> Result<Vec<AskedFault>, Problem> {
     let texts = query.every("fault");
     if texts.len() > MOST_FAULTS {
-        let words = format!("`fault` is there {} times: at most {MOST_FAULTS} things go wrong in one run", texts.len());
+        let words = format!("`fault` occurs {} times: a run has at most {MOST_FAULTS} faults", texts.len());
         return Err(Problem::unusable(words));
     }
     // Programs write `@` as `%40`. No other character of these words is ever escaped.

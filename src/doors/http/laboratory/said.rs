@@ -192,7 +192,7 @@ mod tests {
         }
         assert_eq!(
             parting(Language::Italian, &parted[2]),
-            "macchina e albero si separano dopo 2 transizioni: la macchina passa da MoveForward a MoveInSpiral a 3,00 s, \
+            "macchina e albero differiscono dopo 2 transizioni: la macchina passa da MoveForward a MoveInSpiral a 3,00 s, \
              l'albero non ha altre transizioni"
         );
     }

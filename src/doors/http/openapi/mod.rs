@@ -25,9 +25,9 @@ use crate::api::schemas::Schemas;
 
 pub(super) use page::page;
 
-const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous luggage; an operator watches, decides and can always stop it. \
-    The same state and the same commands are there over CoAP and MQTT. STOP (`POST /api/v1/commands/stop`) halts the robot before anything \
-    else of a request is looked at.";
+const ABOUT: &str = "A robot searches an evacuated airport hall for dangerous luggage; an operator watches, decides and can \
+    always stop the robot. The same state and commands are available over CoAP and MQTT. STOP (`POST /api/v1/commands/stop`) \
+    halts the robot before the rest of the request is checked.";
 
 struct Description {
     json: Kept,
@@ -78,11 +78,11 @@ fn document(asks: bool) -> Value {
     let shape = schemas.sent::<ProblemJson<'static>>();
     let answers: Map<String, Value> = ProblemKind::ALL.map(|kind| problem(kind, &shape)).into_iter().collect();
     let tags = Subject::ALL.map(|subject| json!({"name": subject.named().0, "description": subject.named().1}));
-    let token = "A key's token, as `hallsweep token` shows it.";
+    let token = "Token of a key, as `hallsweep token` shows the token.";
     let components = json!({
         "schemas": schemas.shapes(),
         "responses": answers,
-        "headers": {"ETag": {"description": "Weak; to be sent back in `If-None-Match`.", "schema": {"type": "string"}}},
+        "headers": {"ETag": {"description": "Weak tag of this version, for `If-None-Match`.", "schema": {"type": "string"}}},
         "securitySchemes": {"token": {"type": "http", "scheme": "bearer", "description": token}},
     });
     json!({

@@ -37,14 +37,14 @@ impl Subject {
 
     pub(super) const fn named(self) -> (&'static str, &'static str) {
         match self {
-            Subject::Commands => ("commands", "What can be asked for. An answer comes when it is carried out or refused."),
-            Subject::State => ("state", "How things stand now, and what changes."),
-            Subject::Map => ("map", "The hall in files of other programs, as far as it is explored."),
-            Subject::Missions => ("missions", "All missions, with everything that happened in them."),
-            Subject::Simulator => ("simulator", "Time, faults and hall, where the robot that searches is simulated."),
-            Subject::Laboratory => ("laboratory", "What is computed and has nothing to do with the hall."),
-            Subject::Program => ("program", "Of the program itself."),
-            Subject::OldClients => ("oldClients", "The words of the old console: the path is the whole command."),
+            Subject::Commands => ("commands", "Commands. The answer comes when the command is carried out or refused."),
+            Subject::State => ("state", "The present state and its changes."),
+            Subject::Map => ("map", "The explored part of the hall, as files for other programs."),
+            Subject::Missions => ("missions", "All missions and their events."),
+            Subject::Simulator => ("simulator", "Time, faults and hall of the simulator, if the searching robot is simulated."),
+            Subject::Laboratory => ("laboratory", "Computed experiments, which do not affect the hall."),
+            Subject::Program => ("program", "Health, metrics and description of the program."),
+            Subject::OldClients => ("oldClients", "Commands of the old console; the path is the whole command."),
         }
     }
 }
@@ -124,13 +124,17 @@ impl Operation {
     }
 
     pub(super) fn tagged(self) -> Operation {
-        let what = "The `ETag` of what its sender has: it is not sent again.";
+        let what = "`ETag` of the version that the client has; this version is not sent again.";
         Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
     }
 
     /// Adds a command id, with which the command acts only once. A STOP acts whatever its id is.
     pub(super) fn once(self, is_stop: bool) -> Operation {
-        let what = "The command's own name: sent again under it, it is given once and answered alike.";
+        let what = if is_stop {
+            "Name of this command. A STOP halts each time, whatever its name is."
+        } else {
+            "Name of this command. A copy with the same name has no further effect and gets the same answer."
+        };
         let name = json!({"type": "string", "pattern": format!("^[!-~]{{1,{}}}$", CommandId::MOST)});
         let schema = if is_stop { json!({"type": "string"}) } else { name };
         self.told("Idempotency-Key", what, schema)
@@ -174,7 +178,7 @@ impl Operation {
             "operationId": self.id,
             "tags": [subject],
             "summary": self.summary,
-            "description": format!("For: {}.", need.in_words()),
+            "description": format!("Allowed for: {}.", need.in_words()),
             "parameters": parameters,
             "responses": self.responses(need),
         });
@@ -199,9 +203,13 @@ impl Operation {
             "id" => json!({"type": "integer", "minimum": 0, "maximum": u64::MAX}),
             _ => json!({"type": "string", "pattern": "^[a-z0-9][a-z0-9-]{0,39}$"}),
         };
+        let which = |name| match name {
+            "id" => "Number of the piece, alarm or mission.",
+            _ => "Name of the hall.",
+        };
         let of = |place| move |Parameter { name, what, schema }: &Parameter| (place, *name, *what, schema.clone());
         let rest = self.query.iter().map(of("query")).chain(self.headers.iter().map(of("header")));
-        in_path.map(|name| ("path", name, "Which.", schema(name))).chain(rest).collect()
+        in_path.map(|name| ("path", name, which(name), schema(name))).chain(rest).collect()
     }
 
     fn responses(&self, need: Need) -> Map<String, Value> {
@@ -213,15 +221,15 @@ impl Operation {
                 ((*media_type).to_owned(), if schema.is_null() { json!({}) } else { json!({"schema": schema}) })
             })
             .collect();
-        let mut success = json!({"description": "It is so.", "content": content});
+        let mut success = json!({"description": "Success.", "content": content});
         if self.is_tagged {
             success["headers"] = tag.clone();
         }
         let mut responses = Map::from_iter([("200".to_owned(), success)]);
         if self.is_tagged {
-            responses.insert("304".to_owned(), json!({"description": "Its sender has it already.", "headers": tag}));
+            responses.insert("304".to_owned(), json!({"description": "The client has this version already.", "headers": tag}));
         }
-        responses.insert("431".to_owned(), json!({"description": "Its head is too large; without a body."}));
+        responses.insert("431".to_owned(), json!({"description": "The request head is too large; the answer has no body."}));
         let problem = |(status, title): (u16, &str)| {
             (status.to_string(), json!({"$ref": format!("#/components/responses/{}", name(title))}))
         };

@@ -82,7 +82,7 @@ fn resource(row: &'static resources::ResourceRow, schemas: &mut Schemas) -> Oper
     let id = format!("get{}{}", row.name[..1].to_ascii_uppercase(), &row.name[1..]);
     let operation = Operation::new(Method::GET, format!("/api/v1{}", row.path), id, State, row.title).tagged();
     let Some(json) = schemas.resource(row.kind) else {
-        let take = ("take", "Which photo of the piece, counted from 1; the newest where it is absent.", number(1, MOST));
+        let take = ("take", "Number of the photo, counted from 1; the newest photo if absent.", number(1, MOST));
         let pictures =
             operation.asked(take.0, take.1, take.2).answers("image/png", Value::Null).answers("image/jpeg", Value::Null);
         return pictures;
@@ -117,10 +117,10 @@ fn old_words(schemas: &mut Schemas) -> Vec<Operation> {
 fn state(schemas: &mut Schemas) -> Vec<Operation> {
     // Adds the schema of the events' data, for programs that read the stream.
     let _ = schemas.sent::<ChangesJson>();
-    let events = "The state, then every change: server-sent events `snapshot`, with a `State` as its data, and `changes`, with \
-                  `Changes`; after a break `Last-Event-ID` says what is there already.";
+    let events = "The state, then every change, as server-sent events: `snapshot` carries a `State`, `changes` carries \
+                  `Changes`. After a break, send `Last-Event-ID` to receive only what changed since.";
     let robots = schemas.sent::<Vec<RobotBySettingsJson>>();
-    let last = "The `id` of the last event its sender has.";
+    let last = "`id` of the last event that the client received.";
     vec![
         get("/api/v1/robots", "getRobots", State, "All robots, each with its kind and address").tagged().answers(JSON, robots),
         get("/api/v1/events", "getEvents", State, events)
@@ -132,46 +132,41 @@ fn state(schemas: &mut Schemas) -> Vec<Operation> {
 fn missions(schemas: &mut Schemas) -> Vec<Operation> {
     let list = |name: &'static str, id: &'static str, what: &'static str, events: Value| {
         get(name, id, Missions, what)
-            .asked("after", "The entry behind which the list begins.", usual(number(0, MOST), 0))
-            .asked("limit", "How many at most.", usual(number(1, EVENTS), EVENTS))
+            .asked("after", "Number of an entry; the list begins after this entry.", usual(number(0, MOST), 0))
+            .asked("limit", "Maximum number of events.", usual(number(1, EVENTS), EVENTS))
             .tagged()
             .answers(JSON, events)
     };
     let events = schemas.sent::<EventListJson>();
     let of = |path, id, what| get(path, id, Missions, what).tagged();
     let language = || json!({"type": "string", "enum": Language::ALL.map(Language::tag)});
-    let spoken = "The language; else as `Accept-Language` asks.";
+    let spoken = "Language; if absent, chosen by `Accept-Language`.";
     let file = |path, id, what| get(path, id, Missions, what);
     vec![
         get("/api/v1/missions", "getMissions", Missions, "All missions, the newest first")
-            .asked("before", "The mission before which the list begins.", number(1, MOST))
-            .asked("limit", "How many at most.", usual(number(1, MOST_MISSIONS), MISSIONS))
+            .asked("before", "Number of a mission; the list begins with the mission before.", number(1, MOST))
+            .asked("limit", "Maximum number of missions.", usual(number(1, MOST_MISSIONS), MISSIONS))
             .tagged()
             .answers(JSON, schemas.sent::<MissionListJson>()),
         of("/api/v1/missions/{id}", "getMissionRecord", "One mission with its luggage and its map")
             .answers(JSON, schemas.sent::<MissionWholeJson>()),
-        of("/api/v1/missions/{id}/moment", "getMissionMoment", "How it stood after one of its entries, or after its last")
-            .asked("at", "The entry.", number(1, MOST))
+        of("/api/v1/missions/{id}/moment", "getMissionMoment", "A mission as it was after one of its entries, or after the last")
+            .asked("at", "Number of the entry; the last entry if absent.", number(1, MOST))
             .answers(JSON, schemas.sent::<MomentJson>()),
-        list("/api/v1/missions/{id}/events", "getMissionEvents", "Everything that happened in it, oldest first", events.clone()),
-        list(
-            "/api/v1/missions/{id}/timeline",
-            "getMissionTimeline",
-            "Those of its events that stand on the line of time",
-            events,
-        ),
-        of("/api/v1/missions/{id}/map", "getMissionMap", "Its hall as far as it was known")
+        list("/api/v1/missions/{id}/events", "getMissionEvents", "All events of a mission, oldest first", events.clone()),
+        list("/api/v1/missions/{id}/timeline", "getMissionTimeline", "The events of a mission that its timeline shows", events),
+        of("/api/v1/missions/{id}/map", "getMissionMap", "The known part of the hall in a mission")
             .answers(JSON, schemas.sent::<MapJson>())
             .answers(TEXT, text()),
-        of("/api/v1/missions/{id}/retrieval", "getMissionRetrieval", "How its dangerous piece was fetched, tick by tick")
+        of("/api/v1/missions/{id}/retrieval", "getMissionRetrieval", "The retrieval of a mission, tick by tick")
             .answers(JSON, schemas.sent::<RetrievalRecordJson>()),
-        file("/missions/{id}/report", "getMissionReport", "Its report, a page to save")
+        file("/missions/{id}/report", "getMissionReport", "The report of a mission, as a page to save")
             .asked("language", spoken, language())
             .answers("text/html", text()),
-        file("/missions/{id}/record.jsonl", "getMissionRecordLines", "Every entry of its record, a line of JSON each")
+        file("/missions/{id}/record.jsonl", "getMissionRecordLines", "All entries of a mission, one line of JSON each")
             .answers("application/jsonl", text())
             .also(&[ProblemKind::Unusable]),
-        file("/missions/{id}/record.csv", "getMissionRecordTable", "The same as a table")
+        file("/missions/{id}/record.csv", "getMissionRecordTable", "All entries of a mission, as a table")
             .asked("language", spoken, language())
             .answers("text/csv", text()),
     ]
@@ -186,28 +181,28 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     // A hall file is accepted with any media type.
     const FILE: &[&str] = &["application/octet-stream", "application/toml"];
     vec![
-        of(Method::GET, "/api/v1/simulator", "getSimulator", "The simulator").answers(JSON, now.clone()).also(&[NotFound]),
-        after(of(Method::PUT, "/api/v1/simulator", "changeSimulator", "Change what is named")).takes(
+        of(Method::GET, "/api/v1/simulator", "getSimulator", "Simulator state").answers(JSON, now.clone()).also(&[NotFound]),
+        after(of(Method::PUT, "/api/v1/simulator", "changeSimulator", "Change the speed, the pause or the faults")).takes(
             &[JSON],
             schemas.taken::<ChangeBody>(),
             true,
         ),
-        after(of(Method::POST, "/api/v1/simulator/step", "stepSimulator", "One step, while it is paused")),
-        toml("/api/v1/simulator/hall", "getSimulatorHall", "The hall that is simulated"),
-        after(of(Method::PUT, "/api/v1/simulator/hall", "chooseSimulatorHall", "Put the robots down in another hall")).takes(
+        after(of(Method::POST, "/api/v1/simulator/step", "stepSimulator", "Simulate one step while the simulator is paused")),
+        toml("/api/v1/simulator/hall", "getSimulatorHall", "The simulated hall"),
+        after(of(Method::PUT, "/api/v1/simulator/hall", "chooseSimulatorHall", "Move the robots to another hall")).takes(
             &[JSON],
             schemas.taken::<HallBody>(),
             true,
         ),
-        toml("/api/v1/simulator/halls/{name}", "getOfferedHall", "A hall that is offered"),
-        after(of(Method::PUT, "/api/v1/simulator/halls/{name}", "keepHall", "Keep a hall under a name")).takes(
+        toml("/api/v1/simulator/halls/{name}", "getOfferedHall", "An offered hall"),
+        after(of(Method::PUT, "/api/v1/simulator/halls/{name}", "keepHall", "Store a hall under a name")).takes(
             FILE,
             text(),
             true,
         ),
-        after(of(Method::DELETE, "/api/v1/simulator/halls/{name}", "discardHall", "Discard a hall that is kept")),
-        of(Method::POST, "/api/v1/simulator/hall/check", "checkHall", "Read a hall file of any format; nothing is changed")
-            .asked("name", "Its name, whose ending says what format it may be.", usual(text(), "hall.toml"))
+        after(of(Method::DELETE, "/api/v1/simulator/halls/{name}", "discardHall", "Delete a stored hall")),
+        of(Method::POST, "/api/v1/simulator/hall/check", "checkHall", "Check a hall file of any format, without any change")
+            .asked("name", "Name of the file; the extension decides the format.", usual(text(), "hall.toml"))
             .answers(JSON, schemas.sent::<ReadHall>())
             .takes(FILE, text(), true)
             .also(&[NotFound]),
@@ -220,15 +215,15 @@ fn laboratory(schemas: &mut Schemas) -> Vec<Operation> {
     let fault = json!({"type": "string", "pattern": format!("^(({names})(@[1-{MOST_PARCELS}])?|{})$", Mishap::Absent.name())});
     let faults = json!({"type": "array", "maxItems": MOST_FAULTS, "items": fault});
     let of = |path, id, what| {
-        get(path, id, Laboratory, what).asked("seed", "Where its dice begin.", usual(number(0, u64::MAX), USUAL_SEED))
+        get(path, id, Laboratory, what).asked("seed", "Seed of the random numbers.", usual(number(0, u64::MAX), USUAL_SEED))
     };
     vec![
         of("/api/v1/laboratory/roomba", "getRoomba", "The Roomba as state machine and as behaviour tree")
-            .asked("seconds", "How long each runs.", usual(number(1, LONGEST_S), USUAL_S))
+            .asked("seconds", "Duration of each run, in seconds.", usual(number(1, LONGEST_S), USUAL_S))
             .answers(JSON, schemas.sent::<RoombaJson>()),
         of("/api/v1/laboratory/pallet", "getPallet", "The pallet scenario, with every tick of its trees")
-            .asked("parcels", "How many stand on the pallet.", usual(number(1, MOST_PARCELS), USUAL_PARCELS))
-            .asked("fault", "What is to go wrong, and at which parcel.", faults)
+            .asked("parcels", "Number of parcels on the pallet.", usual(number(1, MOST_PARCELS), USUAL_PARCELS))
+            .asked("fault", "Faults to simulate, with the number of the parcel, as `NAME@PARCEL`.", faults)
             .answers(JSON, schemas.sent::<PalletJson<ReplayJson>>()),
     ]
 }
@@ -236,10 +231,10 @@ fn laboratory(schemas: &mut Schemas) -> Vec<Operation> {
 fn program() -> Vec<Operation> {
     let description = json!({"type": "object"});
     vec![
-        get("/healthz", "getHealth", Program, "`ok` and the revision, while the program lives").answers(TEXT, text()),
-        get("/metrics", "getMetrics", Program, "Its figures, as Prometheus reads them")
+        get("/healthz", "getHealth", Program, "`ok` and the revision, while the main loop runs").answers(TEXT, text()),
+        get("/metrics", "getMetrics", Program, "Figures of the program for Prometheus")
             .answers(metrics::FORMATS[0], text())
             .answers(metrics::FORMATS[1], text()),
-        get("/api/v1/openapi.json", "getDescription", Program, "This description").tagged().answers(JSON, description),
+        get("/api/v1/openapi.json", "getDescription", Program, "This OpenAPI description").tagged().answers(JSON, description),
     ]
 }

@@ -55,7 +55,7 @@ impl FromRequestParts<HttpDoor> for Asker {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         let simulator = door.simulator.clone().ok_or_else(|| {
-            let detail = "the robot that searches is not simulated: there is no simulator to be controlled".to_owned();
+            let detail = "the searching robot is not simulated, so there is no simulator to control".to_owned();
             Problem::new(("notSimulated", ProblemKind::NotFound), detail)
         })?;
         Ok(Asker { door: door.clone(), simulator, caller, peer, language: spoken(&parts.headers) })
@@ -104,7 +104,7 @@ impl Asker {
 fn bound(refused: &Refused) -> Problem {
     let problem = Problem::refused(refused);
     if problem.code() == NOT_IN_PHASE {
-        problem.saying(format!("{refused}: let the mission end, or press RESET, which keeps what was found"))
+        problem.saying(format!("{refused}: let the mission end, or press RESET, which archives the mission"))
     } else {
         problem
     }
@@ -158,7 +158,7 @@ pub(super) async fn hall(asker: Asker) -> Response {
 
 pub(super) async fn offered(asker: Asker, Named(name): Named) -> PageAnswer {
     if !asker.simulator.halls().contains(&name) {
-        let words = format!("no hall is offered as {:?}: GET /api/v1/simulator lists them", in_short(&name));
+        let words = format!("there is no hall {:?}: GET /api/v1/simulator lists the halls", in_short(&name));
         return Err(Problem::not_found(words));
     }
     Ok(toml(offered_hall(&asker, &name).await??))

@@ -124,7 +124,7 @@ pub(in crate::doors::http) struct HallFields {
 
 pub(in crate::doors::http) async fn choose_by_form(asker: Asker, Form(fields): Form<HallFields>) -> Response {
     let seed = fields.seed.as_deref().map(str::trim).filter(|seed| !seed.is_empty());
-    let wrong = |seed: &str| Problem::unusable(format!("seed is {:?}: a whole number from 0 belongs there", in_short(seed)));
+    let wrong = |seed: &str| Problem::unusable(format!("seed is {:?}: enter a whole number from 0", in_short(seed)));
     let seed = seed.map(|seed| seed.parse().map_err(|_| wrong(seed))).transpose();
     let done = match seed {
         Ok(seed) => {
@@ -183,7 +183,7 @@ impl Fields {
             "noThermometer" => Ok(Change { no_thermometer: is_so, ..change }),
             "cameraFails" => Ok(Change { camera_fails: is_so, ..change }),
             other => {
-                let words = format!("{:?} is no fault: there are linkLost, noThermometer, cameraFails", in_short(other));
+                let words = format!("{:?} is no fault: the faults are linkLost, noThermometer, cameraFails", in_short(other));
                 Err(Problem::unusable(words))
             }
         }
@@ -192,7 +192,7 @@ impl Fields {
     fn cell(&self) -> Result<Cell, Problem> {
         let side = |name: &str, text: Option<&str>| {
             let text = needed(name, text)?;
-            text.parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: a whole number belongs there", in_short(text))))
+            text.parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: enter a whole number", in_short(text))))
         };
         Ok(Cell::new(side("x", self.x.as_deref())?, side("y", self.y.as_deref())?))
     }

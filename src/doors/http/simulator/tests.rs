@@ -149,7 +149,10 @@ async fn the_page_of_the_controls_speaks_italian_in_every_state() {
     check(&page, &["In corso a 0,5 × il tempo reale.", "<option value=\"0.5\" selected>0,5 ×</option>"]);
     check(&page, &["I robot sono in <b>depot</b>: 8 × 9 celle di 0,5 m, 1 bagaglio; seme 7.", "Termometro: a posto"]);
     check(&page, &["Al momento: non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA"]);
-    check(&page, &["quando è in pausa</small>", "Nessun passaggio è ostruito.", "Non è stato inviato", "value=\"/simulator\""]);
+    check(
+        &page,
+        &["solo in pausa</small>", "Nessuna cella è ostruita.", "Il comando non è stato inviato", "value=\"/simulator\""],
+    );
     let app = simulated(idle(), Access::Open, true);
     let page = app.italian("GET", "/simulator", "", &[], &names).await;
     check(&page, &["In pausa: il tempo simulato è fermo.", "Collegamento: interrotto", "Fotocamera: guasta", "Liberare (1, 0)"]);
@@ -183,7 +186,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
     }
     let (_, state) = app.json("PUT", "/api/v1/simulator/hall", "{\"name\":\"depot\"}").await;
     let detail = state["detail"].as_str().unwrap();
-    assert!(detail.ends_with(": let the mission end, or press RESET, which keeps what was found"), "{detail}");
+    assert!(detail.ends_with(": let the mission end, or press RESET, which archives the mission"), "{detail}");
 }
 
 #[tokio::test]
@@ -199,19 +202,19 @@ async fn the_editor_and_its_script_speak_italian() {
     let checked = |toml: &str| format!("act=check&toml={}", toml.replace('\n', "%0A").replace('#', "%23").replace(' ', "+"));
     let walled = checked("drawing = \"\"\"\n.#T#\nS###\n.#..\n\"\"\"\n");
     let page = app.italian("POST", "/simulator/editor", &walled, &[], &names).await;
-    check(&page, &["Si può usare. Ma una ricerca non arriva dappertutto:", "<li>colonna 2, riga -1: il bagaglio «"]);
+    check(&page, &["La sala si può usare, ma una ricerca non arriva dappertutto:", "<li>colonna 2, riga -1: il bagaglio «"]);
     check(&page, &["<li>colonna 2, riga 1: questa cella libera non si può raggiungere dalla base</li>"]);
     let sound = app.italian("POST", "/simulator/editor", &checked("drawing = \"\"\"\nS.T\n\"\"\"\n"), &[], &names).await;
-    check(&sound, &["È a posto: tutto si può raggiungere."]);
+    check(&sound, &["La sala è a posto: tutto si può raggiungere."]);
     let opened = app.italian("GET", "/simulator/editor?hall=mine", "", &[], &names).await;
     check(
         &opened,
         &["Questa è la sala conservata come <b>mine</b>.", "name=\"opened\" id=\"opened\" value=\"mine\"", "Eliminare mine"],
     );
     let asked = app.italian("POST", "/simulator/editor", "discard=mine&opened=mine&toml=%23", &[], &names).await;
-    check(&asked, &["Eliminare <b>mine</b>? Poi non ci sarà più.", "name=\"discard_for_good\" value=\"mine\"", ">#</textarea>"]);
+    check(&asked, &["Eliminare <b>mine</b>? La sala conservata ", "name=\"discard_for_good\" value=\"mine\"", ">#</textarea>"]);
     let discarded = app.italian("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23", &[], &names).await;
-    check(&discarded, &["<b>mine</b> non è più conservata.", ">#</textarea>"]);
+    check(&discarded, &["La sala conservata <b>mine</b> è stata eliminata.", ">#</textarea>"]);
     assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
     // A request for one name does not replace a hall of another name.
     for body in ["act=keep&name=mine&toml=x", "replace=other&name=mine&toml=x", "act=keep&opened=other&name=mine&toml=x"] {

@@ -134,7 +134,7 @@ async fn nobody_waits_for_ever() {
     say(&commands, "command/start", r#"{"id":"k1"}"#, &here());
     let (_, json) = next(&mut results).await;
     assert_eq!((&json["id"], &json["status"], &json["code"]), (&"k1".into(), &503.into(), &"noAnswer".into()));
-    assert!(json["detail"].as_str().unwrap().contains("look at the state before you repeat it"), "{json}");
+    assert!(json["detail"].as_str().unwrap().contains("read the state before you repeat the command"), "{json}");
 }
 
 #[tokio::test]

@@ -35,7 +35,7 @@ impl Nobody {
         let count = self.0.lock().unwrap_or_else(PoisonError::into_inner).one_more(id, now.since_start);
         if let Some(not_understood) = count {
             let text: String = String::from_utf8_lossy(payload).chars().take(TEXT).collect();
-            tracing::warn!(not_understood, text, "a message on the old topics asks for nothing that is known here");
+            tracing::warn!(not_understood, text, "a message on the old topics contains no known command");
         }
     }
 

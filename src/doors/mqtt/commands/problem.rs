@@ -9,7 +9,7 @@ pub(super) use crate::doors::problem::Problem;
 
 impl Problem {
     pub(super) fn no_command(name: &str) -> Problem {
-        Problem::not_found(format!("there is no command {:?}: there are {}", in_short(name), names(false)))
+        Problem::not_found(format!("there is no command {:?}: the commands are {}", in_short(name), names(false)))
     }
 
     pub(super) fn no_word(word: &str) -> Problem {
@@ -20,12 +20,14 @@ impl Problem {
     }
 
     pub(super) fn too_many(most: usize) -> Problem {
-        let detail = format!("{most} commands are under way: send it again when their results have come; STOP is always taken");
+        let detail =
+            format!("{most} commands are under way: wait for a result, then send this command again; STOP is always accepted");
         Problem::new(TOO_MANY, detail)
     }
 
     pub(super) fn no_answer(waited: Duration) -> Problem {
-        let detail = format!("it was not answered within {} s: look at the state before you repeat it", waited.as_secs());
+        let detail =
+            format!("the command had no answer within {} s: read the state before you repeat the command", waited.as_secs());
         Problem::new(("noAnswer", ProblemKind::Unavailable), detail)
     }
 }

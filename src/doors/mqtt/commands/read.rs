@@ -41,7 +41,7 @@ pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
         return Ok(payload);
     }
     let bytes = payload.len();
-    Err(Problem::too_large(format!("the payload has {bytes} bytes: at most {LARGEST} are read, and a command is a few dozen")))
+    Err(Problem::too_large(format!("the payload has {bytes} bytes: the maximum is {LARGEST}; a command needs a few dozen")))
 }
 
 /// A word without the blanks and the quotes round it: a sender may write it as a JSON string.

@@ -110,7 +110,7 @@ impl Results {
         if let Some(topic) = &reply.explained {
             let is_bomb_located = *problem.detail() == *Refused::NotInPhase(PhaseName::BombLocated).to_string();
             let way_out = match problem.code() {
-                NO_PHOTO => " (continueExplore takes it again)",
+                NO_PHOTO => " (continueExplore takes the photo again)",
                 _ if is_bomb_located => " (reachBag fetches the bag)",
                 _ => "",
             };
@@ -144,7 +144,7 @@ impl Results {
         // A closed channel means that the program is ending.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
-            tracing::warn!(topic, lost, "results are not published, because as many as there is room for wait to be sent");
+            tracing::warn!(topic, lost, "results were not published, because too many results wait to be sent");
         }
     }
 }

@@ -122,27 +122,27 @@ async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
         ("start", "{", 400, "malformed", "the body is not JSON"),
         ("start", "PRESS", 400, "malformed", "the body is not JSON"),
         ("start", r#"{"epoc":1}"#, 422, "unusable", "no field `epoc`: its fields are epoch, id"),
-        ("start", r#"{"epoch":-1}"#, 422, "unusable", "`epoch` is -1: a whole number from 0"),
+        ("start", r#"{"epoch":-1}"#, 422, "unusable", "`epoch` is -1: send a whole number from 0"),
         ("start", "[]", 422, "unusable", "the body is a list: send a JSON object"),
         ("start", r#"{"id":"two words"}"#, 400, "malformed", "1 to 128 visible ASCII characters"),
-        ("start", r#"{"id":7}"#, 422, "unusable", "`id` is 7: a text in quotes"),
-        ("start", r#"{"id":"a","id":"b"}"#, 422, "unusable", "`id` is there twice"),
+        ("start", r#"{"id":7}"#, 422, "unusable", "`id` is 7: send a text in quotes"),
+        ("start", r#"{"id":"a","id":"b"}"#, 422, "unusable", "`id` occurs twice"),
         ("move", "", 400, "malformed", "the payload is empty: this command needs JSON"),
         ("move", "{}", 422, "unusable", "`move` is missing"),
         ("move", r#"{"move":"q"}"#, 422, "unusable", "\"q\" is no move"),
-        ("move", &large, 413, "tooLarge", "at most 4096 are read"),
+        ("move", &large, 413, "tooLarge", "the maximum is 4096"),
         ("goto", r#"{"x":1}"#, 422, "unusable", "`y` is missing"),
         ("goto", r#"{"x":8193,"y":1}"#, 422, "unusable", "out of reach"),
         ("verdict", r#"{"verdict":"safe"}"#, 422, "unusable", "`luggage` is missing: send {\"luggage\":3,"),
-        ("verdict", r#"{"luggage":"3","verdict":"safe"}"#, 422, "unusable", "`luggage` is \"3\": a whole number from 0"),
+        ("verdict", r#"{"luggage":"3","verdict":"safe"}"#, 422, "unusable", "`luggage` is \"3\": send a whole number from 0"),
         ("verdict", r#"{"luggage":3,"verdict":"maybe"}"#, 422, "unusable", "\"maybe\" is no verdict"),
         ("verdict", r#"{"luggage":3,"word":"safe"}"#, 422, "unusable", "its fields are verdict, note, id, luggage"),
-        ("verdict", r#"{"luggage":3,"verdict":"safe","note":"a\nb"}"#, 422, "unusable", "a character that is not seen, '\\n'"),
-        ("verdict", r#"{"luggage":3,"verdict":"safe","note":7}"#, 422, "unusable", "`note` is 7: a text in quotes"),
+        ("verdict", r#"{"luggage":3,"verdict":"safe","note":"a\nb"}"#, 422, "unusable", "the invisible character '\\n'"),
+        ("verdict", r#"{"luggage":3,"verdict":"safe","note":7}"#, 422, "unusable", "`note` is 7: send a text in quotes"),
         ("retake", "{}", 422, "unusable", "`luggage` is missing: send {\"luggage\":3}"),
         ("acknowledge", r#"{"luggage":1}"#, 422, "unusable", "`alarm` is missing: send {\"alarm\":2}"),
-        ("strategy", r#"{"name":"worm"}"#, 422, "unusable", "there is no strategy \"worm\": there are"),
-        ("temperature", r#"{"celsius":-300}"#, 422, "unusable", "cannot be"),
+        ("strategy", r#"{"name":"worm"}"#, 422, "unusable", "there is no strategy \"worm\": send one of"),
+        ("temperature", r#"{"celsius":-300}"#, 422, "unusable", "is not plausible"),
     ];
     for (name, payload, status, code, words) in cases {
         let (topic, json) = app.ask(&format!("command/{name}"), payload).await;
@@ -247,7 +247,7 @@ async fn a_viewer_may_stop_and_nothing_else() {
         assert_eq!(say(&app.commands, &format!("command/{name}"), payload, &viewer()), Taken::Forbidden);
         let (topic, json) = app.result().await;
         assert_eq!((topic, &json["status"]), (format!("command/{name}/result"), &403.into()));
-        assert!(json["detail"].as_str().unwrap().contains("you are signed in as `wall`, a viewer"), "{json}");
+        assert!(json["detail"].as_str().unwrap().contains("you are signed in as `wall` with the role viewer"), "{json}");
         let (issuer, asked, refused) = app.noted().await.expect("on record");
         assert_eq!((issuer.to_string().as_str(), refused.code()), ("wall (mqtt, 192.0.2.7)", "notAllowed"));
         assert_eq!(asked, Asked::Command(command));
@@ -323,7 +323,7 @@ async fn messages_of_the_original_system_command_and_are_answered_by_none() {
 #[tokio::test]
 async fn an_old_console_is_told_why_a_command_is_refused_and_what_goes_on() {
     let mut app = app(searching());
-    let no_photo = "luggage #3 has no usable photo: take it again, or answer danger (continueExplore takes it again)";
+    let no_photo = "luggage #3 has no usable photo: take it again, or answer danger (continueExplore takes the photo again)";
     for (word, refused, why) in [
         ("luggageSafe", Refused::NoPhoto(LuggageId(3)), no_photo),
         ("continueExploreAfterPhoto", Refused::NoPhoto(LuggageId(3)), no_photo),

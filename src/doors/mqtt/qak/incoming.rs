@@ -155,11 +155,11 @@ impl Known {
         let id = self.id;
         let expected = match self.asks {
             Asks::Halt(_) | Asks::For(_) | Asks::GoOn => id.to_owned(),
-            Asks::Goto => format!("{id}(X,Y), two whole numbers,"),
-            Asks::Move => format!("{id}(w), or another move,"),
-            Asks::Change => format!("{id}(robot,w), or another move, or {id}(luggage,safe) or {id}(luggage,danger)"),
+            Asks::Goto => format!("{id}(X,Y) with two whole numbers"),
+            Asks::Move => format!("{id}(w) or another move"),
+            Asks::Change => format!("{id}(robot,w) or another move, {id}(luggage,safe) or {id}(luggage,danger)"),
         };
-        format!("{} stands where {expected} belongs", in_short(&content.to_string()))
+        format!("expected {expected}, found {}", in_short(&content.to_string()))
     }
 }
 

@@ -108,23 +108,23 @@ fn what_we_say_ourselves_is_nothing_and_what_others_say_is_unknown() {
 #[test]
 fn a_known_message_with_nonsense_in_it_is_told_what_is_wrong() {
     let unusable = [
-        ("msg(startCmd,event,js,none,stopCmd,1)", "the CONTENT of startCmd is wrong: stopCmd stands where startCmd belongs"),
-        ("msg(luggageSafe,event,js,none,1,1)", "the CONTENT of luggageSafe is wrong: 1 stands where luggageSafe belongs"),
+        ("msg(startCmd,event,js,none,stopCmd,1)", "the CONTENT of startCmd is wrong: expected startCmd, found stopCmd"),
+        ("msg(luggageSafe,event,js,none,1,1)", "the CONTENT of luggageSafe is wrong: expected luggageSafe, found 1"),
         (
             "msg(startTest,event,js,none,startTest(1),1)",
-            "the CONTENT of startTest is wrong: startTest(1) stands where startTest(X,Y), two whole numbers, belongs",
+            "the CONTENT of startTest is wrong: expected startTest(X,Y) with two whole numbers, found startTest(1)",
         ),
         (
             "msg(startTest,event,js,none,startTest(1,2.5),1)",
-            "the CONTENT of startTest is wrong: startTest(1,2.5) stands where startTest(X,Y), two whole numbers, belongs",
+            "the CONTENT of startTest is wrong: expected startTest(X,Y) with two whole numbers, found startTest(1,2.5)",
         ),
         (
             "msg(startTest,event,js,none,startTest(1,9000),1)",
-            "the CONTENT of startTest is wrong: (1, 9000) is out of reach: x and y lie between -8192 and 8192",
+            "the CONTENT of startTest is wrong: (1, 9000) is out of reach: x and y must be between -8192 and 8192",
         ),
         (
             "msg(userCmd,event,js,none,userCmd,1)",
-            "the CONTENT of userCmd is wrong: userCmd stands where userCmd(w), or another move, belongs",
+            "the CONTENT of userCmd is wrong: expected userCmd(w) or another move, found userCmd",
         ),
         (
             "msg(userCmd,event,js,none,userCmd(q),1)",
@@ -132,7 +132,7 @@ fn a_known_message_with_nonsense_in_it_is_told_what_is_wrong() {
         ),
         (
             "msg(modelChange,dispatch,js,resourcemodel,modelChange(luggage,bomb),1)",
-            "the CONTENT of modelChange is wrong: modelChange(luggage,bomb) stands where modelChange(robot,w), or another move, or modelChange(luggage,safe) or modelChange(luggage,danger) belongs",
+            "the CONTENT of modelChange is wrong: expected modelChange(robot,w) or another move, modelChange(luggage,safe) or modelChange(luggage,danger), found modelChange(luggage,bomb)",
         ),
     ];
     for (text, words) in unusable {

@@ -38,11 +38,11 @@ pub enum MessageKind {
 /// `Display` is a sentence for the log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMessage {
-    #[error("it is no message: {0}")]
+    #[error("the payload is no message: {0}")]
     Unreadable(#[from] Unreadable),
-    #[error("it is no message: {0} stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs")]
+    #[error("the payload is no message: expected msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM), found {0}")]
     OtherTerm(String),
-    #[error("its {part} is {found}: {expected} belongs there")]
+    #[error("{part} is {found}: expected {expected}")]
     Part {
         /// The name of the part, such as `SENDER`.
         part: &'static str,
@@ -185,18 +185,18 @@ mod tests {
     #[test]
     fn what_is_no_message_is_told_why() {
         let cases: [(&[u8], &str); 9] = [
-            (b"", "it is no message: at byte 0 there is its end: a word, a number or a text in '\u{2026}' belongs there"),
-            (b"msg(\xff)", "it is no message: it is no UTF-8 from byte 4 on"),
-            (b"start", "it is no message: start stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs"),
+            (b"", "the payload is no message: at byte 0: expected a word, a number or a text in '\u{2026}', found the end"),
+            (b"msg(\xff)", "the payload is no message: the text is no UTF-8 from byte 4 on"),
+            (b"start", "the payload is no message: expected msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM), found start"),
             (
                 b"msg(a,b)",
-                "it is no message: msg with 2 parts stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs",
+                "the payload is no message: expected msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM), found msg with 2 parts",
             ),
-            (b"msg(1,event,a,none,a,1)", "its MSGID is 1: a word belongs there"),
-            (b"msg(a,shout,a,none,a,1)", "its MSGTYPE is shout: event, dispatch, request, invitation or reply belongs there"),
-            (b"msg(a,event(),a,none,a,1)", "its MSGTYPE is event(): event, dispatch, request, invitation or reply belongs there"),
-            (b"msg(a,event,f(x),none,a,1)", "its SENDER is f(x): a word belongs there"),
-            (b"msg(a,event,a,none,a,-1)", "its SEQNUM is -1: a whole number from 0 belongs there"),
+            (b"msg(1,event,a,none,a,1)", "MSGID is 1: expected a word"),
+            (b"msg(a,shout,a,none,a,1)", "MSGTYPE is shout: expected event, dispatch, request, invitation or reply"),
+            (b"msg(a,event(),a,none,a,1)", "MSGTYPE is event(): expected event, dispatch, request, invitation or reply"),
+            (b"msg(a,event,f(x),none,a,1)", "SENDER is f(x): expected a word"),
+            (b"msg(a,event,a,none,a,-1)", "SEQNUM is -1: expected a whole number from 0"),
         ];
         for (payload, words) in cases {
             assert_eq!(Message::parse(payload).unwrap_err().to_string(), words);

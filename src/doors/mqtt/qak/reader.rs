@@ -12,16 +12,16 @@ pub const DEPTH: usize = 32;
 /// Why a text is no term. `Display` is a sentence for the log; `at` counts bytes from the beginning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unreadable {
-    #[error("it has {0} bytes: at most {LENGTH} are read")]
+    #[error("the text has {0} bytes: the maximum is {LENGTH}")]
     TooLong(usize),
-    #[error("it is no UTF-8 from byte {at} on")]
+    #[error("the text is no UTF-8 from byte {at} on")]
     NotText {
         /// The first byte that is not valid UTF-8.
         at: usize,
     },
-    #[error("at byte {at} it is nested deeper than {DEPTH} terms")]
+    #[error("at byte {at} the text is nested deeper than {DEPTH} terms")]
     TooDeep { at: usize },
-    #[error("at byte {at} there is {}: {expected} belongs there", found.map_or("its end".to_owned(), |found| format!("{found:?}")))]
+    #[error("at byte {at}: expected {expected}, found {}", found.map_or("the end".to_owned(), |found| format!("{found:?}")))]
     Unexpected {
         at: usize,
         /// The character at this place; `None` if it is the end of the text.
@@ -114,7 +114,7 @@ impl<'a> TermReader<'a> {
         if number.is_none() {
             self.at = from;
         }
-        number.map(Term::Number).ok_or_else(|| self.unexpected("a number, as 3, -3 or 21.5,"))
+        number.map(Term::Number).ok_or_else(|| self.unexpected("a number such as 3, -3 or 21.5"))
     }
 
     /// The next character that is not blank. It is not consumed, but the blanks before it are.
@@ -169,15 +169,15 @@ mod tests {
     #[test]
     fn what_is_no_term_is_told_where_and_what_belongs_there() {
         let cases = [
-            ("", "at byte 0 there is its end: a word, a number or a text in '…' belongs there"),
-            ("f(a", "at byte 3 there is its end: `,` or `)` belongs there"),
-            ("f(a;b)", "at byte 3 there is ';': `,` or `)` belongs there"),
-            ("f(,)", "at byte 2 there is ',': a word, a number or a text in '…' belongs there"),
-            ("f(a,)", "at byte 4 there is ')': a word, a number or a text in '…' belongs there"),
-            ("f(a))", "at byte 4 there is ')': the end belongs there"),
-            ("'open", "at byte 5 there is its end: the closing `'` belongs there"),
-            ("f(1.)", "at byte 2 there is '1': a number, as 3, -3 or 21.5, belongs there"),
-            ("è", "at byte 0 there is 'è': a word, a number or a text in '…' belongs there"),
+            ("", "at byte 0: expected a word, a number or a text in '…', found the end"),
+            ("f(a", "at byte 3: expected `,` or `)`, found the end"),
+            ("f(a;b)", "at byte 3: expected `,` or `)`, found ';'"),
+            ("f(,)", "at byte 2: expected a word, a number or a text in '…', found ','"),
+            ("f(a,)", "at byte 4: expected a word, a number or a text in '…', found ')'"),
+            ("f(a))", "at byte 4: expected the end, found ')'"),
+            ("'open", "at byte 5: expected the closing `'`, found the end"),
+            ("f(1.)", "at byte 2: expected a number such as 3, -3 or 21.5, found '1'"),
+            ("è", "at byte 0: expected a word, a number or a text in '…', found 'è'"),
         ];
         for (text, words) in cases {
             assert_eq!(Term::parse(text).unwrap_err().to_string(), words, "{text}");

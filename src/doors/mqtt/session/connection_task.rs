@@ -118,7 +118,8 @@ impl ConnectionTask<'_> {
                     && let Some(refused) = self.session.refused.one_more()
                 {
                     let topic = said.topic;
-                    tracing::warn!(broker = %self.session.link, topic, refused, "the MQTT broker refuses what we say, this being the latest");
+                    let broker = &self.session.link;
+                    tracing::warn!(%broker, topic, refused, "the MQTT broker refused messages; the latest is on this topic");
                 }
             }
             Event::Sent(id) => self.conversation.inflight.handle_sent(id),
@@ -126,7 +127,7 @@ impl ConnectionTask<'_> {
                 self.conversation.inflight.handle_greeted(receive_maximum);
                 self.conversation.handle_greeted(now);
                 if !self.transport.subscribe(self.session.filters(), self.session.kept()) {
-                    return Err(Lost::Broken("no topic can be called so".to_owned()));
+                    return Err(Lost::Broken("a topic name is not valid in MQTT".to_owned()));
                 }
             }
             Event::Subscribed(granted) => self.open(&granted),
@@ -141,7 +142,7 @@ impl ConnectionTask<'_> {
         }
         let filters = [self.session.filters(), self.session.kept()].concat();
         for (filter, _) in filters.iter().zip(granted).filter(|(_, is_granted)| !**is_granted) {
-            tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
+            tracing::warn!(broker = %self.session.link, filter, "the MQTT broker refused a subscription");
         }
         self.session.handle_open();
     }
@@ -158,7 +159,7 @@ impl ConnectionTask<'_> {
         if let Some(is_news) = self.kept.handle_heard(topic, payload, now) {
             if is_news {
                 let broker = &self.session.link;
-                tracing::warn!(%broker, topic, "a topic of ours was overwritten at the MQTT broker; what we said there is said again");
+                tracing::warn!(%broker, topic, "another client overwrote a topic of hallsweep; the message is published again");
             }
             return;
         }

@@ -7,13 +7,13 @@ use rumqttc::{ConnectReturnCode, ConnectionError, v5};
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Lost {
-    #[error("it refuses us: {0}")]
+    #[error("the broker refuses the connection: {0}")]
     Refused(&'static str),
     #[error("{0}")]
     Broken(String),
-    #[error("it has not answered within {} s", .0.as_secs_f32())]
+    #[error("the broker has not answered within {} s", .0.as_secs_f32())]
     NoGreeting(Duration),
-    #[error("it has acknowledged nothing for {} s", .0.as_secs_f32())]
+    #[error("the broker has acknowledged no message for {} s", .0.as_secs_f32())]
     NoAcknowledgement(Duration),
 }
 
@@ -59,11 +59,11 @@ fn root(error: &dyn std::error::Error) -> String {
 fn in_words(code: ConnectReturnCode) -> &'static str {
     match code {
         ConnectReturnCode::RefusedProtocolVersion => "it does not speak MQTT 3.1.1; see mqtt.version",
-        ConnectReturnCode::BadClientId => "it does not take our client id",
+        ConnectReturnCode::BadClientId => "it does not accept our client id",
         ConnectReturnCode::ServiceUnavailable => "it is not ready",
-        ConnectReturnCode::BadUserNamePassword => "it knows no such name and password; see mqtt.name and mqtt.password",
-        ConnectReturnCode::NotAuthorized => "it lets in only whom it knows; see mqtt.name and mqtt.password, and its own rules",
-        ConnectReturnCode::Success => "it answered CONNECT out of turn",
+        ConnectReturnCode::BadUserNamePassword => "it does not accept this name and password; see mqtt.name and mqtt.password",
+        ConnectReturnCode::NotAuthorized => "it does not authorize us; see mqtt.name and mqtt.password, and its own rules",
+        ConnectReturnCode::Success => "it answered CONNECT at the wrong time",
     }
 }
 
@@ -76,16 +76,16 @@ fn in_words_of_five(code: Code) -> &'static str {
         Code::NotAuthorized | Code::Banned => ConnectReturnCode::NotAuthorized,
         Code::Success => ConnectReturnCode::Success,
         Code::TopicNameInvalid | Code::PayloadFormatInvalid | Code::PacketTooLarge | Code::RetainNotSupported => {
-            return "it does not take our last will";
+            return "it does not accept our last will";
         }
-        Code::UseAnotherServer | Code::ServerMoved => return "it says that another broker is to be used",
-        Code::QuotaExceeded | Code::ConnectionRateExceeded => return "it has too much to do with us",
+        Code::UseAnotherServer | Code::ServerMoved => return "it tells us to use another broker",
+        Code::QuotaExceeded | Code::ConnectionRateExceeded => return "its quota or connection rate is exceeded",
         Code::UnspecifiedError
         | Code::MalformedPacket
         | Code::ProtocolError
         | Code::ImplementationSpecificError
         | Code::BadAuthenticationMethod
-        | Code::QoSNotSupported => return "it does not say why",
+        | Code::QoSNotSupported => return "it gives no reason",
     };
     in_words(three)
 }

@@ -175,7 +175,7 @@ impl Session {
             tracing::debug!(broker = %self.link, reason = %lost, "the MQTT broker still cannot be reached");
         } else {
             let what = if was_open { "is lost" } else { "cannot be reached" };
-            tracing::warn!(broker = %self.link, reason = %lost, "the MQTT broker {what}; it is tried again until it answers");
+            tracing::warn!(broker = %self.link, reason = %lost, "the MQTT broker {what}; hallsweep tries again until it answers");
         }
     }
 }

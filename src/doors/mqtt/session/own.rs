@@ -102,10 +102,10 @@ impl OwnSession {
             |properties: &[Property<'_>]| self.broker.publish(&Announcement { topic, payload, retain: *retain, properties });
         if !publication.fits(None) {
             if let Some(left_out) = self.left_out.one_more() {
-                tracing::warn!(topic, left_out, "messages are not published, because they are too large, this being the latest");
+                tracing::warn!(topic, left_out, "messages were too large to be published; the latest is on this topic");
             }
         } else if !beside.with_properties(publish) {
-            tracing::warn!(topic, "a message is not kept for whoever comes later, there being no room for it");
+            tracing::warn!(topic, "there is no room for a retained message: clients that subscribe later do not receive it");
         }
     }
 }

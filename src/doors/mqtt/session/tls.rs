@@ -11,13 +11,13 @@ use rustls::{ClientConfig, RootCertStore};
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
     #[error(
-        "setting mqtt.certificates = {:?}: {problem}; name a PEM file with BEGIN CERTIFICATE in it, which the user who runs \
-         hallsweep can read, or leave it empty for the certificates of this system", .path.display().to_string()
+        "setting mqtt.certificates = {:?}: {problem}; name a PEM file that contains BEGIN CERTIFICATE and that the user of \
+         hallsweep can read, or leave the setting empty for the certificates of this system", .path.display().to_string()
     )]
     File { path: PathBuf, problem: String },
     #[error(
-        "this system holds no certificate by which a broker could be believed{0}; install them (ca-certificates), or name a PEM \
-         file in mqtt.certificates"
+        "this system has no certificate to verify a broker with{0}; install the package ca-certificates, or name a PEM file in \
+         mqtt.certificates"
     )]
     System(String),
     #[error("connections to a broker cannot be encrypted: {0}")]
@@ -40,9 +40,9 @@ fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     let certificates = certificates.map_err(|error| wrong(in_words(&error)))?;
     let mut roots = RootCertStore::empty();
     for certificate in certificates {
-        roots.add(certificate).map_err(|error| wrong(format!("a certificate in it is damaged: {error}")))?;
+        roots.add(certificate).map_err(|error| wrong(format!("a certificate in the file is damaged: {error}")))?;
     }
-    if roots.is_empty() { Err(wrong("there is no certificate in it".to_owned())) } else { Ok(roots) }
+    if roots.is_empty() { Err(wrong("the file contains no certificate".to_owned())) } else { Ok(roots) }
 }
 
 /// The readable certificates of the system. Old certificates of a system are often damaged, and nobody misses them.
@@ -58,9 +58,9 @@ fn of_the_system() -> Result<RootCertStore, TlsError> {
 
 fn in_words(error: &pem::Error) -> String {
     if let pem::Error::Io(error) = error {
-        return format!("it cannot be read: {error}");
+        return format!("the file cannot be read: {error}");
     }
-    "it is no PEM file, or a damaged one".to_owned()
+    "the file is damaged, or is no PEM file".to_owned()
 }
 
 #[cfg(test)]
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_a_file_is_said_with_its_name_and_what_to_do() {
-        for (name, problem) in [("no-such.pem", "cannot be read"), ("test-only-key.pem", "there is no certificate in it")] {
+        for (name, problem) in [("no-such.pem", "cannot be read"), ("test-only-key.pem", "the file contains no certificate")] {
             let said = believing(Some(&Path::new(FOLDER).join(name))).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(["mqtt.certificates", name, problem, "BEGIN CERTIFICATE"].iter().all(|words| said.contains(words)), "{said}");
         }

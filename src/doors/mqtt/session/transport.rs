@@ -75,7 +75,7 @@ impl Transport {
         if !is_given && let Some(left_out) = self.left_out.one_more() {
             let (topic, largest) = (&publication.topic, self.largest);
             let why = if fits { "there is no room for them" } else { "they are too large for the broker" };
-            tracing::warn!(topic, largest, left_out, "messages are not published, because {why}, this being the latest");
+            tracing::warn!(topic, largest, left_out, "messages were not published, because {why}; the latest is on this topic");
         }
         is_given
     }

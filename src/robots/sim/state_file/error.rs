@@ -6,20 +6,20 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum StateFileError {
     #[error(
-        "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \
-         without it what is simulated begins anew where a mission begins",
+        "cannot read the file {} ({error}): let the user who runs hallsweep read the file, or move it away, then start hallsweep \
+         again: without the file the simulation begins where a mission begins",
         .path.display()
     )]
     Unreadable { path: PathBuf, error: std::io::Error },
     #[error(
-        "{} is damaged: {fault}; move it away and start again: what is simulated then begins anew where a mission begins, and \
-         what is on record stays",
+        "the file {} is damaged: {fault}; move it away and start hallsweep again: the simulation then begins where a mission \
+         begins, and the journal stays",
         .path.display()
     )]
     Damaged { path: PathBuf, fault: String },
     #[error(
-        "{} was written in version {found} of its format, this hallsweep knows version 1: start the hallsweep that wrote \
-         it, or move the file away and what is simulated begins anew where a mission begins",
+        "the file {} has version {found} of its format, but this hallsweep knows version 1: start the hallsweep that wrote the \
+         file, or move the file away, and the simulation begins where a mission begins",
         .path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
@@ -31,12 +31,12 @@ pub(crate) enum StateFileError {
 fn other_hall(remembered: &str, given: &str) -> String {
     if remembered == given {
         return format!(
-            "is of the hall {given} as it was before its file was changed: change it back, or give the changed hall a folder \
-             of its own with --data DIR"
+            "belongs to the hall {given} before its file was changed: undo the change, or choose another folder for the changed \
+             hall with --data DIR"
         );
     }
     format!(
-        "is of the hall {remembered}, not of {given}: start with --hall {remembered}, or give this hall a folder of its own \
+        "belongs to the hall {remembered}, not to {given}: start with --hall {remembered}, or choose another folder for {given} \
          with --data DIR"
     )
 }

@@ -69,7 +69,7 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
         (&whole[..100], "100 bytes instead of 4096"),
         (&[&whole[..], b"x"].concat(), "4097 bytes"),
         (&[0xff; 4096], "not text"),
-        (&wall, "where it cannot be"),
+        (&wall, "cannot stand at the position"),
         (&newer, "version 7"),
     ];
     for (bytes, expect) in cases {

@@ -91,7 +91,7 @@ fn an_archive_of_something_else_is_not_taken_for_one_of_this_journal() {
     let cut = cuts(&journal, LATER).unwrap().pop().expect("one is over");
     write(&other, LATER, "old").unwrap().expect("one is over");
     let Err(Unreadable(words)) = archive_file::checked(&journal, &cut, &file(&other, "old")) else { panic!("it is another") };
-    assert!(words.contains("does not hold what the journal does"), "{words}");
+    assert!(words.contains("differs from the journal"), "{words}");
 }
 
 pub(super) fn lines(path: &Path) -> Vec<String> {
@@ -176,7 +176,7 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
     assert_eq!(write(&scratch, NOON, "old").unwrap(), None);
     std::fs::write(file(&scratch, "there"), "somebody's").unwrap();
     let Err(Unreadable(words)) = write(&scratch, LATER, "there") else { panic!("it was written over") };
-    assert!(words.contains("there cannot be used"), "{words}");
+    assert!(words.contains("there exists with other contents"), "{words}");
     assert!(write(&scratch, LATER, "nowhere/old").is_err());
     let Err(Unreadable(words)) = write_out(&file(&scratch, "there"), LATER, LATER, &file(&scratch, "old")) else {
         panic!("it is no folder")
@@ -187,8 +187,8 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
     let photo = before.iter().find(|(path, _)| path.extension().is_some_and(|end| end == "png")).unwrap();
     std::fs::write(&photo.0, "another").unwrap();
     let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("a photo is not what it was") };
-    assert!(words.contains("nothing is written out: the photo "), "{words}");
-    assert!(words.contains(&format!("{} is not what it was", photo.0.display())), "{words}");
+    assert!(words.contains("nothing was archived: the photo "), "{words}");
+    assert!(words.contains(&format!("{} was changed", photo.0.display())), "{words}");
     std::fs::write(&photo.0, &photo.1).unwrap();
     assert_eq!(bytes(&scratch.data()), before);
     assert!(!file(&scratch, "old").exists(), "what was begun of it is gone");
@@ -208,7 +208,7 @@ fn nothing_is_changed_where_nothing_is_old_or_the_file_cannot_be_written_or_the_
     std::fs::remove_file(&log).unwrap();
     rewrite(&scratch, "UPDATE events SET at_ms = at_ms - 1 WHERE seq = 8");
     let Err(Unreadable(words)) = write(&scratch, LATER, "old") else { panic!("an entry is not what it was") };
-    assert!(words.contains("entries 7 to 8 are not what was kept"), "{words}");
+    assert!(words.contains("entries 7 to 8 were changed"), "{words}");
 }
 
 pub(super) fn held(scratch: &Scratch, archives: &[PathBuf]) -> Vec<String> {
@@ -239,8 +239,8 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     }
     check_finds(&scratch, &[]);
     for (named, words) in [
-        (&first, "the journal does not begin with what"),
-        (&second, "entries 1 to 8 are in archives that were not named; the last of them is first (SHA-256 "),
+        (&first, "the journal does not continue"),
+        (&second, "entries 1 to 8 are in archives that were not checked; the last archive is first (SHA-256 "),
     ] {
         let left_out = held(&scratch, std::slice::from_ref(named));
         assert!(left_out.len() == 1 && left_out[0].contains(words), "{left_out:?}");
@@ -259,7 +259,7 @@ fn archives_follow_on_one_another_and_what_is_changed_or_left_out_is_named() {
     connection.execute_batch("DROP TRIGGER events_stay_as_they_are; UPDATE events SET at_ms = 0 WHERE seq = 13").unwrap();
     drop(connection);
     let found = held(&scratch, &[first, second]);
-    assert!(found.iter().any(|fault| fault.contains("are not what was kept")), "with the place: {found:?}");
+    assert!(found.iter().any(|fault| fault.contains("were changed")), "with the place: {found:?}");
 }
 
 /// A version without archives wrote the journal.
@@ -273,7 +273,10 @@ fn archives_are_not_held_against_a_journal_of_an_older_format() {
     let checked = ReadOnlyJournal::open(&scratch.data()).unwrap().check_archives(&[file(&scratch, "old")]);
     let Err(Unreadable(words)) = checked else { panic!("there is nothing to hold it against") };
     let journal = scratch.data().join("journal.db");
-    assert!(words.starts_with(&format!("the journal {} is of an older hallsweep (format 3)", journal.display())), "{words}");
+    assert!(
+        words.starts_with(&format!("the journal {} was written by an older hallsweep (format 3)", journal.display())),
+        "{words}"
+    );
 }
 
 proptest! {

@@ -34,8 +34,8 @@ fn exchange(one: u64, other: u64) -> String {
 
 #[test]
 fn whatever_is_done_to_entries_is_named_with_its_place() {
-    let changed = |first: u64, last: u64| format!("entries {first} to {last} are not what was kept");
-    let last_is_gone = |first: u64, last: u64| format!("entries {first} to {last}: the last of them is not there");
+    let changed = |first: u64, last: u64| format!("entries {first} to {last} were changed");
+    let last_is_gone = |first: u64, last: u64| format!("entries {first} to {last}: the last entry is missing");
     let missing = |first: u64, last: u64| format!("entries {first} to {last} are missing");
     for (sql, finds) in [
         // A time, a mission, a coordinate: the entries and the tables stay readable.
@@ -62,7 +62,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
         ("DELETE FROM events WHERE seq = 10".to_owned(), vec![last_is_gone(10, 10), "ends before entry 10".to_owned()]),
         (
             "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8".to_owned(),
-            vec!["ends before entry 10, up to which it was kept".to_owned()],
+            vec!["ends before entry 10, which was stored".to_owned()],
         ),
         (
             "INSERT INTO events SELECT 11, mission, at_ms, offset_s, kind, body FROM events WHERE seq = 10".to_owned(),
@@ -73,7 +73,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
             "UPDATE pages SET digest = x'00' WHERE last = 10".to_owned(),
             vec![changed(10, 10), "entry 10 of the journal".to_owned()],
         ),
-        ("DROP INDEX milestones".to_owned(), vec!["its tables, indices and triggers are not those".to_owned()]),
+        ("DROP INDEX milestones".to_owned(), vec!["the tables, indices or triggers differ".to_owned()]),
     ] {
         let scratch = some_journal();
         check_finds(&scratch, &[]);
@@ -111,19 +111,19 @@ fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
 #[test]
 fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     for (sql, words) in [
-        ("DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8", "ends before entry 10, up to which it was kept"),
+        ("DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8", "ends before entry 10, which was stored"),
         ("DELETE FROM events WHERE seq = 10", "ends before entry 10"),
         ("DELETE FROM pages WHERE last >= 8", "entry 10 of the journal"),
         (
             "INSERT INTO events SELECT 11, mission, at_ms, offset_s, kind, body FROM events WHERE seq = 10",
-            "written to by something else",
+            "another program has written to the journal",
         ),
     ] {
         let scratch = some_journal();
         rewrite(&scratch, sql);
         let before = bytes(&scratch.data());
         let failure = scratch.open().failure.expect("it cannot be gone on with");
-        assert!(failure.contains(words) && failure.contains("nothing is written to it"), "{failure}");
+        assert!(failure.contains(words) && failure.contains("not changed"), "{failure}");
         assert_eq!(bytes(&scratch.data()), before, "not a byte has changed");
     }
     // An operator may restore a backup on purpose.
@@ -142,7 +142,7 @@ fn who_says_that_what_was_kept_was_lost_is_not_believed() {
     let scratch = some_journal();
     let said = |kept: u64| format!("everything after entry {kept:020} was said to be lost\n");
     std::fs::write(scratch.data().join("journal.lost"), said(7)).unwrap();
-    check_finds(&scratch, &["it says that entries were lost that were kept, up to entry 10"]);
+    check_finds(&scratch, &["it says that entries are lost, but these entries were stored, up to entry 10"]);
     let before = bytes(&scratch.data());
     let failure = scratch.open().failure.expect("it is not gone on with");
     assert!(failure.contains("journal.lost cannot be used"), "{failure}");
@@ -180,7 +180,7 @@ fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
         drop(scribe);
         check_finds(&scratch, &[]);
         rewrite(&scratch, "UPDATE events SET at_ms = at_ms + 1 WHERE seq = 2");
-        check_finds(&scratch, &[&format!("entries 1 to {first} are not what was kept")]);
+        check_finds(&scratch, &[&format!("entries 1 to {first} were changed")]);
     }
 }
 

@@ -44,7 +44,7 @@ fn a_page_of_which_one_entry_cannot_be_written_leaves_nothing() {
     scribe.until(|word| word.failure.is_none());
     assert_eq!(scribe.keep(vec![wall(3, 3)]), Seq(8));
     drop(scribe);
-    assert_eq!(notes(&scratch), ["entries 5 to 7 were lost while the store could not write, and said to be lost"]);
+    assert_eq!(notes(&scratch), ["entries 5 to 7 were lost while the store could not write, and the loss was reported"]);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     scribe.keep(begin(1));
     // In most rounds the writer is waiting by then.
     for losses in 1..=20 {
-        status.overflow("the disk does not keep up".to_owned());
+        status.overflow("the disk is too slow".to_owned());
         scribe.until(|word| word.losses == losses && word.failure.is_none());
         scribe.keep(vec![wall(3, 3)]);
     }
@@ -131,7 +131,7 @@ fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     status.fail(status.begin(), "the disk is full");
     assert_eq!(heard(), (1, true));
     for _ in 0..3 {
-        status.overflow("the disk does not keep up".to_owned());
+        status.overflow("the disk is too slow".to_owned());
     }
     assert_eq!(heard(), (1, true), "the failure that stands is one loss");
     status.recover();
@@ -190,7 +190,7 @@ fn what_is_handed_over_after_a_disk_hung_is_kept() {
     assert_eq!(scribe.opened.archive.luggage(LuggageId(1)), Ok(None), "it was said to be lost");
     assert_eq!(scribe.keep(vec![found(1, None)]), Seq(7));
     drop(scribe);
-    assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and said to be lost"]);
+    assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and the loss was reported"]);
 }
 
 /// Safety R3: reported before anything is to be written.

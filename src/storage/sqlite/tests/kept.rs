@@ -181,7 +181,7 @@ fn a_check_finds_what_is_missing_and_what_says_nothing() {
     scribe.keep(begin(1));
     scribe.keep(vec![wall(1, 1), wall(2, 2), wall(3, 3), wall(4, 4)]);
     drop(scribe);
-    let changed = "entries 5 to 8 are not what was kept";
+    let changed = "entries 5 to 8 were changed";
     meddle(&scratch, "DELETE FROM events WHERE seq IN (6, 7)");
     check_finds(&scratch, &["entries 6 to 7 are missing", changed]);
     meddle(&scratch, "INSERT INTO losses VALUES (5, 1)");
@@ -190,10 +190,7 @@ fn a_check_finds_what_is_missing_and_what_says_nothing() {
         &scratch,
         "INSERT INTO events VALUES (9, NULL, 0, 0, 'led', '{\"kind\":\"led\"}'), (10, NULL, 0, 0, 'mark', '{\"kind\":\"led\",\"blinking\":true}')",
     );
-    check_finds(
-        &scratch,
-        &["entry 9 ", "entry 10 is not of the kind that it says", changed, "the entries from 9 on are in no page"],
-    );
+    check_finds(&scratch, &["entry 9 ", "entry 10 has a wrong kind", changed, "the entries from 9 on are in no page"]);
 }
 
 /// Overwrites an entry, as a bad disk would.
@@ -207,7 +204,7 @@ fn check_advises(scratch: &Scratch, damaged: Seq, words: &str) {
     assert!(findings.faults[0].starts_with(&format!("entry {damaged} of the journal cannot be understood")), "{findings:?}");
     assert!(findings.faults.iter().all(|fault| !fault.contains("rebuild")), "{findings:?}");
     let advice = findings.notes.last().expect("there is advice");
-    assert!(advice.contains(words) && advice.contains("`hallsweep journal export` writes them out"), "{advice}");
+    assert!(advice.contains(words) && advice.contains("`hallsweep journal export` prints the sound entries"), "{advice}");
 }
 
 #[test]
@@ -234,7 +231,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     assert_eq!(kept.missions(None, 9).map(|missions| missions.len()), Ok(2));
     assert_eq!(kept.state(MissionId(2)).unwrap().map(|sound| sound.damage), Some(Vec::new()), "the other has none");
 
-    check_advises(&scratch, lost, "hallsweep goes on without them, so nothing has to be done");
+    check_advises(&scratch, lost, "hallsweep continues without these entries, so you need to do nothing");
 
     // Reading would begin at this entry, and begins at an earlier one instead.
     damage(&scratch, summed_up);

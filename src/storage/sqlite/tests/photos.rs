@@ -45,12 +45,12 @@ fn a_photo_is_a_file_named_by_its_digest() {
 
     std::fs::write(&files[0].0, "bog").unwrap();
     let Err(Unreadable(words)) = archive.photo(LuggageId(1)) else { panic!("another photo was shown") };
-    assert!(words.contains("is not what it was"), "{words}");
-    check_finds(&scratch, &["is not what it was"]);
+    assert!(words.contains("was changed"), "{words}");
+    check_finds(&scratch, &["was changed"]);
     scribe.keep(vec![found(1, Some(photo("bag")))]);
     assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "taken again it is whole");
     std::fs::remove_file(&files[0].0).unwrap();
-    check_finds(&scratch, &["is not there"]);
+    check_finds(&scratch, &["is missing"]);
 }
 
 /// Safety R5.
@@ -97,9 +97,9 @@ fn a_photo_that_is_missing_or_another_is_spoilt_and_one_that_cannot_be_opened_is
     let take = || archive.take(LuggageId(1), 1);
     assert_eq!(take(), Ok(Some(photo("bag"))));
     std::fs::write(&file, "bog").unwrap();
-    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is not what it was")));
+    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("was changed")));
     std::fs::remove_file(&file).unwrap();
-    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is not there")));
+    assert!(matches!(take(), Err(NoTake::Spoilt(words)) if words.contains("is missing")));
     std::fs::create_dir(&file).unwrap();
     assert!(
         matches!(take(), Err(NoTake::Unreadable(Unreadable(words))) if words.contains(&format!("{}: it is a folder", file.display())))

@@ -103,7 +103,7 @@ fn what_has_the_name_of_an_archive_and_is_another_is_neither_taken_for_it_nor_wr
     {
         std::fs::write(&there, &spoilt).unwrap();
         let words = refused(start(&scratch));
-        assert!(words.contains("cannot be used, something else is there: name another, or move it away"), "{words}");
+        assert!(words.contains("exists with other contents: name another file, or move this file away"), "{words}");
         assert_eq!(std::fs::read(&there).unwrap(), spoilt);
         assert_eq!(content(&scratch), journal);
     }
@@ -127,7 +127,7 @@ fn no_more_is_written_out_at_once_than_is_waited_for() {
         let scratch = some_missions();
         let before = content(&scratch);
         let words = refused(some(&scratch, entries, photo_bytes));
-        assert!(words.contains("mission 1 is more than is written out at a start"), "{words}");
+        assert!(words.contains("mission 1 is too large to be archived at a start"), "{words}");
         assert_eq!(content(&scratch), before);
     }
     for (entries, photo_bytes) in [(16, u64::MAX), (u64::MAX, 5)] {
@@ -159,7 +159,7 @@ fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     assert_eq!(missions(some(&other, 24, &both).unwrap()), (MissionId(1), MissionId(2)));
     assert_eq!(missions(some(&one, 16, &file(&one, "second")).unwrap()), (MissionId(1), MissionId(1)));
     let words = refused(some(&one, 16, &both));
-    assert!(words.contains("does not hold what the journal does"), "{words}");
+    assert!(words.contains("differs from the journal"), "{words}");
 }
 
 /// Otherwise a power cut could leave a journal that names an archive whose folder is missing.

@@ -79,7 +79,7 @@ fn a_folder_of_a_later_archive_is_sound_and_says_where_it_begins() {
         let begins = chain::anchor(&connect::reader(&Folder::new(archive)).unwrap().unwrap().connection).unwrap();
         assert_eq!(begins.seq, Seq(behind));
         let notes = ReadOnlyJournal::open(&elsewhere.data()).unwrap().check().unwrap().notes;
-        let said = format!("begins as that does behind entry {behind}, whose page has the digest {}", begins.hex());
+        let said = format!("begins after entry {behind}, whose page has the digest {}", begins.hex());
         assert_eq!(
             notes.iter().any(|note| note.contains("unpacked from the archive second") && note.contains(&said)),
             behind > 0
@@ -103,7 +103,7 @@ fn what_an_unpacked_folder_writes_out_itself_follows_on_the_archive_that_it_was(
         assert_eq!(held(&elsewhere, &archives), Vec::<String>::new(), "{archives:?}");
     }
     let found = held(&elsewhere, &[second]);
-    assert!(found.iter().any(|fault| fault.contains("another archive stands between them")), "{found:?}");
+    assert!(found.iter().any(|fault| fault.contains("an archive between the two is missing")), "{found:?}");
 }
 
 /// What somebody may do to a folder of the second archive, and what a check against the archive reports.
@@ -121,8 +121,8 @@ fn tampered(folder: &Scratch) -> [(String, &'static str); 3] {
                  DELETE FROM pages WHERE last > 24";
     [
         (moved, "the journal does not begin where"),
-        (changed.to_owned(), "the journal is not what"),
-        (other.to_owned(), "was not written out of this journal"),
+        (changed.to_owned(), "the journal differs from the archive"),
+        (other.to_owned(), "is not an archive of this journal"),
     ]
 }
 
@@ -207,7 +207,7 @@ fn what_lies_where_a_folder_is_built_is_not_taken_into_it() {
     std::fs::create_dir(&build).unwrap();
     std::fs::write(build.join("access.toml"), "keys of somebody else").unwrap();
     let Err(Unreadable(words)) = unpack(&second, &elsewhere.data(), LATER) else { panic!("it was taken") };
-    assert!(words.contains("is in the way") && !elsewhere.data().exists(), "{words}");
+    assert!(words.contains("has other contents") && !elsewhere.data().exists(), "{words}");
     std::fs::remove_dir_all(&build).unwrap();
     std::os::unix::fs::symlink(elsewhere.data().with_file_name("."), &build).unwrap();
     assert!(unpack(&second, &elsewhere.data(), LATER).is_err());

@@ -266,7 +266,7 @@ fn a_drawing_that_is_not_made_in_time_is_a_photo_that_failed() {
     test.passes(1000);
     test.hears(&format!("{BLIND}42"));
     test.passes(1000);
-    assert_eq!(test.events(), [RobotEvent::PhotoFailed(OrderId(7), "it was not drawn in time".to_owned())]);
+    assert_eq!(test.events(), [RobotEvent::PhotoFailed(OrderId(7), "the photo was not drawn in time".to_owned())]);
     test.order(FORWARD);
     assert_eq!(test.events(), [], "and it goes on");
 }
@@ -310,7 +310,7 @@ fn a_photo_that_comes_too_late_is_passed_over_and_so_are_the_lines_in_it() {
     test.passes(400);
     test.hears("sonar 1");
     test.passes(100);
-    let why = "the photo did not come in time".to_owned();
+    let why = "the photo did not arrive in time".to_owned();
     assert_eq!(test.events(), [RobotEvent::Sonar(Some(1)), RobotEvent::PhotoFailed(OrderId(7), why)]);
     let bytes = framed("sonar 99");
     test.photo(&bytes, &bytes);
@@ -338,9 +338,7 @@ fn a_photo_of_no_size_that_is_taken_fails() {
         let mut test = Test::up(ADA);
         test.order(photograph());
         test.hears(&format!("photo 43 {length} 00000000"));
-        assert!(
-            matches!(&test.events()[..], [RobotEvent::PhotoFailed(OrderId(7), words)] if words.contains("4194304 are taken"))
-        );
+        assert!(matches!(&test.events()[..], [RobotEvent::PhotoFailed(OrderId(7), words)] if words.contains("1 to 4194304")));
     }
 }
 

@@ -64,7 +64,7 @@ fn a_robot_that_says_nothing_is_given_up_with_what_was_seen_of_it() {
     test.hears("what is this");
     test.driver.handle_received(b"noise*0000\n", test.now);
     test.passes(1500);
-    let words = "the robot said nothing for 1.5 s; lines were damaged on their way; `what is this` was not understood";
+    let words = "the robot said nothing for 1.5 s; some lines arrived damaged; `what is this` was not understood";
     assert_eq!(test.outputs().last(), Some(&Output::GiveUp(words.to_owned())));
     assert_eq!(test.driver.poll_timeout(), None, "nothing more is said");
     for _ in 0..2 {
@@ -89,7 +89,7 @@ fn a_robot_that_was_switched_off_and_on_is_a_lost_link_and_its_order_is_over() {
     test.said();
     test.hears(&format!("{BLIND}0"));
     let words = given_up(&mut test);
-    assert_eq!(words, "ada was switched off and on: look whether it stands where it says");
+    assert_eq!(words, "ada was switched off and on: check that its reported place is right");
     test.driver.handle_lost(&words, test.now);
     assert_eq!(lost(&test.events()), words);
     test.driver.handle_connected(test.now);
@@ -112,7 +112,7 @@ fn a_robot_that_takes_the_place_of_another_is_a_lost_link() {
     let mut test = Test::up(ADA);
     test.hears("hello bob base step=800 turn=650 photo=0 at=0,0,south off last=42");
     let words = given_up(&mut test);
-    assert_eq!(words, "bob answers instead of ada: check where it stands");
+    assert_eq!(words, "bob answers instead of ada: check the place of the robot");
     test.driver.handle_lost(&words, test.now);
     assert_eq!(lost(&test.events()), words);
     test.driver.handle_connected(test.now);
@@ -145,7 +145,7 @@ fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() 
     done(Action::Recentre, "2,3,west");
     let mut test = done(FORWARD, "1,3,west");
     test.hears(&at("0,3,west", 43));
-    assert_eq!(given_up(&mut test), "ada says that it stands at (0, 3), west, and stood at (1, 3), west: look where it stands");
+    assert_eq!(given_up(&mut test), "ada says that it is at (0, 3), west, but was at (1, 3), west: check its place");
 }
 
 /// This holds whatever else it says, even that it has begun nothing yet.
@@ -157,7 +157,7 @@ fn one_that_stands_elsewhere_in_the_middle_of_an_order_is_a_lost_link_too() {
             test.order(FORWARD);
         }
         test.hears(&(ADA.replace("2,3,west", at) + &last.to_string()));
-        assert!(given_up(&mut test).contains("look where it stands"), "{at} {last}");
+        assert!(given_up(&mut test).contains("check its place"), "{at} {last}");
     }
 }
 
@@ -187,7 +187,7 @@ fn a_robot_that_is_blocked_or_halted_has_not_come_further() {
         test.hears(&format!("{ADA}43"));
         assert_eq!(test.said(), Vec::<String>::new(), "{answer}");
         test.hears(&(ADA.replace("2,3", "1,3") + "43"));
-        assert!(given_up(&mut test).contains("look where it stands"), "{answer}");
+        assert!(given_up(&mut test).contains("check its place"), "{answer}");
     }
 }
 
@@ -195,14 +195,14 @@ fn a_robot_that_is_blocked_or_halted_has_not_come_further() {
 fn a_robot_that_has_other_parts_than_it_had_is_a_lost_link() {
     let mut test = Test::up(ADA);
     test.hears(&(ADA.replace(" camera", "") + "42"));
-    assert_eq!(given_up(&mut test), "ada has other parts than it had: is it the same robot?");
+    assert_eq!(given_up(&mut test), "ada now reports other parts: check that it is the same robot");
 }
 
 #[test]
 fn another_program_that_has_given_it_orders_is_a_lost_link() {
     let mut test = Test::up(ADA);
     test.hears(&format!("{ADA}43"));
-    assert_eq!(given_up(&mut test), "another program has given the robot orders: let one drive it");
+    assert_eq!(given_up(&mut test), "another program has given the robot orders: let only one program drive the robot");
 }
 
 /// Safety S3: it may still be carrying out an earlier order.

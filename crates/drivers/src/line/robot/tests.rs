@@ -243,7 +243,10 @@ fn a_photo_is_sent_once() {
     test.reports(RobotEvent::Photo(SIX, Photo { bytes: Arc::from(*b"123456789"), media_type: "image/png" }));
     assert_eq!(test.said(), ["photo 6 9 CBF43926", "123456789"]);
     test.hears("photo 6 4000");
-    assert_eq!((test.begun(), test.said()), (None, vec!["nophoto 6 it was sent already, and is lost: order another".to_owned()]));
+    assert_eq!(
+        (test.begun(), test.said()),
+        (None, vec!["nophoto 6 the photo was sent already and is lost: order another photo".to_owned()])
+    );
 }
 
 #[test]

@@ -203,7 +203,7 @@ impl VirtualRobot {
             }
             Err(Drift { cells, .. }) => {
                 let what = name.unwrap_or("something");
-                self.lose(&format!("it met {what} {:.1} cells from where that stands, so it has drifted", cells.abs()));
+                self.lose(&format!("it met {what} {:.1} cells from the expected place, so it has drifted", cells.abs()));
                 false
             }
         }
@@ -214,7 +214,7 @@ impl VirtualRobot {
         let met = self.met.clone();
         match self.truly_in(met.as_deref(), towards) {
             Some(cell) => self.stand_elsewhere(cell),
-            None => self.lose("what it has met stands elsewhere by its scene file"),
+            None => self.lose("it met an obstacle that is elsewhere in its scene file"),
         }
     }
 
@@ -222,7 +222,7 @@ impl VirtualRobot {
     fn stand_beside(&mut self, towards: Heading) {
         match self.column_beside(towards) {
             Some(cell) => self.stand_elsewhere(cell),
-            None => self.lose("it has come past something that bars its way by its scene file"),
+            None => self.lose("it has passed an obstacle that blocks its way in its scene file"),
         }
     }
 
@@ -232,7 +232,7 @@ impl VirtualRobot {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
             (self.astray, self.wandered) = (0, 0);
-            return self.lose("again and again it stands elsewhere than was counted, so its scene file is not of this room, or its page is too busy");
+            return self.lose("its place was wrong again and again: its scene file is of another room, or its page is too busy");
         }
         let pose = Pose { cell, ..self.reckoning.pose() };
         self.reckoning.complete(pose);
@@ -253,7 +253,7 @@ impl VirtualRobot {
             let _ = self.reckoning.meet(name, towards);
         } else {
             let what = name.unwrap_or("something");
-            return self.lose_sight(&format!("while it could not be heard it may have met {what}"));
+            return self.lose_sight(&format!("it may have met {what} while the connection was lost"));
         }
         if self.set_right(name, towards) {
             self.go_back();

@@ -26,7 +26,7 @@ const FEELS: f64 = 0.3;
 /// Upper bound of the measured latency. If it is longer, the page has hung.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
-const LATE_WORD: &str = "the word that it had met something came too late";
+const LATE_WORD: &str = "its message about a contact came too late";
 
 /// Bounds of the measured time of a step.
 pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
@@ -72,14 +72,14 @@ const BESIDE: f64 = 0.15;
 const BEGUN: Duration = Duration::from_millis(10);
 
 /// Advice when only the position is lost, but the map is right.
-const PUT_HOME: &str = "Open its page anew, so that it stands at its start, and press START";
+const PUT_HOME: &str = "Reload its page, so that the robot is at its start, and press START";
 
 /// Advice when the map may be wrong as well.
 const BEGIN_ANEW: &str =
-    "The map may be wrong. Open its page anew, so that it stands at its start; RESET begins with an empty map";
+    "The map may be wrong. Reload its page, so that the robot is at its start; RESET begins with an empty map";
 
 /// Advice added where a scene file would have helped.
-const WITH_SCENE: &str = ". With its scene file (robot.scene) a drift is set right";
+const WITH_SCENE: &str = ". With its scene file (robot.scene) the program corrects a drift";
 
 /// A step whose end was not observed: its direction, its length in cells, and how far the robot has felt ahead since,
 /// in cells.
@@ -175,7 +175,7 @@ impl VirtualRobot {
             }
             LegStage::Sent(_) if self.awaits_word(&leg) => {
                 self.alarm();
-                self.lose_sight("it did not say that the move has ended, so maybe its page was closed");
+                self.lose_sight("it did not report the end of a move: maybe its page was closed");
             }
             LegStage::Sent(_) => self.ended(leg),
             LegStage::Fresh | LegStage::Queued => {}
@@ -300,7 +300,10 @@ impl VirtualRobot {
         if is_halted {
             self.answer(|order| RobotEvent::Halted(order, off_centre));
         } else if waited >= REFUSED {
-            self.fail("its server says that another move is still under way, and an alarm does not end that. Start the server again and open its page anew, so that the robot stands at its start");
+            self.fail(
+                "its server reports that another move is still under way, even after an alarm. Restart the server and reload its \
+                 page, so that the robot is at its start",
+            );
         }
     }
 
@@ -457,7 +460,7 @@ impl VirtualRobot {
     /// Gives up the position, because it is unknown whether the robot received the move.
     fn left_in_doubt(&mut self) {
         self.off_centre = true;
-        self.lost = Some(format!("it was lost in the moment in which it was told to move. {PUT_HOME}"));
+        self.lost = Some(format!("its connection was lost just when it got a move. {PUT_HOME}"));
     }
 
     /// Handles a motion against a thing when its end was not observed. A robot that drove forward stops at that thing,

@@ -26,51 +26,53 @@ mod written;
 
 /// The flags of `evaluate`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Without --halls: the table of docs/search.md, which takes less than a minute.\n\
-    Families of random halls: empty, luggage-PERCENT, walls, islands, pockets, corridors, maze; with their size, as luggage-10:50x50.\n\
-    The same flags walk through the same halls by the same moves; only the times of decisions differ.")]
+#[command(after_help = "Without --halls, the program prints the table of docs/search.md; this takes less than a minute.\n\
+    Families of random halls: empty, luggage-PERCENT, walls, islands, pockets, corridors, maze. Add the size, such as \
+    luggage-10:50x50.\n\
+    The same flags give the same halls and the same moves; only the decision times differ.")]
 pub(crate) struct Evaluate {
-    /// A family of random halls with its size, a hall by its name, or a hall file; several with commas between them. Without any, what the
-    /// table asks is asked.
+    /// Halls, separated by commas: a family of random halls with its size, the name of a built-in hall, or a hall file.
+    /// Default: the comparisons of the table in docs/search.md.
     #[arg(long, value_name = "HALLS", value_delimiter = ',')]
     halls: Vec<String>,
-    /// How many halls of each family.
+    /// Number of halls of each family.
     #[arg(long, value_name = "NUMBER", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     count: u32,
-    /// Where the chance in random halls comes from.
+    /// Seed of the random halls.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
-    /// The strategies, with commas between them; otherwise all of them.
+    /// Strategies to compare, separated by commas; by default all.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = strategy)]
     strategies: Vec<Strategy>,
-    /// One more that searches: the score by the weights in this file.
+    /// Also compare the search that uses the weights in this file.
     #[arg(long, value_name = "FILE")]
     weights: Vec<PathBuf>,
-    /// Compare each to this strategy, hall by hall.
+    /// Compare each strategy with this one, hall by hall.
     #[arg(long, value_name = "NAME", value_parser = strategy, requires = "halls")]
     against: Option<Strategy>,
-    /// What the searches are to be good at: find, cover.
+    /// Goal of the searches: find (find luggage soon) or cover (cover the whole hall in few moves).
     #[arg(long, value_name = "NAME", default_value = "find", value_parser = objective, requires = "halls")]
     goal: Objective,
-    /// How many cells the sonar sees ahead, 1 to 7; 0: the robot bumps into what is there.
+    /// Range of the sonar in cells, 1 to 7; 0 means that the robot detects obstacles by driving into them.
     #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7), requires = "halls")]
     sonar: u8,
-    /// What a step, a turn and a bump cost.
+    /// Costs of a step, a turn and a bump.
     #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs, requires = "halls")]
     costs: Costs,
-    /// Tell how often the time left that the console says holds, instead: in each family of halls, at every moment of a search.
+    /// Measure instead how often the remaining time on the console is correct, in each family of halls, throughout each
+    /// search.
     #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "json", "csv", "plot"])]
     time_left: bool,
     /// Print one JSON object instead of the tables.
     #[arg(long)]
     json: bool,
-    /// Write a line for each search to this file.
+    /// Write one CSV line per search to this file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw the strategies side by side as SVG into this file.
+    /// Write a chart that compares the strategies to this file, as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draw each strategy's tour through the first of the halls as SVG into this folder.
+    /// Write each strategy's path through the first hall to this folder, as SVG files.
     #[arg(long, value_name = "DIR", requires = "halls")]
     tours: Option<PathBuf>,
 }
@@ -100,7 +102,7 @@ pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| {
         entrants.iter().position(|entrant| *entrant == Entrant::Strategy(other)).ok_or_else(|| {
-            Failure::Usage(format!("--against {0}: {0} does not search: name it in --strategies too", other.name()))
+            Failure::Usage(format!("--against {0}: the strategy {0} is not compared; add {0} to --strategies", other.name()))
         })
     });
     let against = against.transpose()?;
@@ -127,7 +129,7 @@ pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     super::print(text.trim_end())?;
     let missed = answers.iter().flat_map(|answer| answer.trials.iter().flatten()).filter(|trial| !trial.complete).count();
     if missed > 0 {
-        Err(Failure::Run(format!("{missed} searches left something out: this is a fault of hallsweep")))
+        Err(Failure::Run(format!("{missed} searches were not complete: this is a bug in hallsweep")))
     } else {
         Ok(())
     }

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Compares strategies of search over many halls, and finds weights for the search.
+/// Compares search strategies in many halls, and finds weights for the search.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Cli {
@@ -20,9 +20,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Compare strategies of search on the same halls: random ones of a family, built-in ones, or files.
+    /// Compare search strategies in the same halls: random halls, built-in halls or hall files.
     Evaluate(evaluate::Evaluate),
-    /// Find weights for the search by walks through random halls, and write them to a file.
+    /// Find weights for the search by simulating searches of random halls, and write the weights to a file.
     Tune(tune::Tune),
 }
 

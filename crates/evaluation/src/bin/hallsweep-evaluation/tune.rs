@@ -20,43 +20,43 @@ use hallsweep_evaluation::tune::{Lessons, Round, Task, cross_entropy};
 
 /// The flags of `tune`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "The same flags find the same weights, and a file of weights says by which flags it was made.")]
+#[command(after_help = "The same flags give the same weights. A weights file names the flags that produced the file.")]
 pub(crate) struct Tune {
-    /// What the search is to be good at: find, cover.
+    /// Goal of the search: find (find luggage soon) or cover (cover the whole hall in few moves).
     #[arg(long, value_name = "NAME", default_value = "cover", value_parser = objective)]
     goal: Objective,
-    /// How many cells the sonar sees ahead, 1 to 7; 0: the robot bumps into what is there.
+    /// Range of the sonar in cells, 1 to 7; 0 means that the robot detects obstacles by driving into them.
     #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=7))]
     sonar: u8,
-    /// What a step, a turn and a bump cost.
+    /// Costs of a step, a turn and a bump.
     #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs)]
     costs: Costs,
-    /// The families of the halls to learn on, one as often as the other: empty, luggage-PERCENT, walls, islands, pockets, corridors,
+    /// Families of halls to learn from, in equal shares: empty, luggage-PERCENT, walls, islands, pockets, corridors,
     /// maze.
     #[arg(long, value_name = "FAMILIES", default_value = "luggage-10", value_delimiter = ',', value_parser = family)]
     halls_of: Vec<Family>,
-    /// Their sides are this long at least and at most.
+    /// Shortest and longest side of the halls, in cells.
     #[arg(long, value_name = "LEAST,MOST", default_value = "20,30", value_parser = sides)]
     sides: (usize, usize),
-    /// Where all chance comes from.
+    /// Seed of all random numbers.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
-    /// Generations of cross-entropy over the linear part.
+    /// Number of generations of the cross-entropy search for the linear weights.
     #[arg(long, value_name = "NUMBER", default_value_t = 30, value_parser = clap::value_parser!(u64).range(0..=10_000))]
     generations: u64,
-    /// Rounds of counterfactuals for the tables.
+    /// Number of rounds that learn the tables from counterfactual decisions.
     #[arg(long, value_name = "NUMBER", default_value_t = 4, value_parser = clap::value_parser!(u64).range(0..=1000))]
     rounds: u64,
-    /// Halls a round.
+    /// Number of halls per round.
     #[arg(long, value_name = "NUMBER", default_value_t = 6000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     halls: u32,
-    /// Steps that a counterfactual is followed.
+    /// Number of steps for which each counterfactual decision is simulated.
     #[arg(long, value_name = "STEPS", default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..))]
     horizon: u32,
-    /// Begin with the weights in this file, and leave cross-entropy out.
+    /// Begin with the weights in this file, and skip the cross-entropy search.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
-    /// Where the weights are written.
+    /// File to which the weights are written.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -108,7 +108,7 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     if is_standard_output(&flags.out) {
         return Ok(());
     }
-    super::print(&format!("the weights stand in {}", flags.out.display()))
+    super::print(&format!("the weights are in {}", flags.out.display()))
 }
 
 impl Tune {

@@ -52,7 +52,7 @@ fn whoever_publishes_is_told_what_became_of_it() {
         let mut writer = scene(&broker, |terms| terms.connect.reception.wants_words = wants_words);
         writer.client(&publish_with(0x32, START, "forbidden", 3, &[])).unwrap();
         let told = taken(writer.connection.to_client());
-        assert_eq!(String::from_utf8_lossy(&told).contains("its sender may not publish there"), is_told);
+        assert_eq!(String::from_utf8_lossy(&told).contains("the sender may not publish on this topic"), is_told);
     }
 }
 

@@ -108,11 +108,11 @@ impl Scene {
         let names: BTreeSet<&str> = found.luggage().map(|(_, name)| name).collect();
         let hidden = self.statics.iter().filter(|thing| !met.contains(thing.name.as_str())).count();
         let counted = [
-            (self.moving.len(), "what moves"),
+            (self.moving.len(), "the moving obstacles"),
             (self.sonars.len(), "the sonars of the hall"),
             (pieces, "the names of luggage"),
-            (pieces - names.len(), "which luggage of one name is one piece"),
-            (hidden, "obstacles that no step meets"),
+            (pieces - names.len(), "which pieces of luggage had the same name"),
+            (hidden, "the obstacles that the robot cannot meet"),
         ];
         counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} ({count})")).collect()
     }

@@ -66,7 +66,7 @@ fn what_is_no_wall_is_a_box_where_the_page_shows_it() {
     let expect = "......../......../...1..../......../......2./......../.33...../........";
     assert_eq!(drawn(&hall), expect, "{lost:?}");
     assert!(hall.pieces().iter().all(|bag| bag.name.ends_with(" box") && !bag.dangerous));
-    assert_eq!(lost, ["what moves (1)", "the sonars of the hall (2)", "the names of luggage (3)"]);
+    assert_eq!(lost, ["the moving obstacles (1)", "the sonars of the hall (2)", "the names of luggage (3)"]);
     let written = Export::from(hall.clone()).written(Format::Toml, "room").expect("it is written");
     assert_eq!(Hall::parse("room.toml", &String::from_utf8(written.file).expect("text")), Ok(hall));
 }
@@ -90,7 +90,7 @@ fn what_is_met_first_is_what_is_there() {
     assert_eq!(drawn(&room(20.0, 4.0, &both).hall("row").expect("a hall").hall), "...1");
     let behind = obstacle("wallRight", (0.8, 0.5), (0.1, 1.0)) + &obstacle("case", (0.85, 0.5), (0.1, 0.1));
     let HallOfScene { hall, lost } = room(20.0, 4.0, &behind).hall("row").expect("a hall");
-    assert_eq!((drawn(&hall).as_str(), lost), ("...", vec!["obstacles that no step meets (1)".to_owned()]));
+    assert_eq!((drawn(&hall).as_str(), lost), ("...", vec!["the obstacles that the robot cannot meet (1)".to_owned()]));
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn one_name_is_one_piece_where_its_cells_touch() {
     let apart = obstacle("case", (0.1, 0.5), (0.05, 0.05)) + &obstacle("case", (0.9, 0.5), (0.05, 0.05));
     let HallOfScene { hall, lost } = room(20.0, 4.0, &apart).hall("row").expect("a hall");
     assert_eq!(drawn(&hall), "1...2");
-    assert_eq!(lost, ["the names of luggage (2)", "which luggage of one name is one piece (1)"]);
+    assert_eq!(lost, ["the names of luggage (2)", "which pieces of luggage had the same name (1)"]);
 }
 
 /// `cells` relies on this.
@@ -130,30 +130,30 @@ fn what_is_wrong_with_a_scene_is_said_with_its_line() {
         let said = Scene::parse("room.js", text.as_bytes()).expect_err(text).to_string();
         assert!(said.starts_with(&format!("room.js:{expect}")), "{said}");
     };
-    check("", "1: there is no scene here: a scene file says `const config");
+    check("", "1: this file has no scene: a scene file contains `const config");
     check("\nx = {", "2: the object that begins here is not closed");
-    check(&EMPTY.replace("speed: .2 }", "speed: .2 "), "2: the object that begins here is not closed: add what is missing");
+    check(&EMPTY.replace("speed: .2 }", "speed: .2 "), "2: the object that begins here is not closed: add its end");
     check(
         &EMPTY.replace("size: { x: 35", "size: { x: 1001"),
-        "3: a side of the floor is 1001, and may be 4 to 1000: correct this line",
+        "3: a side of the floor is 1001, but must be 4 to 1000: correct this line",
     );
     check(&EMPTY.replace("size: { x: 35", "size: { x: NaN"), "3: a side of the floor is NaN");
-    check(&EMPTY.replace("speed: .2", "speed: Infinity"), "4: inf is no number that can be used: correct this line");
+    check(&EMPTY.replace("speed: .2", "speed: Infinity"), "4: inf is not a finite number: correct this line");
     check(&EMPTY.replace("speed: .2", "speed: fast"), "4: expected number: correct this line");
-    check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: what stands here is not reckoned out, as .5 is for 1/2");
+    check(&EMPTY.replace("speed: .2", "speed: 1 / 5"), "4: a calculation is not allowed here: write its result, as .5 for 1/2");
     check(&EMPTY.replace("y: .08", "z: .08"), "4: missing field `y`: correct this line");
-    check(&EMPTY.replace("x: .995", "x: 1e9"), "11: 1000000000 is no fraction of the floor, which is about 0 to 1");
+    check(&EMPTY.replace("x: .995", "x: 1e9"), "11: 1000000000 is not a fraction of the floor (about 0 to 1)");
     check(&EMPTY.replace("\"wallRight\"", "\"\""), "11: a name has 1 to 64 visible characters: correct this line");
     check(&EMPTY.replace("wallRight", "wall\u{202e}Right"), "11: a name has 1 to 64 visible characters");
     check(
         &EMPTY.replace("size: { x: .01", "size: { x: -.01"),
-        "10: -0.01 is no length, which is 0 to 1 of the floor: correct this line",
+        "10: -0.01 is not a length (0 to 1 of the floor): correct this line",
     );
     check(&EMPTY.replace("    floor:", "    flor:"), "2: missing field `floor`: correct this line");
     let many = obstacle("case", (0.5, 0.5), (0.1, 0.1)).repeat(257);
     let too_many = Scene::parse("room.js", EMPTY.replace("icObstacles: [", &format!("icObstacles: [{many}")).as_bytes());
     let said = too_many.map(|scene| scene.statics.len()).expect_err("too many").to_string();
-    assert!(said.starts_with("room.js:2: there are more than 256 sonars or obstacles of a sort"), "{said}");
+    assert!(said.starts_with("room.js:2: there are more than 256 sonars or obstacles of one kind"), "{said}");
     check(&format!("x = {}", "[{a:".repeat(20_000)), "1: ");
     check(&" ".repeat(MAX_SCENE_BYTES + 1), "1: this file is larger than 262144 bytes");
     let not_text = Scene::parse("room.js", b"x =\n\xff {}").expect_err("no UTF-8").to_string();

@@ -72,7 +72,7 @@ impl Timelines {
             tokio::time::timeout(PATIENCE, reading).await.is_ok()
         };
         if !is_read {
-            tracing::debug!(%mission, "its line of time is not read to its end yet");
+            tracing::debug!(%mission, "the timeline of the mission is not complete yet");
         }
         line
     }

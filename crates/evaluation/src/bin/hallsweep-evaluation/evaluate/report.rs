@@ -16,7 +16,7 @@ pub(super) fn asked(terms: Terms) -> String {
 
 pub(super) const fn head(measure: Measure) -> &'static str {
     match measure {
-        Measure::MovesPerCell => "moves a cell",
+        Measure::MovesPerCell => "moves per cell",
         Measure::ToAPiece => "to a piece",
         Measure::StepsOverBound => "steps/bound",
         Measure::Seconds => "seconds",
@@ -29,7 +29,7 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
     let mut table = vec![["halls", "asked", "measured"].map(str::to_owned).to_vec()];
-    table[0].extend(entrants.iter().map(|entrant| entrant.name().to_owned()).chain(["auto less frontier".to_owned()]));
+    table[0].extend(entrants.iter().map(|entrant| entrant.name().to_owned()).chain(["auto minus frontier".to_owned()]));
     for Answer { question, trials } in answers {
         let Question { contest, measure } = question;
         let mut line = vec![contest.halls.to_string(), asked(contest.terms), head(*measure).to_owned()];
@@ -42,7 +42,7 @@ pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
 }
 
 pub(super) fn time_left(held: &[(Family, Held)]) -> String {
-    let mut table = vec![["halls", "a range is said", "it holds", "\"at least\" holds"].map(str::to_owned).to_vec()];
+    let mut table = vec![["halls", "range shown", "range correct", "\"at least\" correct"].map(str::to_owned).to_vec()];
     let percent = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", share * 100.0));
     table.extend(held.iter().map(|(family, held)| {
         vec![family.to_string(), percent(Some(held.with_most)), percent(held.within), percent(held.at_least)]
@@ -62,7 +62,7 @@ fn block(answer: &Answer, entrants: &[Entrant], against: Option<usize>) -> Strin
     columns.extend(["decision p50", "p99", "worst"].map(str::to_owned));
     let judged = question.measure;
     if let Some(other) = against {
-        columns.push(format!("{} less {}", head(judged), entrants[other].name()));
+        columns.push(format!("{} minus {}", head(judged), entrants[other].name()));
     }
     let mut table = vec![columns];
     for (entrant, mine) in entrants.iter().zip(trials) {
@@ -93,7 +93,7 @@ pub(super) fn plot(answers: &[Answer], entrants: &[Entrant]) -> String {
             Band { title, dots: entrants.iter().zip(trials).filter_map(dot).collect() }
         })
         .collect();
-    drawing::plot("Strategies side by side: the mean and its 95 % interval, less is better", &bands)
+    drawing::plot("Strategies side by side: the mean and its 95 % interval, smaller is better", &bands)
 }
 
 fn shown(estimate: Option<Estimate>) -> String {
