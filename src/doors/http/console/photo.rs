@@ -82,7 +82,7 @@ impl PhotoPage<'_> {
     }
 
     fn found(&self) -> Phrase<'static> {
-        let Luggage { cell, taken, verdict, .. } = self.luggage;
+        let Luggage { cell, verdict, .. } = self.luggage;
         let said = match verdict {
             None => self.language.say("photo-found"),
             Some(decision) => {
@@ -90,7 +90,7 @@ impl PhotoPage<'_> {
                 decided.with("who", &decision.who)
             }
         };
-        said.with("column", cell.x).with("row", cell.y).with("found", self.time(*taken))
+        said.with("column", cell.x).with("row", cell.y).with("found", self.time(self.luggage.waits_since()))
     }
 
     fn time(&self, wall: WallTime) -> String {
@@ -146,5 +146,16 @@ mod tests {
         let page = app.page("/luggage/2").await;
         assert!(page.contains("> The bag was found at column 1, row 2 on ") && page.contains(" by operator. <span"), "{page}");
         assert!(!app.page("/luggage/3").await.contains("the verdict was given"));
+    }
+
+    #[tokio::test]
+    async fn a_piece_was_found_when_its_first_photo_was_taken() {
+        let at = |unix_ms| WallTime { unix_ms, offset_s: 0 };
+        let mut snapshot = searching();
+        let (first_taken, taken) = (at(1_000_000_000_000), at(1_100_000_000_000));
+        let retaken = Luggage { first_taken, taken, ..(*snapshot.luggage[2]).clone() };
+        snapshot.luggage.insert(Arc::new(retaken));
+        let page = app(snapshot).page("/luggage/3").await;
+        assert!(page.contains("on 9 Sep 2001") && !page.contains("2004"), "{page}");
     }
 }
