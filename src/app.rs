@@ -30,8 +30,8 @@ use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 use crate::storage::stops;
 use hallsweep_core::engine::{Engine, Recalled};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::Strategy;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings as CoreSettings;
 
 mod bind;

@@ -9,7 +9,8 @@ use hallsweep::app;
 use hallsweep::runtime::halt::Halts;
 use hallsweep::runtime::link::{RobotSide, Stamped};
 use hallsweep::{config, telemetry};
-use hallsweep_core::event::{Capabilities, Parts, RobotEvent};
+use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::robot::Parts;
 
 use crate::clock::now;
 

@@ -8,7 +8,8 @@ use hallsweep_drivers::line::{FromRobot, LineDriver, LineReader, LineRobot, Robo
 use hallsweep_drivers::{Driver, Output};
 use hallsweep_fuzz::core::command::Move;
 use hallsweep_fuzz::core::effect::{Action, Order};
-use hallsweep_fuzz::core::event::{Capabilities, Parts, RobotEvent};
+use hallsweep_fuzz::core::event::{Capabilities, RobotEvent};
+use hallsweep_fuzz::core::robot::Parts;
 use hallsweep_fuzz::core::units::{Epoch, Now, OrderId};
 use libfuzzer_sys::fuzz_target;
 

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use super::journal::{self, Line};
 use crate::runtime::archive::{Happened, Unreadable};
-use hallsweep_core::command::{Refused, Strategy, Verdict};
-use hallsweep_core::event::{Parts, RobotId};
+use hallsweep_core::command::{Strategy, Verdict};
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::robot::RobotState;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::{Parts, RobotId, RobotState};
 use hallsweep_core::snapshot::log::{LogLine, Tone};
 use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::snapshot::said::Said;

@@ -5,8 +5,9 @@ use serde::Serialize;
 
 use super::robot::PositionJson;
 use super::vocabulary;
-use hallsweep_core::command::{Refused, Strategy};
+use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 use hallsweep_core::units::Revision;
 

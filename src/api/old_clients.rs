@@ -3,7 +3,8 @@
 
 use super::command::move_word;
 use super::fields::Unusable;
-use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::refused::Refused;
 
 #[derive(Debug)]
 pub enum Asks {

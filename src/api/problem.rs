@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::luggage::LuggageJson;
-use hallsweep_core::command::{CODES, Refusal, RefusalKind};
+use hallsweep_core::refused::{CODES, Refusal, RefusalKind};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProblemKind {

@@ -101,7 +101,7 @@ pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
 mod tests {
     use super::*;
     use crate::api::fixture::{idle, searching};
-    use hallsweep_core::event::RobotId;
+    use hallsweep_core::robot::RobotId;
     use hallsweep_core::snapshot::robot::RobotShown;
 
     #[test]

@@ -3,7 +3,7 @@
 //! with their comments (`config/default.toml`), and `docs/settings.md`.
 
 use super::Speed;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::units::Celsius;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,7 +20,7 @@ use serde::Deserialize;
 use super::environment::{self, Flag, PREFIX, Sources};
 use super::error::SettingsError;
 use super::key::{Key, ROBOT, ROBOTS, SettingKind};
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 
 /// The lowest layer, which has every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");

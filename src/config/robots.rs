@@ -11,8 +11,8 @@ use super::layers::Layers;
 use super::reading::{NumberOrWord, count, number, read, sensing, within};
 use super::robot_address::{RobotKind, robot_address};
 use super::{RobotSettings, Settings, Speed};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Which;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Sensing;
 
 /// Maximum number of robots, including the searching one: their links share one thread, on which a STOP reaches each robot

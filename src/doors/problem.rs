@@ -11,7 +11,7 @@ use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Refusal, Refused};
+use hallsweep_core::refused::{Refusal, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 

@@ -11,8 +11,8 @@ use super::external::{ExternalRobot, UnusableScene};
 use super::sim::{self, ChosenHall, Controls, Remote, SimPair, SimRobot, SimulatedHall, SimulatorParts, UnusableHall};
 use crate::config::{self, RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
-use hallsweep_core::event::RobotId;
 use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::handle::{Gone, Handle};
-use hallsweep_core::command::{Accepted, LuggageRef, Refused, Request};
+use hallsweep_core::command::{Accepted, LuggageRef, Request};
+use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 

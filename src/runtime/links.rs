@@ -6,7 +6,8 @@ use std::task::{Context, Poll};
 use super::halt::Halts;
 use super::link::{RobotLink, Stamped};
 use hallsweep_core::effect::Order;
-use hallsweep_core::event::{RobotEvent, RobotId};
+use hallsweep_core::event::RobotEvent;
+use hallsweep_core::robot::RobotId;
 
 pub(super) struct Links {
     links: Vec<RobotEnd>,

@@ -8,7 +8,8 @@ use tokio::sync::{mpsc, watch};
 use super::halt::Halter;
 use super::handle::{COMMANDS, Envelope, Handle};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Request};
+use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Request};
+use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
 

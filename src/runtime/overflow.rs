@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::{Notify, oneshot};
 
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Accepted, Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Accepted, Door, Issuer, Request};
+use hallsweep_core::refused::Refused;
 
 pub(super) type Decision = Result<Accepted, Refused>;
 

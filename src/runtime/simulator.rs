@@ -8,7 +8,8 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::handle::Gone;
-use hallsweep_core::command::{Issuer, Refused};
+use hallsweep_core::command::Issuer;
+use hallsweep_core::refused::Refused;
 pub use hallsweep_core::simulated::{Change, Pace};
 use hallsweep_core::units::Cell;
 

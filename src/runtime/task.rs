@@ -16,10 +16,12 @@ use super::links::Links;
 use super::overflow::{Counted, Decision, Overflow, OverflowOut};
 use super::store::{Store, StoreStatus};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, Issuer, Refused};
+use hallsweep_core::command::{Command, Issuer};
 use hallsweep_core::effect::{Effect, Order};
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, RobotEvent};
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, Now, Seq, Ticket};
 

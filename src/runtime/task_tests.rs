@@ -10,10 +10,10 @@ use crate::runtime::within::within;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};
-use hallsweep_core::event::{Capabilities, Parts, RobotId};
+use hallsweep_core::event::Capabilities;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::robot::RobotState;
+use hallsweep_core::robot::{Parts, RobotId, RobotState};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Seq};
 

@@ -22,15 +22,15 @@ pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;
 pub(crate) use hallsweep::storage::sqlite::MemoryStore;
 pub(crate) use hallsweep_core::command::Strategy;
-pub(crate) use hallsweep_core::command::{
-    CODES, Command, CommandId, LuggageRef, Refusal, RefusalKind, Refused, TemperatureReport, Verdict,
-};
+pub(crate) use hallsweep_core::command::{Command, CommandId, LuggageRef, TemperatureReport, Verdict};
 pub(crate) use hallsweep_core::effect::{Entry, Fact, Page};
-pub(crate) use hallsweep_core::event::{Event, RobotEvent, RobotId};
+pub(crate) use hallsweep_core::event::{Event, RobotEvent};
 pub(crate) use hallsweep_core::hold::Hold;
 pub(crate) use hallsweep_core::phase::PhaseName;
 pub(crate) use hallsweep_core::place::Place;
+pub(crate) use hallsweep_core::refused::{CODES, Refusal, RefusalKind, Refused};
 pub(crate) use hallsweep_core::rng::RandomStream;
+pub(crate) use hallsweep_core::robot::RobotId;
 pub(crate) use hallsweep_core::settings::Settings;
 pub(crate) use hallsweep_core::snapshot::Snapshot;
 pub(crate) use hallsweep_core::state::Participant;

@@ -5,11 +5,13 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request, Strategy};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Request, Strategy};
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
 use hallsweep_core::engine::{Engine, Recalled};
-use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::event::Event;
 use hallsweep_core::not_fetched::Fetcher;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;

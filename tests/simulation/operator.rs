@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Refused, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Celsius, LuggageId};

@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Request, TemperatureReport, Verdict};
+use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::robot::RobotState;
+use hallsweep_core::robot::{RobotId, RobotState};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};

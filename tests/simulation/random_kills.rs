@@ -5,9 +5,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;

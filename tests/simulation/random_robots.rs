@@ -110,7 +110,7 @@ fn check(bare: &mut Bare, seed: u64) {
     let is_home = state.robot.pose.cell == Cell::HOME && !state.robot.off_centre;
     assert!(!at_home || is_home, "seed {seed}: {:?} away from home", state.mission.phase);
     let ordered = bare.effects.iter().any(|effect| matches!(effect, Effect::Order(_, order) if order.action.is_motion()));
-    let halted = bare.effects.contains(&Effect::Halt(hallsweep_core::event::RobotId::discovery()));
+    let halted = bare.effects.contains(&Effect::Halt(hallsweep_core::robot::RobotId::discovery()));
     assert!(!ordered || halted || state.mission.holds.is_empty(), "seed {seed}: told to move under {:?}", state.mission.holds);
     let danger = state.luggage.iter().any(|luggage| luggage.is_dangerous());
     assert!(!danger || !state.robot.led_blinking, "seed {seed}: the LED blinks after danger");

@@ -1,10 +1,11 @@
 //! What crosses on the way: a drive by hand cut short, answers that come late, a link that was never up.
 
-use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{Event, Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Heading, LuggageId, Pose};
 
 use crate::bare::Bare;

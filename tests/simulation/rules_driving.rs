@@ -1,8 +1,9 @@
 //! Mission §4 rule 6: driving by hand, and that the mission never resumes unasked after it.
 
-use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, Move, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::Mark;
 

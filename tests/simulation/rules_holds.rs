@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep_core::event::{Capabilities, Event, Parts, RobotEvent, RobotId};
+use hallsweep_core::command::{Command, TemperatureReport, Verdict};
+use hallsweep_core::event::{Capabilities, Event, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::robot::Part;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::{Part, Parts, RobotId};
 use hallsweep_core::units::Celsius;
 use hallsweep_core::world::temperature::TemperatureStatus;
 use hallsweep_sim::headless::Run;

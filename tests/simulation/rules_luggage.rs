@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, LuggageRef, Refused, Strategy, Verdict};
+use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Cell, Heading, LuggageId, Pose};
 use hallsweep_core::world::hall_map::Mark;

@@ -1,10 +1,12 @@
 //! Safety R4: what follows from a command or a find is shown when it is on record; what warns or halts, pose and readings at once.
 
-use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, TemperatureReport, Verdict};
 use hallsweep_core::effect::Effect;
-use hallsweep_core::event::{Event, Obstacle, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, Obstacle, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::units::{AlarmId, Celsius, LuggageId, MissionId, Piece};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::resource::Resource;

@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::{PersistentState, Phase};

@@ -1,11 +1,12 @@
 //! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
 //! with a revision of which one or the other is so.
 
-use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request};
+use hallsweep_core::command::{Command, Door, Issuer, Move, Request};
 use hallsweep_core::effect::Effect;
 use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotState;
 use hallsweep_core::units::{AlarmId, Cell, Epoch};
 

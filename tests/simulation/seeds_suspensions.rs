@@ -1,8 +1,9 @@
 //! The test plans of sprint 0 §1.4 and sprint 6: stop, temperature, backHome and the blinking LED.
 
-use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::headless::Run;
 

@@ -5,13 +5,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Command, Door, Issuer, Request};
 use hallsweep_core::effect::{Action, Effect, Entry, Order, Page};
 use hallsweep_core::engine::{Engine, Recalled};
-use hallsweep_core::event::{Event, RobotEvent, RobotId, Whereabouts};
+use hallsweep_core::event::{Event, RobotEvent, Whereabouts};
 use hallsweep_core::place::Place;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;

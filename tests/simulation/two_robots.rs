@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, Strategy, TemperatureReport};
+use hallsweep_core::command::{Command, Door, Issuer, Move, Request, Strategy, TemperatureReport};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::robot::{Part, RobotState};
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::{Part, RobotId, RobotState};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::state::PersistentState;

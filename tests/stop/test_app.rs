@@ -25,8 +25,9 @@ use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
+use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::hold::Hold;
+use hallsweep_core::robot::{Parts, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Epoch;
 

@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use crate::arm::ArmAction;
 use crate::asked::Asked;
-use crate::command::{Accepted, CommandId, Issuer, Move, Note, Refused, Strategy, Verdict};
-use crate::event::{Photo, RobotId};
+use crate::command::{Accepted, CommandId, Issuer, Move, Note, Strategy, Verdict};
+use crate::event::Photo;
 use crate::hold::Hold;
-use crate::robot::Part;
+use crate::refused::Refused;
+use crate::robot::{Part, RobotId};
 use crate::search::{Goal, Search};
 use crate::state::{Conditions, PersistentState, Phase, Retrieval};
 use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Piece, Pose, Seq, Ticket, WallTime};

@@ -14,16 +14,17 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{
-    Command, CommandId, Issuer, LuggageRef, Move, Note, Refused, Strategy as Order, TemperatureReport, Verdict,
+    Command, CommandId, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
 use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::place::Place;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::Team;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::{Goal, Search};
 use hallsweep_core::simulated::{Change, Pace, Simulated};
 use hallsweep_core::state::{

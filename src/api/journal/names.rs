@@ -8,11 +8,11 @@ use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Door, Move, Note, Strategy, TemperatureReport, Verdict};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
 

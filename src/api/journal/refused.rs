@@ -7,8 +7,8 @@ use super::phase::CauseShape;
 use super::places::Point;
 use super::{Unparsed, earlier, names};
 use crate::api::problem::refusal;
-use hallsweep_core::command::{CommandId, Refused};
-use hallsweep_core::refused::OTHER_CONTENT;
+use hallsweep_core::command::CommandId;
+use hallsweep_core::refused::{OTHER_CONTENT, Refused};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
 pub(super) fn written(refused: &Refused, form: Form) -> Coded {

@@ -8,9 +8,9 @@ use super::coded::{CodeOrSentence, Form};
 use super::places::Point;
 use super::team::TeamShape;
 use super::{Unparsed, names};
-use hallsweep_core::event::RobotId;
 use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::place::Place;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, LuggageId};
 

@@ -135,7 +135,8 @@ mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::fixture::searching;
-    use hallsweep_core::command::{LuggageRef, Move, Note, Refused, TemperatureReport, Verdict};
+    use hallsweep_core::command::{LuggageRef, Move, Note, TemperatureReport, Verdict};
+    use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
     async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {

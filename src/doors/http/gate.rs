@@ -17,7 +17,8 @@ use crate::access::{Access, Caller, Moment, Need, Network};
 use crate::api::door;
 use crate::api::fields::in_short;
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{self, Issuer, Refused};
+use hallsweep_core::command::{self, Issuer};
+use hallsweep_core::refused::Refused;
 
 #[derive(Clone)]
 pub(super) struct Gate {

@@ -5,7 +5,8 @@ use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Door, Refused};
+use hallsweep_core::command::Door;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{Epoch, LuggageId};
 
 const JSON: (&str, &str) = ("content-type", "application/json");

@@ -117,10 +117,10 @@ mod tests {
             let [english, asked] = futures_util::future::join_all(answers.map(text)).await.try_into().unwrap();
             assert_eq!(asked, english, "{path}");
         }
-        app.refuse(hallsweep_core::command::Refused::Moving);
+        app.refuse(hallsweep_core::refused::Refused::Moving);
         let refused = text(app.send("POST", "/api/v1/commands/start", &italian, "").await).await;
         assert!(refused.contains("the robot is moving: press STOP first"), "{refused}");
-        app.refuse(hallsweep_core::command::Refused::Moving);
+        app.refuse(hallsweep_core::refused::Refused::Moving);
         let headers = [italian[0], ("accept", "application/json"), ("content-type", "application/x-www-form-urlencoded")];
         let refused = text(app.send("POST", "/console/start", &headers, "epoch=7").await).await;
         assert!(refused.contains("il robot si muove: prima premere STOP") && refused.contains("\"moving\""), "{refused}");

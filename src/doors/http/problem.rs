@@ -10,7 +10,7 @@ use crate::api::fields::in_short;
 use crate::api::problem::{ProblemKind, TOO_SLOW};
 pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
-use hallsweep_core::command::{CODES, Refused};
+use hallsweep_core::refused::{CODES, Refused};
 
 /// Added to the response of a problem, so that a browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
@@ -148,10 +148,11 @@ pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
 mod tests {
     use super::*;
     use crate::api::problem::refusal as named;
-    use hallsweep_core::command::{CommandId, Refused, Verdict};
-    use hallsweep_core::event::RobotId;
+    use hallsweep_core::command::{CommandId, Verdict};
     use hallsweep_core::hold::Hold;
     use hallsweep_core::phase::{FaultCause, PhaseName};
+    use hallsweep_core::refused::Refused;
+    use hallsweep_core::robot::RobotId;
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
     fn codes() -> std::collections::BTreeSet<String> {

@@ -1,8 +1,8 @@
 //! Words for the log of the state, which the console shows; the log on standard error stays English.
 
 use crate::phrases::Language;
-use hallsweep_core::event::RobotId;
 use hallsweep_core::hold::{Hold, HoldReason};
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::snapshot::said::{Said, Trouble};
 
 impl Language {

@@ -1,8 +1,8 @@
 //! Words for refusals, including refusals of the simulator, which all look the same to the core.
 
 use crate::phrases::Language;
-use hallsweep_core::command::Refused;
 use hallsweep_core::hold::Hold;
+use hallsweep_core::refused::Refused;
 
 /// Codes of the simulator's refusals, which the core knows only as words and the pages as phrases.
 const OF_THE_SIMULATOR: [&str; 9] = [

@@ -14,7 +14,8 @@ use super::wire::{Address, Wire};
 use crate::robots::waits::{done, done_for, hand_over};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
-use hallsweep_core::event::{Photo, RobotEvent, RobotId};
+use hallsweep_core::event::{Photo, RobotEvent};
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::storage::files;
 use crate::storage::names;
 use crate::storage::small_file::{SmallFile, checksum};
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 
 /// Maximum size in bytes, more than a driver ever writes.
 const MOST: usize = 4 << 20;

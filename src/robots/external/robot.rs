@@ -10,7 +10,7 @@ use super::wire::{Address, own_address};
 use crate::config::{RobotAddress, RobotKind, RobotSettings};
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_drivers::line::LineDriver;
 use hallsweep_drivers::{Dialect, Driver, Room, VirtualRobot};
 

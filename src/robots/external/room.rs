@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_drivers::{Extent, Room, Thing};
 use hallsweep_sim::{HallError, PLAYER, Scene};
 

@@ -13,7 +13,7 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
 
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 
 /// Maximum time to connect.
 const CALL: Duration = Duration::from_secs(3);

@@ -11,7 +11,8 @@ use crate::runtime::within::within;
 use crate::storage::scratch::Scratch;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Stamp};
-use hallsweep_core::event::{RobotId, Whereabouts};
+use hallsweep_core::event::Whereabouts;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::units::{Epoch, Pose, WallTime};
 use hallsweep_sim::{Camera, Hall, SimMemory, SimSettings};
 

@@ -14,7 +14,7 @@ use super::state_file::{SimStateFile, StateFileError};
 use crate::config::RobotSettings;
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings, Speed};
 
 pub(in crate::robots) struct SimRobot {

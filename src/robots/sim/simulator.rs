@@ -18,10 +18,10 @@ use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{
     Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Pace, Simulator, SimulatorState,
 };
-use hallsweep_core::command::{Issuer, Refused};
-use hallsweep_core::event::RobotId;
+use hallsweep_core::command::Issuer;
 use hallsweep_core::hold::Hold;
-use hallsweep_core::robot::RobotState;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::{RobotId, RobotState};
 use hallsweep_core::simulated::Simulated;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;

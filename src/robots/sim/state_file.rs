@@ -11,7 +11,7 @@ use std::path::Path;
 use crate::storage::files;
 use crate::storage::names;
 use crate::storage::small_file::SmallFile;
-use hallsweep_core::event::RobotId;
+use hallsweep_core::robot::RobotId;
 use hallsweep_sim::Hall;
 use hallsweep_sim::SimMemory;
 

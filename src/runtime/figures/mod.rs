@@ -17,8 +17,9 @@ use prometheus_client::registry::{Registry, Unit};
 
 use super::clock::Clock;
 use super::store::StoreStatus;
-use hallsweep_core::command::{CODES, Command, Door, Verdict};
+use hallsweep_core::command::{Command, Door, Verdict};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::CODES;
 use hallsweep_core::units::WallTime;
 
 pub use handed::HandedPages;

@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Stamp};
-use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent};
+use hallsweep_core::event::{Capabilities, Obstacle, Photo, RobotEvent};
+use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Now, OrderId, Piece, Pose, WallTime};
 use hallsweep_drivers::line::{BodyRequest, LineReader, LineRobot, RobotName};
 

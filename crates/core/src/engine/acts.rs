@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::effect::{Effect, Fact};
-use crate::event::RobotId;
 use crate::hold::{Hold, HoldReason, Holds};
 use crate::mission::{Act, Input, InputContext};
+use crate::robot::RobotId;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::Stage;

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use super::Engine;
 use crate::arm::{ArmState, Parcel};
-use crate::event::RobotId;
 use crate::place::Place;
+use crate::robot::RobotId;
 use crate::state::Retrieval;
 use crate::units::{Cell, OrderId, Piece};
 use crate::world::hall_map::Mark;

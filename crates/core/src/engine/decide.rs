@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::command::{Move, Refused, Request, Verdict};
+use crate::command::{Move, Request, Verdict};
 use crate::hold::Hold;
 use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
 use crate::phase::{FaultCause, PhaseName};
+use crate::refused::Refused;
 use crate::search::plan::after;
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};

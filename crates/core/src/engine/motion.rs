@@ -3,12 +3,11 @@
 use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
-use crate::event::RobotId;
 use crate::hold::Hold;
 use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
 use crate::place::Place;
-use crate::robot::Part;
+use crate::robot::{Part, RobotId};
 use crate::search::plan::{Through, after};
 use crate::search::{Goal, NextGoal, Search};
 use crate::settings::Settings;

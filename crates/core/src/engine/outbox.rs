@@ -4,9 +4,9 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use crate::command::Refused;
 use crate::effect::{Effect, Entry, Fact, Order, Page};
-use crate::event::RobotId;
+use crate::refused::Refused;
+use crate::robot::RobotId;
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
 /// Number of entries after which the whole state is put on record, so that a start need not read many more. A large

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::Engine;
 use super::outbox::WaitingAnswer;
-use crate::command::{Accepted, Refused, Verdict};
+use crate::command::{Accepted, Verdict};
 use crate::effect::Fact;
 use crate::event::Photo;
 use crate::mission::{Deciding, Input, InputContext, Recording};
+use crate::refused::Refused;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::{Inspection, Phase, Stage};

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::asked::Asked;
-use crate::command::{Accepted, Command, CommandId, Issuer, RefusalKind, Refused, Request};
+use crate::command::{Accepted, Command, CommandId, Issuer, Request};
 use crate::effect::{Entry, Fact};
-use crate::refused::OTHER_CONTENT;
+use crate::refused::{OTHER_CONTENT, RefusalKind, Refused};
 use crate::units::{Epoch, LuggageId, Ticket};
 
 /// Maximum number of ids that are remembered: more than any client has under way. When there are more, the sender with

@@ -4,11 +4,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
-use crate::command::{Move, Refused};
+use crate::command::Move;
 use crate::engine::robots::Robot;
 use crate::hold::Hold;
 use crate::mission::{Input, InputContext};
 use crate::phase::PhaseName;
+use crate::refused::Refused;
 use crate::robot::{Part, RobotId, RobotState};
 use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;

@@ -5,10 +5,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::asked::Asked;
-use crate::command::{Issuer, Refused};
+use crate::command::Issuer;
 use crate::effect::Fact;
 use crate::hold::{Hold, HoldReason};
 use crate::phase::{FaultCause, PhaseName};
+use crate::refused::Refused;
 use crate::robot::RobotId;
 use crate::snapshot::fact_words;
 use crate::units::{Cell, LuggageId, Pose};

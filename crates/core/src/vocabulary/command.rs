@@ -3,8 +3,6 @@
 
 use std::sync::Arc;
 
-pub use crate::refused::{CODES, Refusal, RefusalKind, Refused};
-
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::arm::{ArmState, Parcel};
 use crate::command::Move;
-pub use crate::robot::{Parts, RobotId};
+use crate::robot::{Parts, RobotId};
 use crate::units::{Celsius, Heading, OrderId, Piece, Pose, Seq};
 
 #[derive(Clone, Debug, PartialEq)]

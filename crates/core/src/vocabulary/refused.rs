@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use crate::command::{CommandId, Verdict};
-use crate::event::RobotId;
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
+use crate::robot::RobotId;
 use crate::units::{AlarmId, Cell, Epoch, LuggageId};
 
 /// Kind of a refusal, from which doors derive their own codes.

@@ -12,8 +12,8 @@ use super::to_robot::{RobotTask, ToRobot};
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
-use hallsweep_core::event::{OffCentre, Parts, Photo, RobotEvent};
-use hallsweep_core::robot::Part;
+use hallsweep_core::event::{OffCentre, Photo, RobotEvent};
+use hallsweep_core::robot::{Part, Parts};
 use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
 /// Time after which a line is repeated if it is not answered.

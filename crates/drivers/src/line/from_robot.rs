@@ -4,8 +4,8 @@ use std::fmt;
 use std::time::Duration;
 
 use super::numbers::{Seq, millis, number, signed};
-use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Parts, Whereabouts};
-use hallsweep_core::robot::Part;
+use hallsweep_core::event::{Ahead, Obstacle, OffCentre, Whereabouts};
+use hallsweep_core::robot::{Part, Parts};
 use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 
 #[derive(Clone, Debug, PartialEq)]

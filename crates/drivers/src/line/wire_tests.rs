@@ -8,8 +8,9 @@ use super::{BodyRequest, LineDriver, LineRobot, RobotName};
 use crate::{Driver, Output};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
-use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent, Whereabouts};
+use hallsweep_core::event::{Capabilities, Obstacle, Photo, RobotEvent, Whereabouts};
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Epoch, Now, OrderId, Pose, WallTime};
 
 const TICK: Duration = Duration::from_millis(5);

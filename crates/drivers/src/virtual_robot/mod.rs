@@ -19,8 +19,8 @@ use std::time::Duration;
 use crate::{Driver, Output, Subject};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
-use hallsweep_core::event::{Capabilities, OffCentre, Parts, Photo, RobotEvent};
-use hallsweep_core::robot::Part;
+use hallsweep_core::event::{Capabilities, OffCentre, Photo, RobotEvent};
+use hallsweep_core::robot::{Part, Parts};
 use hallsweep_core::units::{Heading, Now, OrderId, Pose};
 
 mod gauge;

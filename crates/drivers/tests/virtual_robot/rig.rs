@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request, Strategy};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Request, Strategy};
 use hallsweep_core::effect::Effect;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, Photo, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, Photo, RobotEvent};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Now, Ticket, WallTime};

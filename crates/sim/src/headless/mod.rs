@@ -11,14 +11,16 @@ use std::time::Duration;
 
 use crate::pair::{Pair, PairSettings};
 use crate::{Hall, Sim, SimSettings};
-use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request, Strategy};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Request, Strategy};
 use hallsweep_core::effect::{Action, Effect, Entry};
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};

@@ -36,10 +36,11 @@ use super::hall::Hall;
 use super::memory::{micro, reseeded};
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::effect::Order;
-use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
+use hallsweep_core::event::{Capabilities, RobotEvent, Whereabouts};
 use hallsweep_core::place::Place;
 use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Cell, Now, Piece, Pose};
 
 #[derive(Debug)]

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use super::super::settings::SimSettings;
 use super::Sim;
-use hallsweep_core::event::{Capabilities, Parts, RobotEvent, Whereabouts};
-use hallsweep_core::robot::Part;
+use hallsweep_core::event::{Capabilities, RobotEvent, Whereabouts};
+use hallsweep_core::robot::{Part, Parts};
 
 impl Sim {
     /// Queues the first reports after the link comes up: the place, the hook, then the capabilities.

@@ -5,7 +5,8 @@ use std::net::SocketAddr;
 
 use crate::access::{Need, OPERATOR, is_this_machine};
 use crate::api::door;
-use hallsweep_core::command::{Issuer, Refused};
+use hallsweep_core::command::Issuer;
+use hallsweep_core::refused::Refused;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Caller {

@@ -34,7 +34,8 @@ use crate::runtime::figures::Connected;
 use crate::runtime::handle::Handle;
 use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{self, RefusalKind, Refused};
+use hallsweep_core::command;
+use hallsweep_core::refused::{Refusal, RefusalKind, Refused};
 
 pub struct Resources {
     handle: Handle,
@@ -89,14 +90,14 @@ impl Application for Resources {
     fn note_busy(&self, request: &Request) {
         if Caller::of(request.peer) == Caller::Here {
             let words = "too many commands were under way".to_owned();
-            let refusal = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
+            let refusal = Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
             self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::InWords(refusal));
         }
     }
 
     /// Safety A6, as in `refused`.
     fn note(&self, refused: RefusedRequest) {
-        let refusal = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refused.words };
+        let refusal = Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refused.words };
         let asked = Asked::Words(in_short(&refused.asked));
         self.handle.note_refused_at_once(caller::issuer(refused.peer), asked, Refused::InWords(refusal));
     }

@@ -93,7 +93,7 @@ mod tests {
     use crate::api::fixture::piece;
     use crate::api::problem::refusal as named;
     use crate::runtime::carry_out::NotDone;
-    use hallsweep_core::command::{CODES, Refusal, Refused};
+    use hallsweep_core::refused::{CODES, Refusal, Refused};
     use hallsweep_core::units::Cell;
 
     fn moving() -> Problem {

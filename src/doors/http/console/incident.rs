@@ -140,8 +140,8 @@ mod tests {
     use super::*;
     use crate::api::fixture::{TEN, searching};
     use crate::phrases::Language;
-    use hallsweep_core::command::Refused;
     use hallsweep_core::hold::Hold;
+    use hallsweep_core::refused::Refused;
 
     #[test]
     fn the_incident_says_what_is_halted_and_has_the_one_button_that_goes_on_under_its_heading() {

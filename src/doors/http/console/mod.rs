@@ -151,7 +151,8 @@ pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
 mod tests {
     use super::super::testing::{app, leads, read, text};
     use crate::api::fixture::{idle, searching};
-    use hallsweep_core::command::{Command, LuggageRef, Move, Note, Refused, Verdict};
+    use hallsweep_core::command::{Command, LuggageRef, Move, Note, Verdict};
+    use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");

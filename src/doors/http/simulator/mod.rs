@@ -27,7 +27,8 @@ use crate::api::problem::ProblemKind;
 use crate::api::simulator::{ChangeBody, HallBody, SimulatorJson};
 use crate::phrases::Language;
 use crate::runtime::simulator::{NotSimulated, Simulator, SimulatorState};
-use hallsweep_core::command::{Door, Issuer, Refused};
+use hallsweep_core::command::{Door, Issuer};
+use hallsweep_core::refused::Refused;
 
 pub(super) use editor::{act, editor};
 pub(super) use page::{change_by_form, choose_by_form, page};

@@ -15,10 +15,11 @@ use crate::runtime::link::link;
 use crate::runtime::store::{Store, StoreStatus};
 use crate::runtime::task::{Course, Task};
 use crate::runtime::within::within;
-use hallsweep_core::command::Refused;
 use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
+use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::refused::Refused;
+use hallsweep_core::robot::{Parts, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 

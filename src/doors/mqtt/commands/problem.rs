@@ -37,7 +37,7 @@ mod tests {
     use super::*;
     use crate::api::command::move_word;
     use crate::api::problem::refusal as named;
-    use hallsweep_core::command::{CODES, Refusal, Refused};
+    use hallsweep_core::refused::{CODES, Refusal, Refused};
 
     fn title_of(status: u16) -> Option<&'static str> {
         axum::http::StatusCode::from_u16(status).unwrap().canonical_reason()

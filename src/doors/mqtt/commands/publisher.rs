@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::access::{Caller, Need};
 use crate::api::door;
-use hallsweep_core::command::{Issuer, Refused};
+use hallsweep_core::command::Issuer;
+use hallsweep_core::refused::Refused;
 
 /// Name of a sender at another broker, as recorded.
 const NOBODY_KNOWN: &str = "mqtt";

@@ -18,8 +18,9 @@ use crate::api::result::ResultJson;
 use crate::doors::connection_limits::{Permit, ResultQuota};
 use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::carry_out::{Done, NotDone};
-use hallsweep_core::command::{CommandId, Refused};
+use hallsweep_core::command::CommandId;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
 use mqtt_gate::AnswerTo;
 
 /// Maximum number of awaited results: as many as the loop's queue holds. A STOP beyond it halts, but has no result.

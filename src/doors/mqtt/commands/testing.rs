@@ -10,7 +10,8 @@ use crate::doors::mqtt::topics::Topics;
 use crate::runtime::handle::Handle;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
-use hallsweep_core::command::{Refused, Request};
+use hallsweep_core::command::Request;
+use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 
 /// More results than any test leaves unread.

@@ -6,7 +6,8 @@ use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{LuggageRef, Move, Note, Refused, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 

@@ -12,7 +12,8 @@ use crate::api::halt::is_halt;
 use crate::api::old_clients::{Asks, DANGER, ROWS, SAFE, may_drive};
 use crate::api::problem::refusal;
 use hallsweep_core::asked;
-use hallsweep_core::command::{Command, Refused};
+use hallsweep_core::command::Command;
+use hallsweep_core::refused::Refused;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum QakRequest {

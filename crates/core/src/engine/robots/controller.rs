@@ -166,7 +166,7 @@ const fn doing(step: Move) -> RobotState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::event::Parts;
+    use crate::robot::Parts;
 
     fn can(step_s: u64) -> Capabilities {
         let step = Duration::from_secs(step_s);

@@ -5,7 +5,8 @@ use crate::line::driver::testing::{ADA, BLIND, FORWARD, Test, given_up, lost};
 use crate::{Driver, Output};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::Action;
-use hallsweep_core::event::{Parts, Whereabouts};
+use hallsweep_core::event::Whereabouts;
+use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Cell, Heading, Pose};
 
 #[test]

@@ -1,7 +1,8 @@
 //! Tests of the robot's end: which orders begin, what is answered again, and when it halts by itself.
 
 use super::*;
-use hallsweep_core::event::{Obstacle, Parts};
+use hallsweep_core::event::Obstacle;
+use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Cell, Heading};
 
 struct Test {
