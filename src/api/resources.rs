@@ -8,7 +8,7 @@ use super::luggage::LuggageJson;
 use super::map::{MapJson, map_revision};
 use super::mission::StrategyJson;
 use super::state::{self, StateJson};
-use super::{cbor, map_text, old_items, retrieval, senml, text};
+use super::{cbor, map_text, old_items, senml, text};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
@@ -117,7 +117,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Robot) => old_items::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Map) => map_text::lines(snapshot),
             ResourceKind::Of(Resource::Temperature) => text::temperature(&snapshot.temperature),
-            ResourceKind::Of(Resource::Retrieval) => retrieval::text(snapshot),
+            ResourceKind::Of(Resource::Retrieval) => text::retrieval(snapshot),
             ResourceKind::Of(Resource::Luggage | Resource::Alarms | Resource::Log)
             | ResourceKind::State
             | ResourceKind::Piece

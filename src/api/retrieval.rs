@@ -6,9 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::vocabulary;
-use hallsweep_core::arm::ArmState;
 use hallsweep_core::not_fetched::NotFetched;
-use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::retrieval::{NodeShown, RetrievalView, TreeView};
 use hallsweep_core::units::Revision;
 
@@ -56,25 +54,6 @@ pub struct NodeJson {
     pub ticked: bool,
 }
 
-/// State of an arm, as its robot reports it.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct ArmJson {
-    /// State of the gripper: `open` or `closed`.
-    #[schemars(with = "vocabulary::Gripper")]
-    pub gripper: &'static str,
-    /// Whether a parcel is in the gripper.
-    pub holds: bool,
-    /// Whether a parcel is in the gripper and off the floor.
-    pub lifted: bool,
-    /// Gripping force, in newtons; 0 when nothing is held.
-    pub force_n: f64,
-    /// Angle of the paddle from upright, in degrees.
-    pub angle_deg: f64,
-    /// Distance of the two bases minus the wanted distance, in millimetres.
-    pub gap_mm: f64,
-}
-
 impl RetrievalJson {
     pub fn new(retrieval: Option<&RetrievalView>, revision: Revision) -> RetrievalJson {
         let trees = retrieval.map(|retrieval| &retrieval.trees);
@@ -109,28 +88,5 @@ impl From<&NodeShown> for NodeJson {
             status: node.status.word(),
             ticked: node.is_ticked,
         }
-    }
-}
-
-impl From<ArmState> for ArmJson {
-    fn from(arm: ArmState) -> ArmJson {
-        let hundredths = |value: f64| (value * 100.0).round() / 100.0;
-        ArmJson {
-            gripper: arm.gripper.name(),
-            holds: arm.holds.is_some(),
-            lifted: arm.holds.is_some() && !arm.on_floor,
-            force_n: hundredths(f64::from(arm.force_mn) / 1e3),
-            angle_deg: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
-            gap_mm: hundredths(f64::from(arm.gap_um) / 1e3),
-        }
-    }
-}
-
-/// One line, such as `fetching, luggage #6`, or `none`.
-pub fn text(snapshot: &Snapshot) -> String {
-    match snapshot.retrieval.as_deref() {
-        None => "none".to_owned(),
-        Some(RetrievalView { stage, luggage, reason: None, .. }) => format!("{stage}, luggage #{luggage}"),
-        Some(RetrievalView { stage, luggage, reason: Some(reason), .. }) => format!("{stage}, luggage #{luggage}: {reason}"),
     }
 }

@@ -3,10 +3,10 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::retrieval::ArmJson;
 use super::robot_parts::{ReplacedJson, replaced};
 use super::time::rfc3339;
 use super::vocabulary;
+use hallsweep_core::arm::ArmState;
 use hallsweep_core::robot::Part;
 use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::state::Participant;
@@ -71,6 +71,39 @@ impl RobotJson {
             sonar: robot.sonar_cm,
             led: if robot.led_blinking { "blinking" } else { "off" },
             unreached_since: robot.unreached_since.map(rfc3339),
+        }
+    }
+}
+
+/// State of an arm, as its robot reports it.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ArmJson {
+    /// State of the gripper: `open` or `closed`.
+    #[schemars(with = "vocabulary::Gripper")]
+    pub gripper: &'static str,
+    /// Whether a parcel is in the gripper.
+    pub holds: bool,
+    /// Whether a parcel is in the gripper and off the floor.
+    pub lifted: bool,
+    /// Gripping force, in newtons; 0 when nothing is held.
+    pub force_n: f64,
+    /// Angle of the paddle from upright, in degrees.
+    pub angle_deg: f64,
+    /// Distance of the two bases minus the wanted distance, in millimetres.
+    pub gap_mm: f64,
+}
+
+impl From<ArmState> for ArmJson {
+    fn from(arm: ArmState) -> ArmJson {
+        let hundredths = |value: f64| (value * 100.0).round() / 100.0;
+        ArmJson {
+            gripper: arm.gripper.name(),
+            holds: arm.holds.is_some(),
+            lifted: arm.holds.is_some() && !arm.on_floor,
+            force_n: hundredths(f64::from(arm.force_mn) / 1e3),
+            angle_deg: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
+            gap_mm: hundredths(f64::from(arm.gap_um) / 1e3),
         }
     }
 }

@@ -1,8 +1,9 @@
-//! Single lines for clients that want no JSON: the mission and the temperature in short. The text forms of the map are in
-//! `map_text`, the words of old clients in `old_items`.
+//! Single lines for clients that want no JSON: the mission, the retrieval and the temperature in short. The text forms of
+//! the map are in `map_text`, the words of old clients in `old_items`.
 
 use super::time::rfc3339;
-use hallsweep_core::snapshot::MissionView;
+use hallsweep_core::snapshot::retrieval::RetrievalView;
+use hallsweep_core::snapshot::{MissionView, Snapshot};
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The phase, and the holds if there are any: `exploring`, or `exploring, held by operator, awaitingStart`.
@@ -13,6 +14,15 @@ pub fn mission(mission: &MissionView) -> String {
     }
     let holds: Vec<&str> = mission.holds.iter().map(|hold| hold.name()).collect();
     format!("{phase}, held by {}", holds.join(", "))
+}
+
+/// One line, such as `fetching, luggage #6`, or `none`.
+pub fn retrieval(snapshot: &Snapshot) -> String {
+    match snapshot.retrieval.as_deref() {
+        None => "none".to_owned(),
+        Some(RetrievalView { stage, luggage, reason: None, .. }) => format!("{stage}, luggage #{luggage}"),
+        Some(RetrievalView { stage, luggage, reason: Some(reason), .. }) => format!("{stage}, luggage #{luggage}: {reason}"),
+    }
 }
 
 /// Examples: `21.4 °C, ok`; `no reading, ok` before the first reading; `not known since 2026-02-03T10:00:00.000+01:00, last

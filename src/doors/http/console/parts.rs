@@ -13,7 +13,7 @@ use super::photo::{Take, takes};
 use super::retrieval::{TreeRow, armed, rows, sign, stage, stages};
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
-use crate::api::retrieval::ArmJson;
+use crate::api::robot::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};

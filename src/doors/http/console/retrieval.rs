@@ -8,7 +8,7 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::snapshot::retrieval::NodeShown;
 use hallsweep_core::snapshot::robot::RobotShown;
 
-use crate::api::retrieval::ArmJson;
+use crate::api::robot::ArmJson;
 use crate::phrases::{Language, Phrase};
 
 /// The stages in order, by fetcher, with their names on the wire. If the searching robot fetches, nobody makes room for it, and
