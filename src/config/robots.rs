@@ -11,7 +11,7 @@ use super::layers::Layers;
 use super::reading::{NumberOrWord, count, number, read, sensing, within};
 use super::robot_address::{RobotKind, robot_address};
 use super::{RobotSettings, Settings, Speed};
-use hallsweep_core::retrieval::Which;
+use hallsweep_core::pair::Which;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Sensing;
 

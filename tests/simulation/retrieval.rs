@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
+use hallsweep_core::pair::Which;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::Which;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Piece};

@@ -69,8 +69,7 @@ impl PairStateFile {
 mod tests {
     use super::*;
     use crate::storage::scratch::Scratch;
-    use hallsweep_core::place::Place;
-    use hallsweep_core::retrieval::BasePose;
+    use hallsweep_core::place::{BasePose, Place};
     use hallsweep_core::units::{Heading, Piece};
 
     fn hall(rows: &[&str]) -> Hall {

@@ -12,5 +12,5 @@ pub(crate) use self::leaves::MOST_FAILURES;
 pub use self::leaves::catalogue;
 pub use self::steer::{Gear, steer};
 pub use self::team::{Team, TickOutcome};
-pub use self::view::{BasePose, BaseView, Proposal, View, Which};
+pub use self::view::{BaseView, Proposal, View};
 pub use self::way::{Floor, Stands, Train};

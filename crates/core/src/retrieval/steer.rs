@@ -1,9 +1,8 @@
 //! How a base turns and drives from one place to the next. The places come from `way`.
 
-use super::view::BasePose;
 use crate::command::Move;
 use crate::effect::Action;
-use crate::place::Place;
+use crate::place::{BasePose, Place};
 use crate::units::{Cell, Heading};
 
 /// Whether a base may back into the next cell. A robot sees what it meets only when it drives forwards.

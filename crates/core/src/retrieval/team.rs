@@ -14,9 +14,9 @@ use std::time::Duration;
 
 use super::leaves::routes::Routes;
 use super::leaves::{Output, Performer, REPORTING, catalogue, place_of, seen, written};
-use super::view::{Proposal, View, Which};
+use super::view::{Proposal, View};
 use crate::arm::Parcel;
-use crate::pair::{RetrievalFault, Saying};
+use crate::pair::{RetrievalFault, Saying, Which};
 use crate::state::TeamStage;
 use crate::units::Piece;
 use behaviour_trees::{Blackboard, Status, Tree, TreeError, xml};
@@ -254,8 +254,8 @@ mod tests {
     use super::*;
     use crate::arm::ArmState;
     use crate::effect::Action;
-    use crate::place::Place;
-    use crate::retrieval::{BasePose, BaseView};
+    use crate::place::{BasePose, Place};
+    use crate::retrieval::BaseView;
     use crate::units::{Cell, Heading, Revision};
     use crate::world::hall_map::HallMap;
 

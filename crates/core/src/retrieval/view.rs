@@ -6,55 +6,10 @@ use std::collections::BTreeSet;
 
 use crate::arm::{ArmAction, ArmState};
 use crate::effect::Action;
-use crate::place::Place;
-use crate::robot::RobotId;
-use crate::units::{Cell, Heading, Piece};
+use crate::pair::Which;
+use crate::place::{BasePose, Place};
+use crate::units::{Cell, Piece};
 use crate::world::hall_map::HallMap;
-
-named! {
-    ALL by name;
-    /// One of the two robots, named as in the seed.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-    pub enum Which {
-        /// The robot that leads the way.
-        Srm1 = "SRM1",
-        /// The robot that comes when it is told where to go.
-        Srm2 = "SRM2",
-    }
-}
-
-impl Which {
-    #[must_use]
-    pub const fn other(self) -> Which {
-        match self {
-            Which::Srm1 => Which::Srm2,
-            Which::Srm2 => Which::Srm1,
-        }
-    }
-
-    #[must_use]
-    pub fn robot(self) -> RobotId {
-        RobotId::new(match self {
-            Which::Srm1 => "srm1",
-            Which::Srm2 => "srm2",
-        })
-        .expect("both are names of robots")
-    }
-
-    #[must_use]
-    pub const fn index(self) -> usize {
-        match self {
-            Which::Srm1 => 0,
-            Which::Srm2 => 1,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BasePose {
-    pub place: Place,
-    pub heading: Heading,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseView {
@@ -108,18 +63,5 @@ impl Proposal {
     #[must_use]
     pub const fn arm(which: Which, action: ArmAction) -> Proposal {
         Proposal { which, action: Action::Arm(action) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_of_the_two_is_the_others_other_and_has_a_place_of_its_own() {
-        for (index, which) in Which::ALL.into_iter().enumerate() {
-            assert_eq!((which.index(), which.other().other()), (index, which));
-            assert_ne!(which.other(), which);
-        }
     }
 }

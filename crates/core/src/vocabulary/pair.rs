@@ -1,4 +1,46 @@
-//! The pair's calls to the operator, and the reasons why it cannot go on, each with a name and in words.
+//! The two robots of the pair, their calls to the operator, and the reasons why they cannot go on. Each has a name, and
+//! calls and reasons are in words as well.
+
+use crate::robot::RobotId;
+
+named! {
+    ALL by name;
+    /// One of the two robots, named as in the seed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Which {
+        /// The robot that leads the way.
+        Srm1 = "SRM1",
+        /// The robot that comes when it is told where to go.
+        Srm2 = "SRM2",
+    }
+}
+
+impl Which {
+    #[must_use]
+    pub const fn other(self) -> Which {
+        match self {
+            Which::Srm1 => Which::Srm2,
+            Which::Srm2 => Which::Srm1,
+        }
+    }
+
+    #[must_use]
+    pub fn robot(self) -> RobotId {
+        RobotId::new(match self {
+            Which::Srm1 => "srm1",
+            Which::Srm2 => "srm2",
+        })
+        .expect("both are names of robots")
+    }
+
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Which::Srm1 => 0,
+            Which::Srm2 => 1,
+        }
+    }
+}
 
 named! {
     ALL by name;
@@ -54,6 +96,19 @@ impl Saying {
         match self {
             Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge and press START",
             Saying::PackageLost => "the pair has lost the parcel: look where it lies, then acknowledge and press START",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_two_is_the_others_other_and_has_a_place_of_its_own() {
+        for (index, which) in Which::ALL.into_iter().enumerate() {
+            assert_eq!((which.index(), which.other().other()), (index, which));
+            assert_ne!(which.other(), which);
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::units::Cell;
+use crate::units::{Cell, Heading};
 
 /// A place that one base, or one parcel, fills.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,4 +56,10 @@ impl fmt::Display for Place {
             Place::Outside(_) => f.write_str("outside"),
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BasePose {
+    pub place: Place,
+    pub heading: Heading,
 }

@@ -9,8 +9,9 @@ use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{Capabilities, Obstacle, RobotEvent};
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::{BasePose, BaseView, Proposal, View, Which};
+use hallsweep_core::pair::Which;
+use hallsweep_core::place::{BasePose, Place};
+use hallsweep_core::retrieval::{BaseView, Proposal, View};
 use hallsweep_core::units::{Cell, Epoch, Heading, OrderId, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use hallsweep_core::pair::{RetrievalFault, Saying};
-use hallsweep_core::retrieval::{Team, Which};
+use hallsweep_core::pair::{RetrievalFault, Saying, Which};
+use hallsweep_core::retrieval::Team;
 use hallsweep_sim::BodyPose;
 use hallsweep_sim::pair::{Holding, Pair};
 

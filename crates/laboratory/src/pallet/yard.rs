@@ -12,8 +12,8 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::{BasePose, Floor};
+use hallsweep_core::place::{BasePose, Place};
+use hallsweep_core::retrieval::Floor;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};

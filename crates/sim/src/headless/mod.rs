@@ -15,10 +15,10 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Request, St
 use hallsweep_core::effect::{Action, Effect, Entry};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent};
+use hallsweep_core::pair::Which;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::place::Place;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::refused::Refused;
-use hallsweep_core::retrieval::{BasePose, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;

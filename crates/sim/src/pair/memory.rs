@@ -13,8 +13,8 @@ use super::robot::{Astray, PairTask, Robot, Work, WorkTime};
 use super::settings::{PairSettings, Slip};
 use super::{Pair, PairGround};
 use hallsweep_core::arm::{Controllers, Gripper, Parcel};
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::{BasePose, Which};
+use hallsweep_core::pair::Which;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, Piece};
 

@@ -12,8 +12,8 @@ use hallsweep_core::arm::{ArmAction, Gripper};
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::Obstacle;
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::{BasePose, Which};
+use hallsweep_core::pair::Which;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::units::Cell;
 
 type Words = &'static str;

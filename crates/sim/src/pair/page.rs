@@ -11,8 +11,7 @@ use super::super::page::{Unread, Whose};
 use super::memory::{AstrayMemory, GripMemory, PairMemory, RobotMemory};
 use super::settings::Slip;
 use hallsweep_core::arm::{Controllers, Gripper, Parcel};
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::BasePose;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::units::{Cell, Heading, Piece};
 
 const MAGIC: &str = "hallsweep simulated pair, version ";

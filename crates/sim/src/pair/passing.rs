@@ -8,7 +8,7 @@ use super::orders::moved;
 use super::robot::{Astray, PairTask, Work};
 use super::{Pair, RobotEvent};
 use hallsweep_core::arm::{ArmAction, Controllers, Gripper, Parcel};
-use hallsweep_core::retrieval::Which;
+use hallsweep_core::pair::Which;
 use hallsweep_core::units::OrderId;
 
 /// How often force and angle of a lifted parcel are reported without a question.

@@ -7,8 +7,7 @@ use std::time::Duration;
 use super::super::drive::{BodyPose, normal};
 use hallsweep_core::arm::{ArmAction, Controllers, Gripper};
 use hallsweep_core::event::Obstacle;
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::BasePose;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::units::{Cell, OrderId, Pose};
 
 #[derive(Clone, Debug)]

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::api::fixture::{TEN, searching};
     use crate::phrases::Language;
-    use hallsweep_core::retrieval::Which;
+    use hallsweep_core::pair::Which;
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::snapshot::robot::RobotView;
 

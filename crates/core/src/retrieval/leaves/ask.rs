@@ -4,9 +4,8 @@
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
 use crate::arm::{ArmAction, ArmState, Parcel};
 use crate::effect::Action;
-use crate::pair::{RetrievalFault, Saying};
+use crate::pair::{RetrievalFault, Saying, Which};
 use crate::place::Place;
-use crate::retrieval::view::Which;
 use behaviour_trees::{Leaf, Status, Value};
 
 /// Greatest error of the bases' distance when a parcel is put down, in micrometres: about the room that a box has on a

@@ -4,8 +4,7 @@
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
 use crate::effect::Action;
-use crate::pair::RetrievalFault;
-use crate::retrieval::view::Which;
+use crate::pair::{RetrievalFault, Which};
 use behaviour_trees::{Leaf, Status};
 
 impl Performer<'_> {

@@ -14,11 +14,11 @@ pub(super) use self::ask::seen;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use super::view::{BaseView, View, Which};
+use super::view::{BaseView, View};
 use super::way::{Floor, Train};
 use crate::arm::{ArmState, Parcel};
 use crate::effect::Action;
-use crate::pair::{RetrievalFault, Saying};
+use crate::pair::{RetrievalFault, Saying, Which};
 use crate::place::Place;
 use crate::units::Cell;
 use behaviour_trees::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};

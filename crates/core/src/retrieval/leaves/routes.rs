@@ -3,8 +3,8 @@
 
 use std::collections::VecDeque;
 
+use crate::pair::Which;
 use crate::place::Place;
-use crate::retrieval::view::Which;
 use crate::retrieval::way::{Floor, Stands, Train};
 use crate::world::hall_map::HallMap;
 

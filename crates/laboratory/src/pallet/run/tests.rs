@@ -9,7 +9,7 @@ use super::super::yard::MOST_PARCELS;
 use super::*;
 use behaviour_trees::Status;
 use hallsweep_core::pair::Saying;
-use hallsweep_core::place::Place;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_sim::Hall;
 use hallsweep_sim::pair::Slip;
@@ -169,8 +169,7 @@ fn every_branch_of_the_three_trees_is_reached() {
     }
     cover(&mut run(2, 2, Asked { blocked: vec![1], ..Asked::default() }), &mut seen);
     // SRM2 need not come when it stands beside the pallet already.
-    let beside =
-        hallsweep_core::retrieval::BasePose { place: Place::Cell(Cell::new(1, 1)), ..Yard::new(1, 2).unwrap().starts[0] };
+    let beside = BasePose { place: Place::Cell(Cell::new(1, 1)), ..Yard::new(1, 2).unwrap().starts[0] };
     let hall = Hall::from_rows("beside", &["ST...", ".....", "....."]).unwrap();
     let starts = [Yard::new(1, 2).unwrap().starts[0], beside];
     let parcels = vec![(hall.pieces()[0].piece, Cell::new(1, 0))];

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 
 use super::super::*;
 use super::slips;
-use hallsweep_core::place::Place;
-use hallsweep_core::retrieval::BasePose;
+use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Heading;
 use hallsweep_sim::{Hall, Truth};
