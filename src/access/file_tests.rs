@@ -1,7 +1,7 @@
 //! What the key file survives, and what it refuses. A file of its own because of its length.
 
 use super::*;
-use crate::storage::scratch::Scratch;
+use crate::storage::tests::scratch::Scratch;
 
 fn overwritten(file: &KeyFile, text: &str) -> String {
     file.0.replace(text.as_bytes()).unwrap();

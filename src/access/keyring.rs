@@ -165,7 +165,7 @@ fn follow(keys: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
 mod tests {
     use super::*;
     use crate::access::role::Role;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     const NOW: Moment = Moment { elapsed: Duration::from_secs(1000), unix_s: 1_795_262_400 };
 

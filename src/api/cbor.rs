@@ -142,8 +142,8 @@ mod tests {
 
     use super::*;
     use crate::api::command::{EpochBody, GotoBody, MoveBody, TemperatureBody, VerdictBody};
-    use crate::api::fixture::{degrees, searching};
     use crate::api::state::StateJson;
+    use crate::api::tests::fixture::{degrees, searching};
     use hallsweep_core::command::{Command, TemperatureReport};
     use hallsweep_core::units::Cell;
 

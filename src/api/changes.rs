@@ -107,7 +107,7 @@ fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, piece, searching, touch, write};
+    use crate::api::tests::fixture::{idle, piece, searching, touch, write};
     use hallsweep_core::command::Verdict;
     use hallsweep_core::hold::Hold;
     use hallsweep_core::snapshot::log::Tone;

@@ -105,7 +105,7 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::*;
-    use crate::api::fixture::{TEN, idle, piece};
+    use crate::api::tests::fixture::{TEN, idle, piece};
     use hallsweep_core::command::Verdict;
     use hallsweep_core::units::{Cell, LuggageId, Revision};
     use hallsweep_core::world::hall_map::Mark;

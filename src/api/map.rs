@@ -166,7 +166,7 @@ pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{drawn, idle, searching, touch};
+    use crate::api::tests::fixture::{drawn, idle, searching, touch};
 
     fn cells(change: Option<MapChange>) -> Vec<(i32, i32, char)> {
         match change {

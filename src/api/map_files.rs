@@ -59,7 +59,7 @@ impl MapFileRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use hallsweep_core::units::{Cell, Piece};
     use hallsweep_sim::{Hall, Truth};
 

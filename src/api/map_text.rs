@@ -52,7 +52,7 @@ fn text_char(plan: Plan<'_>, cell: Cell) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{drawn, idle};
+    use crate::api::tests::fixture::{drawn, idle};
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::units::{Heading, Pose};
 

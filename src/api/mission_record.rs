@@ -196,7 +196,7 @@ pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, ne
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{TEN, drawn, piece};
+    use crate::api::tests::fixture::{TEN, drawn, piece};
     use hallsweep_core::command::Strategy;
     use hallsweep_core::effect::Fact;
     use hallsweep_core::units::{Cell, Pose};

@@ -10,13 +10,9 @@ pub mod changes;
 pub mod command;
 pub mod commands;
 pub mod concise_problem;
-#[cfg(test)]
-pub(crate) mod documented;
 pub mod door;
 pub mod excerpt;
 pub mod fields;
-#[cfg(test)]
-pub(crate) mod fixture;
 pub mod hall_files;
 pub mod halt;
 pub mod journal;
@@ -43,6 +39,8 @@ pub mod senml;
 pub mod simulator;
 pub mod state;
 pub mod temperature;
+#[cfg(test)]
+pub(crate) mod tests;
 pub mod text;
 pub mod time;
 pub mod vocabulary;

@@ -46,7 +46,7 @@ pub const fn direction(heading: Heading) -> &'static str {
 mod tests {
 
     use super::*;
-    use crate::api::fixture::{drawn, idle, piece, searching};
+    use crate::api::tests::fixture::{drawn, idle, piece, searching};
     use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, LuggageId, Pose};
 

@@ -175,7 +175,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::api::fixture::{searching, touch};
+    use crate::api::tests::fixture::{searching, touch};
 
     /// Lists all kinds; a new one does not compile until it is added here.
     fn next(kind: ResourceKind) -> Option<ResourceKind> {

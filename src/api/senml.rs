@@ -60,7 +60,7 @@ fn packed(base: &'static str, records: impl Iterator<Item = Record>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, searching};
+    use crate::api::tests::fixture::{idle, searching};
 
     #[test]
     fn a_temperature_is_a_measurement_in_celsius() {

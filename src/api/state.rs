@@ -100,7 +100,7 @@ pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, searching};
+    use crate::api::tests::fixture::{idle, searching};
     use hallsweep_core::robot::RobotId;
     use hallsweep_core::snapshot::robot::RobotShown;
 

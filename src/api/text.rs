@@ -36,7 +36,7 @@ pub fn temperature(view: &TemperatureView) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, searching};
+    use crate::api::tests::fixture::{idle, searching};
     use hallsweep_core::hold::Hold;
 
     #[test]

@@ -108,7 +108,7 @@ pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     fn of_today(out: &mut dyn Write) -> Result<(), Failure> {
         out.write_all(b"of today").map_err(|error| Failure::Run(error.to_string()))

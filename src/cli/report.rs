@@ -128,7 +128,7 @@ pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Fail
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
     use hallsweep_core::asked::Asked;
     use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Strategy, Verdict};
     use hallsweep_core::effect::{Entry, Fact, Page};

@@ -59,7 +59,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::runtime::partial_archive::PartialArchive;
+    use crate::runtime::tests::partial_archive::PartialArchive;
 
     struct Empty;
 

@@ -198,7 +198,7 @@ impl Handle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
     use hallsweep_core::command::{Door, Move};
     use hallsweep_core::engine::Engine;
     use hallsweep_core::settings::Settings;

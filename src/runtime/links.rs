@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{REPORTS, RobotSide, link};
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
     use hallsweep_core::effect::Action;
     use hallsweep_core::units::{Epoch, OrderId};
 

@@ -9,14 +9,10 @@ pub mod halt;
 pub mod handle;
 pub mod link;
 mod links;
-#[cfg(test)]
-pub(crate) mod obedient;
 mod overflow;
-#[cfg(test)]
-pub(crate) mod partial_archive;
 pub mod simulator;
 pub mod store;
 pub mod task;
-pub mod threads;
 #[cfg(test)]
-pub(crate) mod within;
+pub(crate) mod tests;
+pub mod threads;

@@ -137,7 +137,7 @@ fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<on
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
     use hallsweep_core::command::Command;
 
     fn issuer(from: &str) -> Issuer {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::*;
 use crate::runtime::handle::CommandOutcome;
 use crate::runtime::link::{RobotSide, Stamped, link};
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};

@@ -4,8 +4,8 @@
 pub(crate) mod files;
 pub mod names;
 pub(crate) mod private_file;
-#[cfg(test)]
-pub(crate) mod scratch;
 pub(crate) mod small_file;
 pub mod sqlite;
 pub mod stops;
+#[cfg(test)]
+pub(crate) mod tests;

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::runtime::halt::Halter;
-use crate::runtime::within::within;
-use crate::storage::scratch::Scratch;
+use crate::runtime::tests::within::within;
+use crate::storage::tests::scratch::Scratch;
 
 fn file_in(scratch: &Scratch) -> PathBuf {
     names::STOPS.within(&scratch.0)

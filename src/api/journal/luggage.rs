@@ -149,7 +149,7 @@ impl AlarmShape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{TEN, piece};
+    use crate::api::tests::fixture::{TEN, piece};
     use hallsweep_core::units::{Cell, WallTime};
 
     #[test]

@@ -25,9 +25,7 @@ mod standing;
 mod team;
 
 #[cfg(test)]
-pub(crate) mod arbitrary;
-#[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use conditions::ConditionsShape;
 pub use fact::kind;

@@ -1,5 +1,7 @@
 //! Tests that every entry is read back as it was written, and that anything else is refused with a sentence.
 
+pub(crate) mod arbitrary;
+
 use proptest::prelude::*;
 
 use super::*;

@@ -11,7 +11,7 @@ use tokio::task::JoinHandle;
 
 use super::*;
 use crate::api::door;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::coap::pending::{COMMANDS, READS};
 use crate::runtime::figures::Figures;
 use coap_endpoint::{Answer, Code, Format, Method, RefusedRequest, Request, Response};

@@ -122,7 +122,7 @@ mod tests {
     use futures_util::FutureExt;
 
     use super::*;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
 
     fn crowd<'a>(pending: &PendingConnections, from: impl IntoIterator<Item = &'a str>) -> Vec<PendingConnection> {
         from.into_iter().map(|address| pending.admit(address.parse().unwrap(), Arc::default())).collect()

@@ -144,7 +144,7 @@ pub(super) fn fingerprint(text: &str) -> u64 {
 mod tests {
     use super::super::testing::app;
     use super::ASSETS;
-    use crate::api::fixture::idle;
+    use crate::api::tests::fixture::idle;
 
     #[tokio::test]
     async fn every_file_of_the_page_can_be_fetched_by_whoever_asks() {

@@ -134,7 +134,7 @@ fn unquoted(text: &str) -> Option<String> {
 mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use hallsweep_core::command::{LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};

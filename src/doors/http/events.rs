@@ -81,7 +81,7 @@ mod tests {
     use super::super::STREAMS;
     use super::super::testing::{TestApp, app};
     use super::*;
-    use crate::api::fixture::{searching, touch};
+    use crate::api::tests::fixture::{searching, touch};
     use axum::body::{Body, BodyDataStream};
     use hallsweep_core::units::Cell;
     use hallsweep_core::world::hall_map::Mark;

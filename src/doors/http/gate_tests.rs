@@ -2,7 +2,7 @@
 
 use crate::access::Access;
 use crate::api::door;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::Door;

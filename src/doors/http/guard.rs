@@ -243,7 +243,7 @@ fn date(unix_ms: i64) -> Option<HeaderValue> {
 mod tests {
     use super::super::testing::{app, text};
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     fn foreign(headers: &[(&'static str, &'static str)]) -> bool {
         let pairs = headers.iter().map(|(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value)));

@@ -172,7 +172,7 @@ mod tests {
     use super::super::testing::{app, guarded_app, keys, read, text};
     use super::*;
     use crate::access::Access;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     #[tokio::test]
     async fn the_page_shows_both_runs_drawn_without_a_script_and_says_that_they_are_the_same() {

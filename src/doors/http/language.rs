@@ -85,7 +85,7 @@ pub(super) async fn choose(peer: Peer, Form(choice): Form<Choice>) -> Result<Res
 mod tests {
     use super::super::testing::{app, leads, text};
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     #[track_caller]
     fn check(headers: &[(&'static str, &str)], expect: Language) {

@@ -69,9 +69,9 @@ mod tests {
 
     use super::super::testing::app;
     use super::*;
-    use crate::api::fixture::{searching, touch};
     use crate::api::map_files::FILES;
-    use crate::runtime::within::within;
+    use crate::api::tests::fixture::{searching, touch};
+    use crate::runtime::tests::within::within;
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::world::resource::Resource;
 

@@ -5,8 +5,9 @@ use std::fmt::Write;
 
 use super::*;
 use crate::api::commands::COMMANDS;
-use crate::api::fixture::searching;
-use crate::api::{documented, door};
+use crate::api::door;
+use crate::api::tests::documented;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::testing::{app, text};
 use crate::runtime::figures::{self, OTHER};
 use hallsweep_core::command::Command;

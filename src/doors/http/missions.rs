@@ -278,7 +278,7 @@ impl From<&MissionRecord> for MissionRecordJson {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{TestApp, app, read, text};
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     async fn json(app: &TestApp, path: &str) -> serde_json::Value {
         let (status, json) = read(app.get(path).await).await;

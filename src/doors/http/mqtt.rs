@@ -204,7 +204,7 @@ mod tests {
     use futures_util::FutureExt;
 
     use super::*;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
 
     /// Safety A5: however many clients come and go, and however little they read.
     #[tokio::test(start_paused = true)]

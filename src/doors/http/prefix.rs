@@ -60,7 +60,7 @@ mod tests {
     use super::super::routes::table;
     use super::super::testing::{app, leads, text};
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 

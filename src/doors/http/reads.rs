@@ -117,8 +117,8 @@ pub(super) async fn record(door: &HttpDoor, snapshot: &Snapshot, id: u64) -> Res
 #[cfg(test)]
 mod tests {
     use super::super::testing::{TestApp, app, read, text};
-    use crate::api::fixture::searching;
     use crate::api::resources::{RESOURCES, ResourceKind};
+    use crate::api::tests::fixture::searching;
     use hallsweep_core::robot::{Part, Parts};
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::state::Participant;

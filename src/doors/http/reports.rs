@@ -195,9 +195,9 @@ mod tests {
 
     use super::super::testing::{TestApp, app};
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use crate::runtime::archive::Unreadable;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
 
     fn half(
         app: &TestApp,

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::*;
 use crate::access::Access;
-use crate::api::documented;
-use crate::api::fixture::searching;
 use crate::api::resources::Form;
+use crate::api::tests::documented;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::testing;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, read, text};
 

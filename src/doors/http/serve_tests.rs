@@ -13,11 +13,11 @@ use tokio::time::timeout;
 
 use super::*;
 use crate::access::Access;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::Hall;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
 use crate::runtime::clock::Clock;
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::command::Door;
 use hallsweep_core::command::{Command, Issuer, Request};
 

@@ -6,7 +6,7 @@ use futures_util::StreamExt;
 
 use super::*;
 use crate::access::{Keyring, Moment, SESSION_S};
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::prefix::LONGEST_PATH;
 use crate::doors::http::testing::{TestApp, app, guarded_app, keys, leads, text};
 

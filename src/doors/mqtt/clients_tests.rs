@@ -5,12 +5,12 @@ use tokio::sync::{mpsc, watch};
 
 use super::*;
 use crate::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
-use crate::api::fixture::idle;
+use crate::api::tests::fixture::idle;
 use crate::doors::connection_limits::CONNECTIONS;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::session::testing::topics;
-use crate::runtime::obedient::{Script, obedient};
-use crate::runtime::within::within;
+use crate::runtime::tests::obedient::{Script, obedient};
+use crate::runtime::tests::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::connect::{Credentials, NoConnect};
 

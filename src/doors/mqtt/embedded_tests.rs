@@ -10,15 +10,15 @@ use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
 use super::*;
-use crate::api::fixture::{idle, touch};
+use crate::api::tests::fixture::{idle, touch};
 use crate::doors::mqtt::commands::Commands;
 use crate::doors::mqtt::home_assistant::BIRTH;
 use crate::doors::mqtt::session::OwnSession;
 use crate::doors::mqtt::session::testing::{Album, Peer, publish, topics};
 use crate::doors::mqtt::topics::HOME_ASSISTANT_STATUS;
 use crate::runtime::archive_reader::ArchiveReader;
-use crate::runtime::obedient::{Script, obedient};
-use crate::runtime::within::within;
+use crate::runtime::tests::obedient::{Script, obedient};
+use crate::runtime::tests::within::within;
 use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;

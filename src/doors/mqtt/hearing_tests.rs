@@ -7,13 +7,13 @@ use tokio::sync::mpsc;
 
 use super::*;
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::mqtt::commands::Commands;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::read_ahead::{Pool, Taker, read_ahead};
 use crate::doors::mqtt::topics::Topics;
-use crate::runtime::obedient::{Script, obedient};
-use crate::runtime::within::within;
+use crate::runtime::tests::obedient::{Script, obedient};
+use crate::runtime::tests::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::packet::{Qos, write};
 

@@ -356,7 +356,7 @@ mod tests {
 
     use super::*;
     use crate::doors::mqtt::session::testing::topics;
-    use crate::runtime::within::within;
+    use crate::runtime::tests::within::within;
     use mqtt_gate::{Broker, OwnSubscription};
 
     fn broker() -> (Broker, RumqttdRouter) {

@@ -9,7 +9,7 @@ use tokio::task::JoinHandle;
 
 use super::*;
 use crate::config::{Sources, Speed, load};
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::units::{OrderId, Pose, WallTime};
 use hallsweep_drivers::line::{LineDriver, LineReader, framed};

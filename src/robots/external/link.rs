@@ -316,8 +316,8 @@ mod tests {
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::link;
-    use crate::runtime::within::within;
-    use crate::storage::scratch::Scratch;
+    use crate::runtime::tests::within::within;
+    use crate::storage::tests::scratch::Scratch;
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Order, Stamp};
     use hallsweep_core::units::{Epoch, Now, Pose, WallTime};

@@ -154,7 +154,7 @@ fn understood(bytes: &[u8]) -> Result<(String, String), &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     fn open(folder: &Scratch, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         MemoryFile::open(&folder.0, &RobotId::discovery(), whose)

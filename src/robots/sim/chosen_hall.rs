@@ -89,7 +89,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     fn ground() -> SimulatedHall {
         SimulatedHall { hall: Arc::new(Hall::named_or_file("airport").expect("it is built in")), seed: 7 }

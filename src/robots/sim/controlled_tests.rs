@@ -9,7 +9,7 @@ use super::super::remote::Move as Moving;
 use super::*;
 use crate::runtime::halt::Halter;
 use crate::runtime::link::{REPORTS, RobotLink, link};
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::Action;
 use hallsweep_core::event::{Obstacle, Whereabouts};

@@ -147,7 +147,7 @@ pub(super) fn size(hall: &Hall) -> (u32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     fn hall(name: &str) -> Hall {
         Hall::named_or_file(name).expect("it is built in")

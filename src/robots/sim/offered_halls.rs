@@ -85,7 +85,7 @@ impl Offered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
 
     #[test]
     fn the_hall_of_the_settings_is_offered_by_a_name_of_its_own() {

@@ -68,7 +68,7 @@ impl PairStateFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::scratch::Scratch;
+    use crate::storage::tests::scratch::Scratch;
     use hallsweep_core::place::{BasePose, Place};
     use hallsweep_core::units::{Heading, Piece};
 

@@ -108,8 +108,8 @@ mod tests {
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{RobotLink, link};
-    use crate::runtime::within::within;
-    use crate::storage::scratch::Scratch;
+    use crate::runtime::tests::within::within;
+    use crate::storage::tests::scratch::Scratch;
     use hallsweep_core::event::RobotEvent;
     use hallsweep_core::units::{Cell, Epoch, Pose};
 

@@ -3,7 +3,7 @@
 
 mod read;
 #[cfg(test)]
-mod refusals;
+mod refusals_tests;
 mod write;
 
 pub use self::read::{LONGEST_FILE, read, read_with};

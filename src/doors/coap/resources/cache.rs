@@ -62,8 +62,8 @@ impl RepresentationCache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{searching, touch};
     use crate::api::resources::ResourceKind;
+    use crate::api::tests::fixture::{searching, touch};
     use hallsweep_core::world::resource::Resource;
 
     const TEMPERATURE: Show = Show::Resource(ResourceKind::Of(Resource::Temperature));

@@ -66,7 +66,7 @@ fn size(row: &PathRow, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, searching};
+    use crate::api::tests::fixture::{idle, searching};
 
     fn hrefs(snapshot: &Snapshot, queries: &[&str]) -> Vec<String> {
         let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();

@@ -87,7 +87,7 @@ pub(super) async fn read(archive: &ArchiveReader, id: LuggageId, present: Option
 mod tests {
     use super::super::testing::get;
     use super::*;
-    use crate::api::fixture::piece;
+    use crate::api::tests::fixture::piece;
     use hallsweep_core::units::Cell;
     use hallsweep_core::world::luggage::PhotoState;
 

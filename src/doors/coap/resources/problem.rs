@@ -90,8 +90,8 @@ mod tests {
     use super::super::testing::{get, post};
     use super::*;
     use crate::api::command::move_word;
-    use crate::api::fixture::piece;
     use crate::api::problem::refusal as named;
+    use crate::api::tests::fixture::piece;
     use crate::runtime::carry_out::NotDone;
     use hallsweep_core::refused::{CODES, Refusal, Refused};
     use hallsweep_core::units::Cell;

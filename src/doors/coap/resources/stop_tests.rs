@@ -10,7 +10,7 @@ use tokio::runtime::Runtime;
 use super::super::testing::{TestApp, app};
 use super::*;
 use crate::access::Need;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
 use coap_endpoint::{Code, Endpoint, Transmit};

@@ -8,12 +8,12 @@ use tokio::sync::watch;
 
 use super::super::application::{Application, Reply};
 use super::Resources;
-use crate::api::fixture::piece;
+use crate::api::tests::fixture::piece;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::archive_reader::ArchiveReader;
-use crate::runtime::obedient::{Noted, Script, obedient};
-use crate::runtime::partial_archive::PartialArchive;
-use crate::runtime::within::within;
+use crate::runtime::tests::obedient::{Noted, Script, obedient};
+use crate::runtime::tests::partial_archive::PartialArchive;
+use crate::runtime::tests::within::within;
 use coap_endpoint::{Answer, Conditions, Method, Request};
 use hallsweep_core::command;
 use hallsweep_core::event::Photo;

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use super::testing::{PAST, TestApp, UNREADABLE, app, driven_app, get, post, put};
 use super::*;
 use crate::api::cbor;
-use crate::api::fixture::{idle, piece, searching, touch};
+use crate::api::tests::fixture::{idle, piece, searching, touch};
 use coap_endpoint::{Code, Format};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
@@ -349,7 +349,7 @@ async fn the_old_model_shows_the_robot_until_something_changes_and_then_that() {
     assert_eq!(words(&app.ask(get("/resourcemodel")).await), [robot, "roomMap( 'r @' )"]);
     change(&app, 2, &[Resource::Robot], |state| state.robot.state = RobotState::MovingForward);
     assert_eq!(shown().await, "robot( state(movingForward), direction(downDir), position(0, 0))");
-    change(&app, 3, &[Resource::Map], |state| state.map = crate::api::fixture::drawn(&["11X", "11W"], 3));
+    change(&app, 3, &[Resource::Map], |state| state.map = crate::api::tests::fixture::drawn(&["11X", "11W"], 3));
     assert_eq!(shown().await, "roomMap( 'r 1 0 @1 1 X @' )");
     change(&app, 4, &[Resource::Luggage], |state| state.luggage = [piece(1, Cell::new(0, 2), None)].into());
     let luggage = "luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00' ) )";

@@ -129,7 +129,7 @@ impl View<'_> {
 mod tests {
     use super::super::view::HallInfo;
     use super::*;
-    use crate::api::fixture::{TEN, searching};
+    use crate::api::tests::fixture::{TEN, searching};
     use crate::phrases::Language;
     use hallsweep_core::pair::Which;
     use hallsweep_core::snapshot::Snapshot;

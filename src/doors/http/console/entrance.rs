@@ -129,7 +129,7 @@ fn held(language: Language, secured: &[LuggageId]) -> Phrase<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::drawn;
+    use crate::api::tests::fixture::drawn;
     use hallsweep_core::units::Revision;
     use hallsweep_core::world::hall_map::Mark;
 

@@ -72,7 +72,7 @@ fn distance(one: Cell, other: Cell) -> f64 {
 mod tests {
     use super::super::view::HallInfo;
     use super::*;
-    use crate::api::fixture::{TEN, idle, piece, searching};
+    use crate::api::tests::fixture::{TEN, idle, piece, searching};
     use hallsweep_core::command::Verdict;
     use hallsweep_core::snapshot::Snapshot;
 

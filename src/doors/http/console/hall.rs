@@ -253,7 +253,7 @@ fn points(cells: impl Iterator<Item = Cell>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{drawn, idle, searching};
+    use crate::api::tests::fixture::{drawn, idle, searching};
     use hallsweep_core::units::Revision;
 
     #[test]

@@ -138,7 +138,7 @@ impl Incident<'_> {
 mod tests {
     use super::super::view::HallInfo;
     use super::*;
-    use crate::api::fixture::{TEN, searching};
+    use crate::api::tests::fixture::{TEN, searching};
     use crate::phrases::Language;
     use hallsweep_core::hold::Hold;
     use hallsweep_core::refused::Refused;

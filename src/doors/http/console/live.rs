@@ -184,7 +184,7 @@ fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, Stri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{TEN, idle, searching, touch};
+    use crate::api::tests::fixture::{TEN, idle, searching, touch};
     use crate::phrases::Language;
     use hallsweep_core::units::{Cell, Revision};
     use hallsweep_core::world::hall_map::Mark;

@@ -272,7 +272,7 @@ fn came_to(language: Language, record: &MissionRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::super::testing::{app, text};
-    use crate::api::fixture::{TEN, searching};
+    use crate::api::tests::fixture::{TEN, searching};
     use crate::api::time::Zone;
     use crate::phrases::Language;
     use crate::runtime::archive::MissionRecord;

@@ -150,7 +150,7 @@ pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{app, leads, read, text};
-    use crate::api::fixture::{idle, searching};
+    use crate::api::tests::fixture::{idle, searching};
     use hallsweep_core::command::{Command, LuggageRef, Move, Note, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{Cell, Epoch, LuggageId};

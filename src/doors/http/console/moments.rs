@@ -133,7 +133,7 @@ struct Looked {
 #[cfg(test)]
 mod tests {
     use super::super::super::testing::{TestApp, app, read};
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use serde_json::Value;
 
     async fn message(app: &TestApp, query: &str) -> Value {

@@ -108,7 +108,7 @@ mod tests {
 
     use super::super::super::testing::app;
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use hallsweep_core::world::luggage::PhotoState;
 
     #[tokio::test]

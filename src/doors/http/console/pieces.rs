@@ -160,7 +160,7 @@ impl<'a> Square<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::{idle, piece, searching};
+    use crate::api::tests::fixture::{idle, piece, searching};
     use hallsweep_core::command::Verdict;
     use hallsweep_core::units::{Cell, Revision};
     use hallsweep_core::world::hall_map::Mark;

@@ -92,7 +92,7 @@ impl ReplayPage {
 #[cfg(test)]
 mod tests {
     use super::super::super::testing::{app, read, text};
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
 
     #[tokio::test]
     async fn a_retrieval_shows_its_trees_at_any_of_its_moments_and_what_happened() {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::super::page::ConsolePage;
 use super::super::parts::PARTS;
 use super::*;
-use crate::api::fixture::{TEN, degrees, idle, searching, touch};
+use crate::api::tests::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::pair::Which;

@@ -15,12 +15,12 @@ use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
 use super::*;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections};
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::router;
 use crate::doors::http::testing::{TestApp, app};
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::units::Epoch;
 
 const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";

@@ -9,7 +9,7 @@ use proptest::sample::select;
 use super::*;
 use crate::access::{Access, Keyring, Moment, Person, SESSION_S};
 use crate::api::door;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 
 /// A request in lines.

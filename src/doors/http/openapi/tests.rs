@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::super::testing::{app, guarded_app, keys, read, text};
 use super::*;
 use crate::access::Access;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 
 fn is_for_people(path: &str) -> bool {
     const FOLDERS: [&str; 4] = ["/static/", "/console/", "/luggage/", "/simulator/"];

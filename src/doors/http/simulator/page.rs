@@ -218,7 +218,7 @@ fn ahead(robot: &RobotView) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::tests::fixture::searching;
     use hallsweep_core::units::Heading;
 
     #[test]

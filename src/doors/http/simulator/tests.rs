@@ -7,7 +7,7 @@ use tokio::sync::watch;
 use super::super::testing::{TestApp, app, guarded_app, keys, text};
 use super::*;
 use crate::access::Access;
-use crate::api::fixture::{idle, searching};
+use crate::api::tests::fixture::{idle, searching};
 use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, Pace};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::simulated::Simulated;

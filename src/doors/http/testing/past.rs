@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::api::fixture::{TEN, searching};
+use crate::api::tests::fixture::{TEN, searching};
 use crate::runtime::archive::{At, Happened, MissionRecord, PastMoment, Sound, Unreadable};
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::asked::Asked;

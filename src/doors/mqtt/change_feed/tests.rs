@@ -3,10 +3,10 @@
 use serde_json::Value;
 
 use super::*;
-use crate::api::fixture::{idle, piece, searching, touch, write};
 use crate::api::log::LogLineJson;
 use crate::api::resources::ResourceKind;
 use crate::api::state::StateJson;
+use crate::api::tests::fixture::{idle, piece, searching, touch, write};
 use crate::doors::mqtt::topics::TopicKind;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::robot::RobotState;
@@ -168,7 +168,7 @@ fn a_hasty_resource_is_said_ten_times_a_second_and_the_newest_last() {
     show(&mut feed, &state, ms(0));
     let mut said = Vec::new();
     for tick in 1..=200_u32 {
-        state.temperature.celsius = Some(crate::api::fixture::degrees(20.0 + f64::from(tick) / 100.0));
+        state.temperature.celsius = Some(crate::api::tests::fixture::degrees(20.0 + f64::from(tick) / 100.0));
         touch(&mut state, 20 + u64::from(tick), &[Resource::Temperature]);
         said.extend(show(&mut feed, &state, ms(u64::from(tick) * 5)));
     }

@@ -7,14 +7,14 @@ use tokio::sync::{mpsc, watch};
 
 use super::testing::{app, commands_of, here, next, operator, say, topics, viewer};
 use super::*;
-use crate::api::fixture::searching;
+use crate::api::tests::fixture::searching;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::{COMMANDS, Envelope};
 use crate::runtime::link::link;
 use crate::runtime::store::{Store, StoreStatus};
 use crate::runtime::task::{Course, Task};
-use crate::runtime::within::within;
+use crate::runtime::tests::within::within;
 use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, RobotEvent};
@@ -89,7 +89,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
 /// Safety S9: neither among commands under way nor among waiting answers.
 #[tokio::test]
 async fn an_operators_stop_has_its_result_however_many_a_viewer_and_another_operator_have_given() {
-    let (handle, _script) = crate::runtime::obedient::obedient(searching());
+    let (handle, _script) = crate::runtime::tests::obedient::obedient(searching());
     let (answers, mut results) = mpsc::channel(ANSWERS);
     let commands = Commands::new(handle, topics(), false, answers);
     let (greedy, wall, panel) = (operator("greedy"), viewer(), operator("panel"));
@@ -111,7 +111,7 @@ async fn an_operators_stop_has_its_result_however_many_a_viewer_and_another_oper
 
 #[tokio::test]
 async fn results_for_which_there_is_no_room_are_lost_and_nothing_else() {
-    let (handle, script) = crate::runtime::obedient::obedient(searching());
+    let (handle, script) = crate::runtime::tests::obedient::obedient(searching());
     let (answers, mut results) = mpsc::channel(1);
     let commands = Commands::new(handle, topics(), false, answers);
     for _ in 0..5 {

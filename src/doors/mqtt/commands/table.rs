@@ -36,6 +36,6 @@ mod tests {
 
     #[test]
     fn the_documentation_shows_the_table_as_it_is() {
-        crate::api::documented::shows("mqtt.md", "the table of commands", &markdown());
+        crate::api::tests::documented::shows("mqtt.md", "the table of commands", &markdown());
     }
 }

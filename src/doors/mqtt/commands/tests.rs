@@ -4,7 +4,7 @@ use super::table;
 use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
-use crate::api::fixture::{degrees, searching};
+use crate::api::tests::fixture::{degrees, searching};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::refused::Refused;

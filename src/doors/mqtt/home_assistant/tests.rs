@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use super::*;
-use crate::api::fixture::{TEN, idle, piece, searching};
+use crate::api::tests::fixture::{TEN, idle, piece, searching};
 use crate::doors::mqtt::change_feed::ChangeFeed;
 use crate::doors::mqtt::topics::{TopicKind, Topics};
 use hallsweep_core::command::Verdict;

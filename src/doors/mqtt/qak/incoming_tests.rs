@@ -290,5 +290,5 @@ fn markdown() -> String {
 
 #[test]
 fn the_documentation_shows_the_table_as_it_is() {
-    crate::api::documented::shows("mqtt.md", "the table of old messages", &markdown());
+    crate::api::tests::documented::shows("mqtt.md", "the table of old messages", &markdown());
 }

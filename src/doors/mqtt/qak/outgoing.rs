@@ -69,7 +69,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::api::fixture::{drawn, idle, piece, searching};
+    use crate::api::tests::fixture::{drawn, idle, piece, searching};
     use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, Heading, Pose, WallTime};
 

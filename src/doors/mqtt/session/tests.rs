@@ -7,7 +7,7 @@ use rumqttc::{ConnectReturnCode, Packet, PubAck};
 use super::super::topics::HOME_ASSISTANT_STATUS;
 use super::Times;
 use super::testing::{TestApp, TestBroker, publish, topics};
-use crate::api::fixture::{idle, searching, touch};
+use crate::api::tests::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
 

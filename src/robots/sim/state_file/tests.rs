@@ -4,7 +4,7 @@
 use std::fs;
 
 use super::*;
-use crate::storage::scratch::Scratch;
+use crate::storage::tests::scratch::Scratch;
 use hallsweep_core::units::{Cell, Pose};
 
 fn hall() -> Hall {

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 use super::super::{ReadOnlyJournal, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
-use crate::api::journal::{Line, arbitrary};
+use crate::api::journal::Line;
+use crate::api::journal::tests::arbitrary;
 use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Span, Unreadable};
 use hallsweep_core::asked::Asked;

@@ -305,7 +305,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
 mod tests {
     use super::super::section::{FAR, THRESHOLD_Y};
     use super::*;
-    use crate::api::fixture::{TEN, degrees, piece};
+    use crate::api::tests::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::{Issuer, LuggageRef};
     use hallsweep_core::effect::Entry;
     use hallsweep_core::hold::Hold;

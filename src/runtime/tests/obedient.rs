@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::{mpsc, watch};
 
-use super::halt::Halter;
-use super::handle::{COMMANDS, Envelope, Handle};
+use crate::runtime::halt::Halter;
+use crate::runtime::handle::{COMMANDS, Envelope, Handle};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Accepted, Command, Issuer, LuggageRef, Request};
 use hallsweep_core::refused::Refused;

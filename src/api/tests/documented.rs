@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use super::commands::{CommandKind, CommandRow};
+use crate::api::commands::{CommandKind, CommandRow};
 
 /// Keeps two tests from writing to one page at once.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());

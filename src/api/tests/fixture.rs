@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::journal::{self, Line};
+use crate::api::journal::{self, Line};
 use crate::runtime::archive::{Happened, Unreadable};
 use hallsweep_core::command::{Strategy, Verdict};
 use hallsweep_core::phase::PhaseName;
