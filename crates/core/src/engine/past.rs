@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use super::Engine;
+use super::mission::TRAIL;
 use super::on_record::OnRecord;
 use super::recall::RememberedLine;
 use crate::effect::{Entry, Fact};
-use crate::mission::TRAIL;
 use crate::robot::RobotId;
 use crate::settings::Settings;
 use crate::snapshot::Snapshot;

@@ -4,11 +4,12 @@
 use std::sync::Arc;
 
 use super::Engine;
+use super::mission::{Deciding, Recording};
 use super::outbox::WaitingAnswer;
 use crate::command::{Accepted, Verdict};
 use crate::effect::Fact;
 use crate::event::Photo;
-use crate::mission::{Deciding, Input, InputContext, Recording};
+use crate::mission::{Input, InputContext};
 use crate::refused::Refused;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;

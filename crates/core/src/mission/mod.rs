@@ -2,13 +2,10 @@
 //! `crate::state`; `crate::engine` carries the acts out.
 
 mod input;
-mod pace;
 mod print;
 mod rule;
-mod state;
 mod table;
 pub(crate) use input::{Input, InputContext};
 pub use print::table_markdown;
 pub(crate) use rule::{Act, Case, Guard, Rule, To};
-pub(crate) use state::{Deciding, Mission, Recording, TRAIL};
 pub(crate) use table::rules;

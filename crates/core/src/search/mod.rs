@@ -18,6 +18,7 @@ pub mod forecast;
 mod frontier;
 pub mod grid;
 pub mod outlook;
+pub(crate) mod pace;
 pub(crate) mod plan;
 pub mod scored;
 mod snail;

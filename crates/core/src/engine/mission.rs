@@ -4,10 +4,10 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::pace::Pace;
 use crate::command::{Move, Note, Verdict};
 use crate::effect::Fact;
 use crate::search::Gait;
+use crate::search::pace::Pace;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// Number of cells behind the robot that are shown.

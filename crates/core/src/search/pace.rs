@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use crate::search::forecast::FEW;
+use super::forecast::FEW;
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
