@@ -8,6 +8,7 @@ use std::time::Duration;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings as CoreSettings;
+use hallsweep_core::speed::Speed;
 
 mod bind;
 mod check;
@@ -115,20 +116,6 @@ pub struct RobotSettings {
 pub struct PairMishaps {
     pub slips: u32,
     pub unrecognised: u32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Speed {
-    /// A factor relative to the wall clock, within `SLOWEST..=FASTEST`.
-    Times(f64),
-    Max,
-}
-
-impl Speed {
-    /// A slower robot would seem to hang.
-    pub const SLOWEST: f64 = 0.1;
-    /// A larger factor would have no effect, since timers are good to about a millisecond; use `max` instead.
-    pub const FASTEST: f64 = 1000.0;
 }
 
 pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::fields::{Body, BodyFields, Unusable, in_short};
 use super::robot::PositionJson;
-use crate::runtime::simulator::{Change, HallSource, MOST_BLOCKED, OtherHall, Pace, Simulator, SimulatorState};
+use crate::runtime::simulator::{Change, HallSource, MOST_BLOCKED, OtherHall, Simulator, SimulatorState, Speed};
 use hallsweep_core::units::Cell;
 
 /// State of the simulator.
@@ -22,8 +22,8 @@ pub struct SimulatorJson<'a> {
     #[schemars(with = "String", regex(pattern = "^[0-9]+$"))]
     seed: u64,
     #[serde(serialize_with = "speed")]
-    #[schemars(with = "Speed")]
-    speed: Pace,
+    #[schemars(with = "SpeedShape")]
+    speed: Speed,
     paused: bool,
     link_lost: bool,
     no_thermometer: bool,
@@ -75,17 +75,17 @@ fn in_digits<S: Serializer>(number: &u64, to: S) -> Result<S::Ok, S::Error> {
     to.collect_str(number)
 }
 
-fn speed<S: Serializer>(speed: &Pace, to: S) -> Result<S::Ok, S::Error> {
+fn speed<S: Serializer>(speed: &Speed, to: S) -> Result<S::Ok, S::Error> {
     match speed {
-        Pace::Times(factor) => to.serialize_f64(*factor),
-        Pace::Max => to.serialize_str("max"),
+        Speed::Times(factor) => to.serialize_f64(*factor),
+        Speed::Max => to.serialize_str("max"),
     }
 }
 
 /// Speed as a multiple of real time, or `max` for the highest possible speed.
-struct Speed;
+struct SpeedShape;
 
-impl JsonSchema for Speed {
+impl JsonSchema for SpeedShape {
     fn schema_name() -> Cow<'static, str> {
         "Speed".into()
     }
@@ -93,7 +93,7 @@ impl JsonSchema for Speed {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
             "description": "Speed as a multiple of real time, or `max` for the highest possible speed.",
-            "oneOf": [{"type": "number", "minimum": Pace::SLOWEST, "maximum": Pace::FASTEST}, {"const": "max"}],
+            "oneOf": [{"type": "number", "minimum": Speed::SLOWEST, "maximum": Speed::FASTEST}, {"const": "max"}],
         })
     }
 }
@@ -107,7 +107,7 @@ pub struct ChangeBody(#[schemars(with = "ChangeShape")] pub Change);
 #[schemars(rename = "SimulatorChange", rename_all = "camelCase", deny_unknown_fields)]
 #[expect(dead_code, reason = "it is read field by field, so that what is wrong is said in words")]
 struct ChangeShape {
-    speed: Option<Speed>,
+    speed: Option<SpeedShape>,
     paused: Option<bool>,
     link_lost: Option<bool>,
     no_thermometer: Option<bool>,
@@ -141,14 +141,14 @@ impl Body for ChangeBody {
 }
 
 /// Accepts blanks at both ends and a decimal comma, as people type them.
-pub fn pace(text: &str) -> Result<Pace, Unusable> {
+pub fn pace(text: &str) -> Result<Speed, Unusable> {
     if text.trim() == "max" {
-        return Ok(Pace::Max);
+        return Ok(Speed::Max);
     }
-    let range = Pace::SLOWEST..=Pace::FASTEST;
+    let range = Speed::SLOWEST..=Speed::FASTEST;
     let factor = text.trim().replace(',', ".").parse().ok().filter(|factor| range.contains(factor));
-    factor.map(Pace::Times).ok_or_else(|| {
-        let words = format!("`speed` is {}: send {} to {}, or max", in_short(text), Pace::SLOWEST, Pace::FASTEST);
+    factor.map(Speed::Times).ok_or_else(|| {
+        let words = format!("`speed` is {}: send {} to {}, or max", in_short(text), Speed::SLOWEST, Speed::FASTEST);
         Unusable::new(words)
     })
 }
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!(change("{}"), Ok(Change::default()));
         let all = r#"{"speed":"max","paused":true,"linkLost":false,"cameraFails":true,"blocked":[{"x":1,"y":-2}]}"#;
         let expect = Change {
-            speed: Some(Pace::Max),
+            speed: Some(Speed::Max),
             is_paused: Some(true),
             link_lost: Some(false),
             camera_fails: Some(true),
@@ -237,7 +237,7 @@ mod tests {
             no_thermometer: None,
         };
         assert_eq!(change(all), Ok(expect));
-        assert_eq!(change(r#"{"speed":2.5}"#), Ok(Change { speed: Some(Pace::Times(2.5)), ..Change::default() }));
+        assert_eq!(change(r#"{"speed":2.5}"#), Ok(Change { speed: Some(Speed::Times(2.5)), ..Change::default() }));
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::config::{BindAddress, Broker, Flag, KEYS, MqttRouter, Sources, Speed, load};
+use crate::config::{BindAddress, Broker, Flag, KEYS, MqttRouter, Sources, load};
+use hallsweep_core::speed::Speed;
 
 fn environment(name: &str, value: &str) -> Sources {
     Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }

@@ -2,8 +2,8 @@
 //! follows from it, or is compared with it by a test: parsing (`check`), environment variables, command-line flags, the defaults
 //! with their comments (`config/default.toml`), and `docs/settings.md`.
 
-use super::Speed;
 use hallsweep_core::robot::RobotId;
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Celsius;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

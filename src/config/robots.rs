@@ -10,10 +10,11 @@ use super::key::ROBOTS;
 use super::layers::Layers;
 use super::reading::{NumberOrWord, count, number, read, sensing, within};
 use super::robot_address::{RobotKind, robot_address};
-use super::{RobotSettings, Settings, Speed};
+use super::{RobotSettings, Settings};
 use hallsweep_core::pair::Which;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Sensing;
+use hallsweep_core::speed::Speed;
 
 /// Maximum number of robots, including the searching one: their links share one thread, on which a STOP reaches each robot
 /// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.

@@ -9,10 +9,11 @@ use tokio::sync::watch;
 use super::Adapter;
 use super::external::{ExternalRobot, UnusableScene};
 use super::sim::{self, ChosenHall, Controls, Remote, SimPair, SimRobot, SimulatedHall, SimulatorParts, UnusableHall};
-use crate::config::{self, RobotKind, RobotSettings, Settings};
+use crate::config::{RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::robot::RobotId;
+use hallsweep_core::speed::Speed;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_sim::Hall;
 
@@ -25,7 +26,7 @@ pub struct Robots {
     pair: SimPair,
     wants_pair: bool,
     seed: u64,
-    speed: config::Speed,
+    speed: Speed,
     chosen: Option<ChosenHall>,
     /// Why the chosen hall cannot be used: then nobody knows in which hall the simulated robots are.
     no_hall: Option<String>,
@@ -205,7 +206,7 @@ impl Robots {
             Robot::External(robot) => robot.adapter(clock),
         };
         let all: Vec<Adapter> = self.all.into_iter().map(of_one).collect();
-        let (ground, speed) = (SimulatedHall { hall: self.hall, seed: self.seed }, sim::speed(self.speed));
+        let (ground, speed) = (SimulatedHall { hall: self.hall, seed: self.seed }, self.speed);
         let parts =
             sim::Parts { ground, speed, controls, robots, links, chosen: self.chosen, usual: self.usual, team: self.team };
         let simulator = simulates.then(|| SimulatorParts(parts));

@@ -10,7 +10,8 @@ use tokio::sync::watch;
 use super::handle::Gone;
 use hallsweep_core::command::Issuer;
 use hallsweep_core::refused::Refused;
-pub use hallsweep_core::simulated::{Change, Pace};
+pub use hallsweep_core::simulated::Change;
+pub use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Cell;
 
 /// Maximum number of cells blocked at once: more than anybody places by hand.
@@ -41,7 +42,7 @@ pub struct Faults {
 pub struct SimulatorState {
     pub hall: HallFacts,
     pub seed: u64,
-    pub speed: Pace,
+    pub speed: Speed,
     pub is_paused: bool,
     pub faults: Faults,
 }

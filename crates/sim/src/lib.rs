@@ -23,7 +23,6 @@ mod senses;
 mod settings;
 mod simulator;
 mod sonar;
-mod speed;
 
 pub use drive::{BodyPose, normal};
 pub use hall::{Export, Format, Hall, HallError, HallFault, MAX_PIECES, Truth, WrittenHall};
@@ -31,4 +30,3 @@ pub use hall::{Floor, HallOfScene, MovingObstacle, PLAYER, Player, Scene, SceneS
 pub use memory::SimMemory;
 pub use settings::{Camera, SimSettings};
 pub use simulator::{Faults, Sim};
-pub use speed::{Speed, SpeedError, times};

@@ -10,7 +10,8 @@ use super::places::Point;
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Carries, Command, LuggageRef, TemperatureReport};
-use hallsweep_core::simulated::{Change, Pace, Simulated};
+use hallsweep_core::simulated::{Change, Simulated};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{AlarmId, LuggageId};
 
 impl Valued for Asked {
@@ -110,8 +111,8 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
 
 fn of_change(Change { speed, is_paused, link_lost, no_thermometer, camera_fails, blocked }: &Change) -> Coded {
     let speed = speed.map(|speed| match speed {
-        Pace::Times(factor) => Value::from(factor),
-        Pace::Max => Value::from("max"),
+        Speed::Times(factor) => Value::from(factor),
+        Speed::Max => Value::from("max"),
     });
     let blocked = blocked.as_ref().map(|cells| cells.iter().copied().map(Point::from).collect::<Vec<_>>());
     let fields = json!({
@@ -123,8 +124,8 @@ fn of_change(Change { speed, is_paused, link_lost, no_thermometer, camera_fails,
 
 fn change(coded: &Coded) -> Result<Change, Unparsed> {
     let speed = match coded.field::<Option<Value>>("speed")? {
-        Some(Value::String(word)) if word == "max" => Some(Pace::Max),
-        _ => coded.field::<Option<f64>>("speed")?.map(Pace::Times),
+        Some(Value::String(word)) if word == "max" => Some(Speed::Max),
+        _ => coded.field::<Option<f64>>("speed")?.map(Speed::Times),
     };
     let blocked = coded.field::<Option<Vec<Point>>>("blocked")?;
     Ok(Change {

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use crate::phrases::Language;
-use hallsweep_core::simulated::{Change, Pace, Simulated};
+use hallsweep_core::simulated::{Change, Simulated};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Cell;
 
 impl Language {
@@ -35,8 +36,8 @@ impl Language {
     fn changes(self, Change { speed, is_paused, link_lost, no_thermometer, camera_fails, blocked }: &Change) -> String {
         let either = |is_so: &Option<bool>, so, not| is_so.map(|is_so| self.say(if is_so { so } else { not }));
         let speed = speed.map(|speed| match speed {
-            Pace::Max => self.say("simulated-speed-max"),
-            Pace::Times(factor) => self.say("simulated-speed").with("speed", self.number(&factor.to_string())),
+            Speed::Max => self.say("simulated-speed-max"),
+            Speed::Times(factor) => self.say("simulated-speed").with("speed", self.number(&factor.to_string())),
         });
         let cells = |cells: &BTreeSet<Cell>| cells.iter().map(Cell::to_string).collect::<Vec<_>>().join(", ");
         let blocked = blocked.as_ref().map(|blocked| match blocked.len() {

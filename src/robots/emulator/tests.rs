@@ -8,9 +8,10 @@ use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
 use super::*;
-use crate::config::{Sources, Speed, load};
+use crate::config::{Sources, load};
 use crate::runtime::tests::within::within;
 use hallsweep_core::effect::{Action, Order, Stamp};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{OrderId, Pose, WallTime};
 use hallsweep_drivers::line::{LineDriver, LineReader, framed};
 use hallsweep_drivers::{Driver, Output};

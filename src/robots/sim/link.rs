@@ -19,8 +19,9 @@ use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
-use hallsweep_sim::{Faults, Hall, Sim, SimSettings, Speed};
+use hallsweep_sim::{Faults, Hall, Sim, SimSettings};
 
 /// Real time allowed for drawing a photo at any speed; the core knows this time. Drawing takes some hundredths of a second, but
 /// the machine may be busy, and a late photo counts as a failed one.

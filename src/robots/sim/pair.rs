@@ -9,7 +9,6 @@ use tokio::sync::watch;
 use super::pair_link::{self, Begin, Moved};
 use super::pair_state_file::PairStateFile;
 use super::remote::Remote;
-use super::settings::speed;
 use super::state_file::StateFileError;
 use crate::config::{PairMishaps, RobotSettings};
 use crate::robots::Adapter;
@@ -17,9 +16,10 @@ use crate::runtime::clock::Clock;
 use hallsweep_core::pair::Which;
 use hallsweep_core::place::Place;
 use hallsweep_core::robot::RobotId;
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Now;
+use hallsweep_sim::Hall;
 use hallsweep_sim::pair::{Mishaps, Pair, PairMemory, PairSettings, Slip};
-use hallsweep_sim::{Hall, Speed};
 
 pub(in crate::robots) struct SimPair {
     hall: Arc<Hall>,
@@ -48,7 +48,7 @@ impl SimPair {
         let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
         let settings = PairSettings { way_out: true, mishaps, ..PairSettings::new(robot.seed, Place::ENTRANCE) };
         let moved = watch::Sender::new(Moved::new());
-        SimPair { hall, settings, speed: speed(robot.speed), remembered: PairRecollection::Nothing, moved }
+        SimPair { hall, settings, speed: robot.speed, remembered: PairRecollection::Nothing, moved }
     }
 
     pub(in crate::robots) fn ids() -> [RobotId; 2] {

@@ -21,8 +21,8 @@ use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::pair::Which;
 use hallsweep_core::place::{BasePose, Place};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{Cell, Now, Piece, Pose};
-use hallsweep_sim::Speed;
 use hallsweep_sim::pair::{Pair, PairSettings};
 
 /// Time after which a failed write of the state file is retried, when nothing new happens before.

@@ -14,8 +14,9 @@ use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
+use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Cell;
-use hallsweep_sim::{Faults, Hall, Speed};
+use hallsweep_sim::{Faults, Hall};
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::robots) struct Controls {

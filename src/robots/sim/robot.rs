@@ -9,13 +9,14 @@ use tokio::sync::watch;
 use super::link::{self, Begin, Floor};
 use super::pair_link::Moved;
 use super::remote::Remote;
-use super::settings::{sim_settings, speed};
+use super::settings::sim_settings;
 use super::state_file::{SimStateFile, StateFileError};
 use crate::config::RobotSettings;
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
 use hallsweep_core::robot::RobotId;
-use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings, Speed};
+use hallsweep_core::speed::Speed;
+use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings};
 
 pub(in crate::robots) struct SimRobot {
     id: RobotId,
@@ -42,7 +43,7 @@ impl SimRobot {
     /// A robot that fetches pieces by itself has a hook.
     pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
         let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
-        SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: SimRecollection::Nothing }
+        SimRobot { id, hall, settings, speed: robot.speed, remembered: SimRecollection::Nothing }
     }
 
     /// `floor` is the hall in the state in which other robots have left it.

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::config::{self, RobotSettings, Settings};
-use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings, Speed};
+use crate::config::{RobotSettings, Settings};
+use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings};
 
 /// `Display` is the message for whoever started the program.
 #[derive(Debug, thiserror::Error)]
@@ -29,22 +29,5 @@ pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
         sonar_noise_cm: robot.sonar_noise_cm,
         sonar_cells: robot.sonar_cells,
         ..SimSettings::new(robot.seed, camera)
-    }
-}
-
-pub(in crate::robots) const fn speed(speed: config::Speed) -> Speed {
-    match speed {
-        config::Speed::Times(factor) => Speed::Times(factor),
-        config::Speed::Max => Speed::Max,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_speed_that_can_be_set_is_one_the_simulator_knows() {
-        assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (Speed::SLOWEST, Speed::FASTEST));
     }
 }

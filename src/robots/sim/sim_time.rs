@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::remote::Controls;
-use hallsweep_sim::{Speed, times};
+use hallsweep_core::speed::{Speed, times};
 
 /// Longest timer; after it the state is checked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);

@@ -16,16 +16,17 @@ use super::offered_halls::Offered;
 use super::remote::{Controls, Move, SimulatedHall};
 use crate::runtime::handle::{Gone, Handle};
 use crate::runtime::simulator::{
-    Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Pace, Simulator, SimulatorState,
+    Change, Changing, Faults, HallFacts, HallSource, MOST_BLOCKED, NotSimulated, OtherHall, Simulator, SimulatorState,
 };
 use hallsweep_core::command::Issuer;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::{RobotId, RobotState};
 use hallsweep_core::simulated::Simulated;
+use hallsweep_core::speed::Speed;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
-use hallsweep_sim::{Hall, Speed, Truth};
+use hallsweep_sim::{Hall, Truth};
 
 /// Maximum time for a robot to get ready for another hall, and again to report its position there: it writes its state file
 /// first.
@@ -49,13 +50,8 @@ pub struct SimulatorParts(pub(in crate::robots) Parts);
 impl SimulatorParts {
     pub fn in_hand_of(self, handle: Handle) -> Arc<dyn Simulator> {
         let Parts { ground, speed, controls, robots, links, chosen, usual, team } = self.0;
-        let state = SimulatorState {
-            hall: facts(&ground.hall),
-            seed: ground.seed,
-            speed: pace(speed),
-            is_paused: false,
-            faults: Faults::default(),
-        };
+        let state =
+            SimulatorState { hall: facts(&ground.hall), seed: ground.seed, speed, is_paused: false, faults: Faults::default() };
         let (state, turn) = (watch::Sender::new(Arc::new(state)), Mutex::new(ground));
         let offered = Arc::new(Offered::with(&usual.0, usual.1, chosen.as_ref().map(ChosenHall::folder)));
         Arc::new(InHand { handle, state, controls, turn, robots, links, chosen, offered, team })
@@ -208,7 +204,7 @@ impl InHand {
         let SimulatorState { is_paused, faults, .. } = &*self.now();
         self.controls.send_modify(|controls| {
             *controls = Controls {
-                speed: speed.map_or(controls.speed, |speed| Some(self::speed(speed))),
+                speed: speed.or(controls.speed),
                 is_paused: *is_paused,
                 steps: controls.steps,
                 is_link_lost: faults.link_lost,
@@ -296,31 +292,9 @@ fn facts(hall: &Hall) -> HallFacts {
     }
 }
 
-const fn pace(speed: Speed) -> Pace {
-    match speed {
-        Speed::Times(factor) => Pace::Times(factor),
-        Speed::Max => Pace::Max,
-    }
-}
-
-const fn speed(pace: Pace) -> Speed {
-    match pace {
-        Pace::Times(factor) => Speed::Times(factor),
-        Pace::Max => Speed::Max,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_pace_of_the_port_is_a_speed_of_the_simulator() {
-        assert_eq!((Pace::SLOWEST, Pace::FASTEST), (Speed::SLOWEST, Speed::FASTEST));
-        for shown in [Speed::Times(2.5), Speed::Max] {
-            assert_eq!(speed(pace(shown)), shown);
-        }
-    }
 
     #[test]
     fn a_hall_that_is_not_there_too_large_or_wrong_is_refused_in_words() {

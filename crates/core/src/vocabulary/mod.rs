@@ -13,5 +13,6 @@ pub mod place;
 pub mod refused;
 pub mod robot;
 pub mod simulated;
+pub mod speed;
 pub mod units;
 pub mod words;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
+use crate::speed::Speed;
 use crate::units::Cell;
 
 /// An action of somebody on the simulator. `Display` is what the log says.
@@ -22,7 +23,7 @@ pub enum Simulated {
 /// The parts of the simulation that change; parts without a value stay as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
-    pub speed: Option<Pace>,
+    pub speed: Option<Speed>,
     pub is_paused: Option<bool>,
     /// Whether the link to the robot that searches is lost.
     pub link_lost: Option<bool>,
@@ -30,31 +31,6 @@ pub struct Change {
     pub camera_fails: Option<bool>,
     /// The cells in which something stands that is not part of the hall.
     pub blocked: Option<BTreeSet<Cell>>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
-    /// Time runs by this factor of real time.
-    Times(f64),
-    /// Time jumps to the end of what is under way.
-    Max,
-}
-
-impl Pace {
-    /// The smallest factor of real time.
-    pub const SLOWEST: f64 = 0.1;
-
-    /// The greatest factor of real time; only `Max` is faster.
-    pub const FASTEST: f64 = 1000.0;
-}
-
-impl fmt::Display for Pace {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Pace::Times(factor) => write!(f, "{factor}"),
-            Pace::Max => f.write_str("max"),
-        }
-    }
 }
 
 impl fmt::Display for Simulated {
@@ -95,7 +71,7 @@ mod tests {
     #[test]
     fn a_change_is_said_in_words() {
         let change = Change {
-            speed: Some(Pace::Times(2.5)),
+            speed: Some(Speed::Times(2.5)),
             is_paused: Some(true),
             camera_fails: Some(false),
             blocked: Some(BTreeSet::from([Cell::new(1, 2), Cell::new(3, 4)])),

@@ -26,7 +26,8 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::{Goal, Search};
-use hallsweep_core::simulated::{Change, Pace, Simulated};
+use hallsweep_core::simulated::{Change, Simulated};
+use hallsweep_core::speed::Speed;
 use hallsweep_core::state::{
     Conditions, Inspection, Participant, PersistentState, Phase, Reach, Retrieval, RetrievalStage, Stage, TeamStage, TeamState,
     Venue,
@@ -157,7 +158,7 @@ fn asked() -> impl Strategy<Value = Asked> {
 
 fn simulated() -> impl Strategy<Value = Simulated> {
     let either = || option::of(any::<bool>());
-    let speed = option::of(prop_oneof![Just(Pace::Max), (0.1..1000.0).prop_map(Pace::Times)]);
+    let speed = option::of(prop_oneof![Just(Speed::Max), (0.1..1000.0).prop_map(Speed::Times)]);
     let change = (speed, either(), either(), either(), either(), option::of(btree_set(cell(), 0..3)));
     let change = change.prop_map(|(speed, is_paused, link_lost, no_thermometer, camera_fails, blocked)| Change {
         speed,

@@ -16,7 +16,7 @@ use crate::api::door;
 use crate::api::fields::in_short;
 use crate::api::simulator::pace;
 use crate::phrases::{Language, Markup, Phrase};
-use crate::runtime::simulator::{Change, HallSource, OtherHall, Pace, SimulatorState};
+use crate::runtime::simulator::{Change, HallSource, OtherHall, SimulatorState, Speed};
 use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Cell;
@@ -65,8 +65,8 @@ impl SimulatorPage {
     fn runs(&self) -> Phrase<'_> {
         match (self.state.is_paused, self.state.speed) {
             (true, _) => self.language.say("simulator-paused"),
-            (false, Pace::Max) => self.language.say("simulator-runs-max"),
-            (false, Pace::Times(factor)) => {
+            (false, Speed::Max) => self.language.say("simulator-runs-max"),
+            (false, Speed::Times(factor)) => {
                 self.language.say("simulator-runs").with("factor", self.language.number(&factor.to_string()))
             }
         }

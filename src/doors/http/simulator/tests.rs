@@ -8,7 +8,7 @@ use super::super::testing::{TestApp, app, guarded_app, keys, text};
 use super::*;
 use crate::access::Access;
 use crate::api::tests::fixture::{idle, searching};
-use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, Pace};
+use crate::runtime::simulator::{Change, Changing, Faults, HallFacts, OtherHall, Speed};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::simulated::Simulated;
 use hallsweep_core::snapshot::Snapshot;
@@ -125,7 +125,7 @@ fn simulated(snapshot: Snapshot, access: Access, is_paused: bool) -> TestApp {
             toml: "drawing = \"\"\"\nS\n\"\"\"\n".into(),
         },
         seed: 7,
-        speed: if is_paused { Pace::Max } else { Pace::Times(0.5) },
+        speed: if is_paused { Speed::Max } else { Speed::Times(0.5) },
         is_paused,
         faults: Faults { link_lost: is_paused, no_thermometer: is_paused, camera_fails: is_paused, blocked },
     };
@@ -234,7 +234,7 @@ fn what_was_done_to_the_simulator_is_said_in_every_language() {
     let cells = |cells: &[Cell]| Some(cells.iter().copied().collect::<BTreeSet<_>>());
     let blocked = [None, cells(&[]), cells(&[Cell::new(-1, 2)]), cells(&[Cell::new(1, 2), Cell::new(3, 4)])];
     for (is_so, blocked) in whether.into_iter().flat_map(|is_so| blocked.clone().map(|blocked| (is_so, blocked))) {
-        for speed in [None, Some(Pace::Max), Some(Pace::Times(2.5))] {
+        for speed in [None, Some(Speed::Max), Some(Speed::Times(2.5))] {
             let change = Change {
                 speed,
                 is_paused: is_so,

@@ -1,4 +1,4 @@
-//! The speed of simulated time beside real time. `link` makes time pass at this speed.
+//! The speed of simulated time beside real time. `robots::sim::link` of the program makes time pass at this speed.
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,6 +17,7 @@ pub enum Speed {
 pub struct SpeedError(String);
 
 impl Speed {
+    /// The slowest speed; a slower robot would seem to hang.
     pub const SLOWEST: f64 = 0.1;
     /// The fastest speed; timers are no finer than a millisecond, so more would not be quicker.
     pub const FASTEST: f64 = 1000.0;
