@@ -16,9 +16,10 @@ use std::time::{Duration, Instant};
 
 use hallsweep::runtime::figures::{Figures, HandedPages, Latency};
 use hallsweep_core::command::Strategy;
-use hallsweep_core::effect::{Action, Entry, Fact, Order, Page, Stamp};
+use hallsweep_core::effect::{Action, Order, Page, Stamp};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, Epoch, Heading, Now, OrderId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_sim::headless::{Verdicts, explore};

@@ -2,8 +2,8 @@
 //! How entries are written for programs, so that they can be read back, is not here.
 
 use super::time::rfc3339;
-use hallsweep_core::effect::Entry;
 pub use hallsweep_core::snapshot::fact_words::words;
+use hallsweep_core::state::fact::Entry;
 
 /// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
 pub fn line(entry: &Entry) -> String {
@@ -13,7 +13,7 @@ pub fn line(entry: &Entry) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::effect::Fact;
+    use hallsweep_core::state::fact::Fact;
     use hallsweep_core::units::{Pose, WallTime};
 
     #[test]

@@ -10,9 +10,9 @@ use super::map::{MapJson, Plan};
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::effect::Entry;
 use hallsweep_core::engine::Past;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// Summary of a mission.
@@ -198,7 +198,7 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::{TEN, drawn, piece};
     use hallsweep_core::command::Strategy;
-    use hallsweep_core::effect::Fact;
+    use hallsweep_core::state::fact::Fact;
     use hallsweep_core::units::{Cell, Pose};
 
     fn record() -> MissionRecordJson {

@@ -11,9 +11,9 @@ use super::replay::{ReplayJson, seconds};
 use super::time::rfc3339;
 use super::vocabulary;
 use behaviour_trees::TickLog;
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::state::Retrieval;
+use hallsweep_core::state::fact::{Entry, Fact};
 
 /// Record of a retrieval, from the beginning to the end or to the present stage.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

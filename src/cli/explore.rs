@@ -15,8 +15,8 @@ use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
 use crate::robots::{Unusable, sim};
 use crate::telemetry;
-use hallsweep_core::effect::Entry;
 use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_sim::headless::{self, Verdicts};
 use hallsweep_sim::{Camera, Export};
 

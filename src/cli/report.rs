@@ -131,7 +131,8 @@ mod tests {
     use crate::storage::tests::scratch::Scratch;
     use hallsweep_core::asked::Asked;
     use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Strategy, Verdict};
-    use hallsweep_core::effect::{Entry, Fact, Page};
+    use hallsweep_core::effect::Page;
+    use hallsweep_core::state::fact::{Entry, Fact};
     use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

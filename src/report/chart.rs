@@ -4,8 +4,8 @@
 use std::fmt::Write;
 
 use super::{Failure, Report, each};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::Speaking;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::Celsius;
 
 /// Width in units of the picture.

@@ -12,7 +12,7 @@ use crate::api::journal::{self, Line};
 use crate::phrases::Language;
 use crate::runtime::archive::hex;
 use hallsweep_core::command::{Note, Verdict};
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};

@@ -8,7 +8,7 @@ use crate::api::journal;
 use crate::api::time::rfc3339;
 use crate::phrases::Language;
 use crate::runtime::archive::{Archive, Span, Unreadable};
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
 const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "door", "outcome"];

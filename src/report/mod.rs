@@ -29,7 +29,7 @@ pub use self::compare::{Comparison, Difference};
 use self::tally::Tally;
 use crate::phrases::Language;
 use crate::runtime::archive::{Archive, At, Head, PastMoment, Span, Unreadable};
-use hallsweep_core::effect::Entry;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Every later version must confirm reports that were handed over, so their contents never change: whoever changes the page,

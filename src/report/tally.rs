@@ -4,7 +4,7 @@ use super::{Failure, each};
 use crate::runtime::archive::{Archive, Unreadable};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Strategy};
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 /// Maximum number of sentences about unreadable entries; the rest is only counted.

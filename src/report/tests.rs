@@ -17,10 +17,10 @@ use crate::runtime::archive::{At, Happened, Head, NoTake, PastMoment, Sound, Unr
 use crate::runtime::tests::partial_archive::PartialArchive;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Strategy};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::hold::Hold;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{Conditions, Participant, PersistentState, Phase, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::effect::Entry;
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 

@@ -9,12 +9,13 @@ use crate::runtime::link::{RobotSide, Stamped, link};
 use crate::runtime::tests::within::within;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
-use hallsweep_core::effect::{Action, Fact, Page};
+use hallsweep_core::effect::{Action, Page};
 use hallsweep_core::event::Capabilities;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::robot::{Parts, RobotId, RobotState};
 use hallsweep_core::settings::Settings;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{Epoch, Seq};
 
 #[path = "task_figures_tests.rs"]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Request, Strategy, Verdict};
-use hallsweep_core::effect::{Action, Effect, Entry, Fact, Order};
+use hallsweep_core::effect::{Action, Effect, Order};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Event, Obstacle, Photo, RobotEvent};
 use hallsweep_core::hold::Hold;
@@ -13,6 +13,7 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::{Parts, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Piece, Seq, Ticket, WallTime};
 
 use crate::shown::Record;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Request, Strategy};
-use hallsweep_core::effect::{Effect, Entry, Fact, Page};
+use hallsweep_core::effect::{Effect, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::Event;
 use hallsweep_core::not_fetched::Fetcher;
@@ -15,6 +15,7 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, Strategy, Verdict};
-use hallsweep_core::effect::Entry;
 use hallsweep_core::engine::{Past, way_behind};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::place::Place;
@@ -11,6 +10,7 @@ use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::retrieval::RetrievalView;
 use hallsweep_core::snapshot::{MissionView, Progress, Snapshot};
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::Seq;
 use hallsweep_core::world::temperature::TemperatureView;
 use hallsweep_sim::headless::Run;

@@ -4,13 +4,14 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, Request, TemperatureReport, Verdict};
-use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::effect::Effect;
 use hallsweep_core::engine::{Engine, IDS, Recalled};
 use hallsweep_core::event::{Event, Obstacle};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
 use hallsweep_core::world::alarm::Alarm;

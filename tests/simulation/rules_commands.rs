@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Note, Request, TemperatureReport, Verdict};
-use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::effect::Effect;
 use hallsweep_core::engine::IDS;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{Celsius, Epoch, LuggageId};
 
 use crate::bare::{Bare, records};

@@ -1,10 +1,10 @@
 //! Mission §4 on start, stop, backHome and reset, each rule by its number.
 
 use hallsweep_core::command::{Command, Door, Issuer, Request, Verdict};
-use hallsweep_core::effect::Fact;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 use hallsweep_sim::headless::Run;
 

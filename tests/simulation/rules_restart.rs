@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Request, TemperatureReport, Verdict};
-use hallsweep_core::effect::{Action, Effect, Entry, Fact};
+use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::hold::Hold;
@@ -12,6 +12,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Piece, Pose, Seq};
 use hallsweep_sim::headless::Run;

@@ -1,12 +1,13 @@
 //! Safety S2, V1–V3: what happens while a record is on its way, and when the store fails on it.
 
 use hallsweep_core::command::{Command, TemperatureReport, Verdict};
-use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::effect::Effect;
 use hallsweep_core::event::Event;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotId;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::LuggageId;
 
 use crate::bare::{Bare, records};

@@ -1,9 +1,9 @@
 //! The test plans of sprint 0 §1.4 and sprints 4 and 5: luggage is met, marked, photographed, judged.
 
 use hallsweep_core::command::{Command, Verdict};
-use hallsweep_core::effect::Fact;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::robot::RobotState;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_sim::headless::Run;

@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 
 use hallsweep_core::command::Strategy;
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::alarm::AlarmCause;
 

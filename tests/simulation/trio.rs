@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, Door, Issuer, Request};
-use hallsweep_core::effect::{Action, Effect, Entry, Order, Page};
+use hallsweep_core::effect::{Action, Effect, Order, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent, Whereabouts};
 use hallsweep_core::pair::Which;
@@ -17,6 +17,7 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{Cell, Now, Piece, Pose, Seq, Ticket, WallTime};
 use hallsweep_sim::pair::{Pair, PairMemory, PairSettings};
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings, Truth};

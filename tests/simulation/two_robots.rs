@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Command, Door, Issuer, Move, Request, Strategy, TemperatureReport};
-use hallsweep_core::effect::{Action, Effect, Entry, Fact};
+use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::hold::Hold;
@@ -16,6 +16,7 @@ use hallsweep_core::robot::{Part, RobotId, RobotState};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId, Seq, WallTime};
 use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 

@@ -14,7 +14,7 @@ use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
 use hallsweep_core::command::{CommandId, Issuer};
-use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
+use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
 
 #[derive(Serialize, Deserialize)]

@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 use self::coded::Form;
 use self::fact::Shape;
 use super::time::rfc3339;
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 

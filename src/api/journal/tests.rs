@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use super::*;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Verdict};
-use hallsweep_core::effect::Fact;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{Cell, LuggageId, Pose, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 

@@ -19,8 +19,8 @@ use crate::api::mission_record::{
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Default number of missions in one answer.

@@ -26,11 +26,11 @@ use crate::runtime::tests::obedient::{Script, obedient};
 use crate::runtime::tests::partial_archive::PartialArchive;
 use crate::runtime::tests::within::within;
 use hallsweep_core::command;
-use hallsweep_core::effect::Fact;
 use hallsweep_core::event::Photo;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 
 pub(super) struct TestApp {

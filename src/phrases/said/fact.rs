@@ -1,10 +1,10 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::effect::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::fact_words::hours;
+use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

@@ -7,10 +7,11 @@ use std::time::Duration;
 use super::{Families, Figures, OTHER};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::effect::Page;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::{CODES, Refused};
 use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
 
 /// Maximum number of waiting pages, far more than are handed over before a disk that hangs is given up. Further pages are not
@@ -181,11 +182,11 @@ mod tests {
 
     use super::*;
     use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Strategy, TemperatureReport};
-    use hallsweep_core::effect::Entry;
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
     use hallsweep_core::refused::{Refusal, RefusalKind};
     use hallsweep_core::settings::Settings;
+    use hallsweep_core::state::fact::Entry;
     use hallsweep_core::state::{PersistentState, Phase};
     use hallsweep_core::units::{AlarmId, Cell, Heading, MissionId, WallTime};
     use hallsweep_core::world::alarm::AlarmCause;

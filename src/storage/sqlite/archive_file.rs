@@ -27,7 +27,8 @@ use super::{chain, connect, head, marker, pages, project, rows, schema};
 use crate::api::journal::Picture;
 use crate::runtime::archive::{Head, Unreadable, hex};
 use crate::storage::{files, names};
-use hallsweep_core::effect::{Entry, Fact, Page, WrittenOut};
+use hallsweep_core::effect::Page;
+use hallsweep_core::state::fact::{Entry, Fact, WrittenOut};
 use hallsweep_core::units::{Seq, WallTime};
 
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -13,8 +13,9 @@ use super::{connect, pages, recall, schema};
 use crate::api::journal;
 use crate::runtime::archive::Sound;
 use crate::runtime::store::{Store, StoreStatus};
-use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::effect::Page;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Number of stored entries: some missions of a hall. All entries since the last state snapshot are stored in any case, so that

@@ -6,7 +6,7 @@ use super::fault::Fault;
 use super::rows::{self, EntryFilter};
 use crate::api::journal::Line;
 use crate::runtime::archive::Head;
-use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
+use hallsweep_core::state::fact::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{MissionId, Seq};
 
 #[derive(Debug, Default)]

@@ -9,7 +9,8 @@ use super::photos::Pictures;
 use super::{chain, connect, marker, project, rows, schema};
 use crate::api::journal::Line;
 use crate::runtime::archive::Head;
-use hallsweep_core::effect::{Entry, Fact, Page};
+use hallsweep_core::effect::Page;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// The only connection that writes, and the lock that allows it.

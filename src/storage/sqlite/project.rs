@@ -7,7 +7,7 @@ use super::fault::{Fault, count, whole};
 use super::rows::{self, EntryFilter, Kinds};
 use crate::api::journal::{self, Line, Picture};
 use hallsweep_core::command::{Note, Strategy};
-use hallsweep_core::effect::Fact;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};

@@ -11,11 +11,11 @@ use super::folder::Folder;
 use super::rows::{self, EntryFilter, Kinds};
 use crate::runtime::archive::Sound;
 use hallsweep_core::command::Strategy;
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled, RememberedLine};
 use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::snapshot::said::Said;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Number of entries recalled for the log: as many as a console shows without much scrolling.

@@ -7,7 +7,7 @@ use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
 use crate::runtime::archive::Span;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 /// Columns of an entry, in the order in which `line` reads them.

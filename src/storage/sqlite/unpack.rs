@@ -15,7 +15,8 @@ use crate::api::journal::Picture;
 use crate::runtime::archive::Unreadable;
 use crate::storage::files;
 use crate::storage::names::{self, Name};
-use hallsweep_core::effect::{Entry, Fact, Page, Unpacked};
+use hallsweep_core::effect::Page;
+use hallsweep_core::state::fact::{Entry, Fact, Unpacked};
 use hallsweep_core::units::WallTime;
 
 /// Returns the number of entries in the new folder, including the last one, which names the archive.

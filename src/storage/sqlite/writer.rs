@@ -18,7 +18,8 @@ use super::folder::Folder;
 use super::head::HeadFile;
 use super::pages::Pages;
 use super::writer_status::WriterStatus;
-use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::effect::Page;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Maximum number of pages in one transaction: enough for the pages that pile up on a slow disk, but only moments of work.

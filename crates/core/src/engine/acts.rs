@@ -4,13 +4,14 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::effect::{Effect, Fact};
+use crate::effect::Effect;
 use crate::hold::{Hold, HoldReason, Holds};
 use crate::mission::{Act, Input, InputContext};
 use crate::robot::RobotId;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::Stage;
+use crate::state::fact::Fact;
 use crate::units::{Cell, Celsius, LuggageId};
 use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;

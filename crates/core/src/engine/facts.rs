@@ -4,11 +4,11 @@
 use super::Engine;
 use crate::asked::Asked;
 use crate::command::{Command, LuggageRef, Request, TemperatureReport};
-use crate::effect::Fact;
 use crate::mission::InputContext;
 use crate::refused::Refused;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::units::Seq;
 
 impl Engine {

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::command::{Move, Note, Verdict};
-use crate::effect::Fact;
 use crate::search::Gait;
 use crate::search::pace::Pace;
+use crate::state::fact::Fact;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// Number of cells behind the robot that are shown.

@@ -2,7 +2,7 @@
 
 use super::Engine;
 use crate::command::Move;
-use crate::effect::{Action, Effect, Fact, Stamp};
+use crate::effect::{Action, Effect, Stamp};
 use crate::hold::Hold;
 use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
@@ -13,6 +13,7 @@ use crate::search::{Goal, NextGoal, Search};
 use crate::settings::Settings;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};

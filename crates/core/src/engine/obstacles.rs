@@ -1,9 +1,9 @@
 //! Obstacles that were met by a bump or seen by sonar: what they are taken for, and their marks on the map.
 
 use super::Engine;
-use crate::effect::Fact;
 use crate::event::{Ahead, Obstacle};
 use crate::mission::{Input, InputContext};
+use crate::state::fact::Fact;
 use crate::units::{Cell, Heading, Piece, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;

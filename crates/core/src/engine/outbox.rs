@@ -4,9 +4,10 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use crate::effect::{Effect, Entry, Fact, Order, Page};
+use crate::effect::{Effect, Order, Page};
 use crate::refused::Refused;
 use crate::robot::RobotId;
+use crate::state::fact::{Entry, Fact};
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
 /// Number of entries after which the whole state is put on record, so that a start need not read many more. A large

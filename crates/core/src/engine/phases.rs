@@ -2,11 +2,11 @@
 
 use super::Engine;
 use super::decide::Step;
-use crate::effect::Fact;
 use crate::mission::{Input, InputContext, To};
 use crate::phase::{FaultCause, PhaseName};
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::state::{Inspection, Phase, Stage};
 use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;

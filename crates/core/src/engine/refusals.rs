@@ -9,10 +9,10 @@ use super::Engine;
 use super::coalesced_entries::{CoalescedEntry, CoalescingLimits, Sender};
 use crate::asked::Asked;
 use crate::command::Issuer;
-use crate::effect::Fact;
 use crate::refused::Refused;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::units::{Now, Seq};
 
 /// The burst is more than a person presses in a minute; after it there is one entry per period. There is room for more

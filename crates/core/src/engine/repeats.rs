@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use crate::asked::Asked;
 use crate::command::{Accepted, Command, CommandId, Issuer, Request};
-use crate::effect::{Entry, Fact};
 use crate::refused::{OTHER_CONTENT, RefusalKind, Refused};
+use crate::state::fact::{Entry, Fact};
 use crate::units::{Epoch, LuggageId, Ticket};
 
 /// Maximum number of ids that are remembered: more than any client has under way. When there are more, the sender with

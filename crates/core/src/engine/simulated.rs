@@ -8,7 +8,6 @@ use super::Engine;
 use super::outbox::WaitingAnswer;
 use crate::asked::Asked;
 use crate::command::Issuer;
-use crate::effect::Fact;
 use crate::hold::Hold;
 use crate::refused::Refused;
 use crate::robot::RobotId;
@@ -16,6 +15,7 @@ use crate::simulated::Simulated;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::Venue;
+use crate::state::fact::Fact;
 use crate::units::{Now, Ticket};
 
 impl Engine {

@@ -11,9 +11,9 @@ use super::Engine;
 use super::coalesced_entries::{CoalescedEntries, CoalescedEntry, CoalescingLimits, Sender};
 use crate::asked::Asked;
 use crate::command::{Command, CommandId, Issuer, OPERATOR, Request};
-use crate::effect::Fact;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::units::{Epoch, Ticket, WallTime};
 
 /// A person presses less often, and a disk can write more. The senders are those who pressed in the last seconds.

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use super::Engine;
 use super::motion::Turn;
-use crate::effect::Fact;
 use crate::hold::Hold;
 use crate::not_fetched::{Fetcher, NotFetched};
 use crate::pair::{Saying, Which};
@@ -16,6 +15,7 @@ use crate::retrieval::{Proposal, Team, View};
 use crate::snapshot::log::Tone;
 use crate::snapshot::retrieval::TreesView;
 use crate::snapshot::said::Said;
+use crate::state::fact::Fact;
 use crate::state::{Phase, Retrieval, RetrievalStage, TeamStage};
 use crate::world::alarm::AlarmCause;
 use crate::world::resource::Resource;

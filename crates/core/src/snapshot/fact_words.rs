@@ -5,9 +5,9 @@ use std::fmt::Display;
 
 use crate::asked::Asked;
 use crate::command::{Command, Verdict};
-use crate::effect::{Fact, Unpacked, WrittenOut};
 use crate::hold::Hold;
 use crate::refused::Refused;
+use crate::state::fact::{Fact, Unpacked, WrittenOut};
 use crate::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use crate::asked::Asked;
 use crate::command::Issuer;
-use crate::effect::Fact;
 use crate::hold::{Hold, HoldReason};
 use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
 use crate::robot::RobotId;
 use crate::snapshot::fact_words;
+use crate::state::fact::Fact;
 use crate::units::{Cell, LuggageId, Pose};
 use crate::world::alarm::AlarmCause;
 use behaviour_trees::state::StateError;

@@ -3,6 +3,7 @@
 //! reported anew after a restart (`after_restart`). The store writes facts and reads them back.
 
 mod conditions;
+pub mod fact;
 mod phase;
 pub(crate) mod readings;
 mod retrieval;
@@ -12,11 +13,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 pub use self::conditions::{Conditions, Participant, Reach, Venue};
+use self::fact::{Entry, Fact};
 pub use self::phase::{Inspection, Phase, Stage};
 pub use self::readings::Speaking;
 pub use self::retrieval::{Retrieval, RetrievalStage};
 pub use self::team::{TeamStage, TeamState};
-use super::effect::{Entry, Fact};
 use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};

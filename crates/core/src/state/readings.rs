@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::effect::{Entry, Fact};
+use crate::state::fact::{Entry, Fact};
 use crate::units::Now;
 use crate::world::temperature::Thermometer;
 

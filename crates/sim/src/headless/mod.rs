@@ -12,7 +12,7 @@ use std::time::Duration;
 use crate::pair::{Pair, PairSettings};
 use crate::{Hall, Sim, SimSettings};
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Request, Strategy};
-use hallsweep_core::effect::{Action, Effect, Entry};
+use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::pair::Which;
@@ -23,6 +23,7 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};
 
 /// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.

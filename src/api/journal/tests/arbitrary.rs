@@ -16,7 +16,6 @@ use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{
     Command, CommandId, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
-use hallsweep_core::effect::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
@@ -28,6 +27,7 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::{Goal, Search};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
+use hallsweep_core::state::fact::{Entry, Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{
     Conditions, Inspection, Participant, PersistentState, Phase, Reach, Retrieval, RetrievalStage, Stage, TeamStage, TeamState,
     Venue,

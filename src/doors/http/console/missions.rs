@@ -18,9 +18,9 @@ use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::Strategy;
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 

@@ -8,7 +8,6 @@ use crate::runtime::archive::{At, Happened, MissionRecord, PastMoment, Sound, Un
 use hallsweep_core::arm::{ArmState, Parcel};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Issuer, Strategy};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::Past;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::Fetcher;
@@ -16,6 +15,7 @@ use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::team::TICK;
 use hallsweep_core::retrieval::{BaseView, Team, View};
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{PersistentState, Phase, Retrieval, RetrievalStage};
 use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::HallMap;

@@ -13,8 +13,8 @@ use super::testing::*;
 use crate::api::journal;
 use crate::runtime::archive::{At, PastMoment, Span, Unreadable};
 use hallsweep_core::command::{Strategy as Order, Verdict};
-use hallsweep_core::effect::Fact;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 const NOON: WallTime = at_noon_exactly();

@@ -18,7 +18,8 @@ use super::super::{Opened, QUEUE, ReadOnlyJournal, SqliteStore, connect, look, m
 use super::testing::*;
 use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::effect::Page;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, Seq};
 
 fn recalled(path: &std::path::Path) -> Result<Option<hallsweep_core::engine::Recalled>, Fault> {

@@ -10,10 +10,10 @@ use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Span, Unreadable};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, CommandId, LuggageRef, Strategy as Order, Verdict};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
 use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 
 /// The recalled log has commands and findings, and no steps.

@@ -6,8 +6,8 @@ use super::testing::*;
 use crate::runtime::archive::{Archive, At, PastMoment, Sound, Span};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
-use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::Phase;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 

@@ -171,7 +171,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     engine.mark(Cell::new(1, 1), Mark::NotInspected);
     engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
     engine.watchdog.hear("roof", Duration::ZERO);
-    engine.record(crate::effect::Fact::AlarmRaised(
+    engine.record(crate::state::fact::Fact::AlarmRaised(
         AlarmId(1),
         None,
         crate::world::alarm::AlarmCause::Other("something".to_owned()),

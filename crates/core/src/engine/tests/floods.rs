@@ -3,8 +3,8 @@
 use super::*;
 use crate::asked::Asked;
 use crate::command::CommandId;
-use crate::effect::{Entry, Fact};
 use crate::state::PersistentState;
+use crate::state::fact::{Entry, Fact};
 
 struct Recorder {
     engine: Engine,

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::command::OPERATOR;
-use crate::effect::Entry;
 use crate::engine::Past;
 use crate::engine::recall::Recalled;
+use crate::state::fact::Entry;
 
 struct Kept {
     engine: Engine,

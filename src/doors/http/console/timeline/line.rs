@@ -12,8 +12,8 @@ use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Command, Verdict};
-use hallsweep_core::effect::Fact;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{Conditions, Phase, Speaking};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
@@ -307,9 +307,9 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::{Issuer, LuggageRef};
-    use hallsweep_core::effect::Entry;
     use hallsweep_core::hold::Hold;
     use hallsweep_core::state::Venue;
+    use hallsweep_core::state::fact::Entry;
     use hallsweep_core::units::{Cell, LuggageId};
 
     /// Facts at these seconds after the first.
