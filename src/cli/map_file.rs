@@ -109,7 +109,7 @@ fn taken(path: &Path) -> Failure {
     Failure::Run(format!("{} exists already: choose another name, or overwrite the file with --force", path.display()))
 }
 
-fn unwritable(path: &Path, error: &io::Error) -> Failure {
+pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Run(format!("{} cannot be written: {error}", path.display()))
 }
 

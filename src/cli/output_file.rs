@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::map_file::{begin, unfinished};
+use super::map_file::{begin, unfinished, unwritable};
 use crate::storage::files;
 
 pub(super) const STANDARD_OUTPUT: &str = "-";
@@ -99,10 +99,6 @@ pub(super) fn distinct<'a>(
         taken.push(place);
     }
     Ok(())
-}
-
-pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::Run(format!("{} cannot be written: {error}", path.display()))
 }
 
 #[cfg(test)]

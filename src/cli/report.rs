@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::output_file::{OutputFile, STANDARD_OUTPUT, distinct, is_standard_output, unwritable};
+use super::map_file::unwritable;
+use super::output_file::{OutputFile, STANDARD_OUTPUT, distinct, is_standard_output};
 use super::{Failure, Folder};
 use crate::phrases::Language;
 use crate::report::{self, Claim, Comparison, EDITION, Report, list};

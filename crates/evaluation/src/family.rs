@@ -228,6 +228,6 @@ impl Drawing {
     }
 }
 
-fn below(bound: usize, dice: &mut RandomStream) -> usize {
+pub(crate) fn below(bound: usize, dice: &mut RandomStream) -> usize {
     usize::try_from(dice.below(bound as u64)).expect("it is below a usize")
 }

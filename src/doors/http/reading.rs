@@ -286,6 +286,12 @@ fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     }
 }
 
+/// A field of a form, without blanks around it.
+pub(super) fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
+    let given = value.map(str::trim).filter(|text| !text.is_empty());
+    given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

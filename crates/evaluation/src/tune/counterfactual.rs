@@ -19,9 +19,10 @@ use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::weights::Weights;
 use hallsweep_core::units::Cell;
 
+use super::Task;
 use super::rest::{self, Judge, Rest};
 use super::ridge::{self, Sample};
-use super::{Task, below};
+use crate::family::below;
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 

@@ -24,7 +24,7 @@ use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::weights::Weights;
 
 use crate::Ground;
-use crate::family::{Family, hall};
+use crate::family::{Family, below, hall};
 use crate::walk::Walk;
 use hallsweep_core::search::Terms;
 
@@ -79,10 +79,6 @@ impl Task {
             Objective::Find => walk.known_after as f64 / (ground.reachable + ground.touchable) as f64 / cells,
         }
     }
-}
-
-fn below(bound: usize, dice: &mut RandomStream) -> usize {
-    usize::try_from(dice.below(bound as u64)).expect("it is below a usize")
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::room::TICKS_PER_SECOND;
+use super::room::{TICKS_PER_SECOND, seconds};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunLength {
@@ -31,7 +31,7 @@ impl RunLength {
 
     #[must_use]
     pub fn seconds(self) -> f64 {
-        f64::from(self.ticks) / f64::from(TICKS_PER_SECOND)
+        seconds(self.ticks)
     }
 
     pub(super) const fn ticks(self) -> u32 {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::room::{TICK_S, TICKS_PER_SECOND, Velocity};
+use super::room::{TICK_S, TICKS_PER_SECOND, Velocity, seconds};
 use hallsweep_core::rng::RandomStream;
 
 /// Speed forward and in a spiral, in metres per second (docs/laboratory.md).
@@ -126,10 +126,6 @@ impl Motion {
         let whole = self.angle.map_or(0.0, f64::abs);
         (whole - TURN_SPEED * seconds(self.ticks)).max(0.0)
     }
-}
-
-fn seconds(ticks: u32) -> f64 {
-    f64::from(ticks) / f64::from(TICKS_PER_SECOND)
 }
 
 #[cfg(test)]

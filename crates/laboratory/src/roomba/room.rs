@@ -65,6 +65,10 @@ impl Body {
     }
 }
 
+pub(super) fn seconds(ticks: u32) -> f64 {
+    f64::from(ticks) / f64::from(TICKS_PER_SECOND)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

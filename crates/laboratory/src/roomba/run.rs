@@ -6,7 +6,7 @@ use super::floor::{self, Floor};
 use super::length::RunLength;
 use super::machine::Machine;
 use super::phase::Phase;
-use super::room::{Body, TICKS_PER_SECOND};
+use super::room::{Body, seconds};
 use super::tree::Tree;
 use hallsweep_sim::BodyPose;
 
@@ -146,8 +146,4 @@ pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u
         in_phase_s: in_phase.map(seconds),
     };
     Run { controller, seed, frames, transitions, figures }
-}
-
-fn seconds(ticks: u32) -> f64 {
-    f64::from(ticks) / f64::from(TICKS_PER_SECOND)
 }

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::super::problem::Problem;
+use super::super::reading::needed;
 use crate::api::command::{self, StrategyBody};
 use crate::api::commands::{CommandKind, CommandRow};
 use crate::api::fields::in_short;
@@ -107,11 +108,6 @@ impl Fields {
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
     let line: Vec<&str> = typed.split_whitespace().collect();
     Ok(command::note(&line.join(" "))?)
-}
-
-fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
-    let given = value.map(str::trim).filter(|text| !text.is_empty());
-    given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
 }
 
 fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {

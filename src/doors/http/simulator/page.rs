@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::super::console::html;
 use super::super::problem::Problem;
-use super::super::reading::Form;
+use super::super::reading::{Form, needed};
 use super::Asker;
 use crate::api::door;
 use crate::api::fields::in_short;
@@ -196,11 +196,6 @@ impl Fields {
         };
         Ok(Cell::new(side("x", self.x.as_deref())?, side("y", self.y.as_deref())?))
     }
-}
-
-fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
-    let given = value.map(str::trim).filter(|text| !text.is_empty());
-    given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
 }
 
 fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
