@@ -26,6 +26,7 @@ type Path = Vec<String>;
 
 /// The files of a crate by their modules, with what each names.
 struct Files {
+    /// What it hands on counts as named.
     named: BTreeMap<Path, Vec<Path>>,
     /// What each hands on of others, by the name under which it does.
     handed_on: BTreeMap<Path, BTreeMap<String, Path>>,
@@ -52,7 +53,8 @@ impl Files {
                 }
             }
             let others = Source::new(&format!("src/{}.rs", module.join("/")), &others);
-            files.named.insert(module.clone(), named_paths(&others).into_iter().map(|(_, path)| path).collect());
+            let named = named_paths(&others).into_iter().map(|(_, path)| path).chain(handed_on.values().cloned());
+            files.named.insert(module.clone(), named.collect());
             files.handed_on.insert(module, handed_on);
         }
         files
@@ -117,4 +119,6 @@ fn a_circle_is_found_through_whatever_hands_a_name_on() {
     assert_eq!(circles(&[lib, a, ("src/b.rs", "struct B;\n#[cfg(test)]\nmod tests {\n    use crate::a::A;\n}")]), 0);
     let (face, below) = (("src/c/mod.rs", "mod d;\nuse self::d::D;\nstruct C;"), ("src/c/d.rs", "use super::C;\nstruct D;"));
     assert_eq!(circles(&[face, below]), 0, "a module and what it is the face of");
+    let (on, back) = (("src/a.rs", "pub use super::b::B;\nstruct A;"), ("src/b.rs", "struct B(super::a::A);"));
+    assert_eq!(circles(&[on, back]), 1, "to hand on is to import");
 }
