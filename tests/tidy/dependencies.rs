@@ -2,7 +2,7 @@
 //! holds it.
 //!
 //! ```text
-//!   main → cli     cli → everything but main     app → { access, doors, robots, storage, runtime, config }
+//!   main → cli     cli → everything but main, doors     app → { access, doors, robots, storage, runtime, config }
 //!   doors → access, runtime, api, phrases, report     report → api, phrases, runtime     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
 //!   access → storage             api → access, runtime     telemetry → api, runtime     runtime, config → themselves
 //! ```
@@ -27,7 +27,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "runtime",
         modules: &[],
-        crates: &["futures_util", "hallsweep_core", "jiff", "prometheus_client", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "jiff", "prometheus_client", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "api",
@@ -47,11 +47,7 @@ const RULES: [Rule; 13] = [
             "thiserror",
         ],
     },
-    Rule {
-        module: "phrases",
-        modules: &[],
-        crates: &["behaviour_trees", "askama", "fluent_bundle", "hallsweep_core", "serde_json", "unic_langid"],
-    },
+    Rule { module: "phrases", modules: &[], crates: &["askama", "fluent_bundle", "hallsweep_core", "serde_json", "unic_langid"] },
     Rule {
         module: "report",
         modules: &["api", "phrases", "runtime"],
@@ -70,7 +66,6 @@ const RULES: [Rule; 13] = [
             "hallsweep_core",
             "hallsweep_laboratory",
             "hashlink",
-            "subtle",
             "futures_util",
             "hyper",
             "hyper_util",
@@ -109,7 +104,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "storage",
         modules: &["runtime", "api"],
-        crates: &["hallsweep_core", "jiff", "rusqlite", "rustix", "serde", "serde_json", "sha2", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "rusqlite", "rustix", "serde_json", "sha2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "config",
@@ -125,7 +120,7 @@ const RULES: [Rule; 13] = [
     },
     Rule {
         module: "cli",
-        modules: &["access", "api", "app", "config", "doors", "phrases", "report", "robots", "storage", "runtime", "telemetry"],
+        modules: &["access", "api", "app", "config", "phrases", "report", "robots", "storage", "runtime", "telemetry"],
         crates: &[
             "behaviour_trees",
             "clap",
