@@ -58,6 +58,8 @@ RUN export CARGO_PROFILE_DEV_DEBUG=false CARGO_BUILD_TARGET=$(rustc --print host
 # What others wrote. None of our sources is here yet, so it is built anew only when Cargo.lock or a manifest changes. Tests and
 # benches are no part of the image: the manifests do without them.
 FROM tools AS dependencies
+# Files and lines for backtraces. Only the image with VARIANT=debug keeps them.
+ENV CARGO_PROFILE_RELEASE_DEBUG=line-tables-only
 # `check` finds out whether it can be built, and goes no further than the stage `program`.
 ARG COMPILE=build
 COPY Cargo.toml Cargo.lock build.rs ./
