@@ -1,8 +1,8 @@
-//! What the CoAP door costs, printed beside libcoap's example server, coap-rs and a bare bound, all measured in this run and by
-//! the same load on loopback: CPU per confirmable GET, with few and with very many peers, 50 kB in blocks, and how long a change
-//! takes to 500 observers. A rival that is not to be had is left out; without hallsweep, or with a goal missed that was met before,
-//! it ends with an exit code that says so.
-//! `cargo bench --bench coap -- peers` does that part alone; the others are `gets`, `blocks` and `fan-out`.
+//! Cost of the CoAP door, printed beside libcoap's example server, coap-rs and a bare bound. All are measured in this
+//! run with the same load on loopback: CPU per confirmable GET with few and with very many peers, 50 kB in
+//! blocks, and the time that a change takes to reach 500 observers. A rival that is not installed is left out. The
+//! exit code is not zero when hallsweep cannot be measured, or when it misses a goal that it met before.
+//! `cargo bench --bench coap -- peers` runs that part alone; the other parts are `gets`, `blocks` and `fan-out`.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "coap/blocks.rs"]
@@ -34,29 +34,30 @@ use load::{CLIENTS, FEWEST, Load, Outcome};
 use server::{Kind, Server};
 use stage::{RESOURCE, photo, prepared, read, reading};
 
-/// Who is compared.
 const ALL: [Kind; 4] = [Kind::Hallsweep, Kind::Libcoap, Kind::CoapRs, Kind::Bare];
 
-/// Every figure is the median of so many turns; all servers take turns, so that a machine that is busy meanwhile is so for all.
+/// Number of turns; every figure is their median. The servers take turns, so that other load on the machine affects
+/// all of them.
 const TURNS: usize = 5;
 
-/// Requests a turn.
+/// Requests per turn.
 const GETS: usize = 32_000;
 
-/// With the fewest at once hallsweep took so much of coap-rs's and of libcoap's CPU when that was first measured, at most.
+/// Largest shares of coap-rs's and of libcoap's CPU that hallsweep used with `FEWEST` clients when they were first
+/// measured.
 const BEFORE: (f64, f64) = (0.66, 0.80);
 
-/// Requests a turn from few and from many peers: one from each of the many.
+/// Requests per turn, from few peers and from many; each of the many peers sends one.
 const PEER_GETS: u32 = 30_000;
 const FEW: u32 = 100;
 
-/// Turns with many peers, each with others than before.
+/// Turns with many peers; each turn uses new peers.
 const PEER_TURNS: usize = 3;
 
-/// A turn ends after this long, however far it has come.
+/// Time limit of a turn; requests that remain then are not sent.
 const PEER_LIMIT: Duration = Duration::from_secs(5);
 
-/// Transfers a turn.
+/// Transfers per turn.
 const TRANSFERS: usize = 200;
 
 fn main() -> ExitCode {
@@ -76,13 +77,13 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// Starts a server, and says how it answers a GET of what is read.
+/// Starts a server and returns it with its answer to a GET of the measured resource.
 fn started(kind: Kind) -> Option<(Server, Vec<u8>)> {
     let server = Server::start(kind)?;
     prepared(&server).map(|body| (server, body))
 }
 
-/// The CPU that a server uses while something is done, for each of the requests that were answered.
+/// CPU that a server uses during `work`, per request that was answered correctly.
 fn cost(server: &Server, work: impl FnOnce() -> Outcome) -> (Duration, Outcome) {
     let before = server.cpu();
     let outcome = work();
@@ -107,7 +108,7 @@ fn gets() {
         for (rival, goal, before) in [(Kind::CoapRs, 0.60, BEFORE.0), (Kind::Libcoap, 0.65, BEFORE.1)] {
             let what = format!("CPU per CON GET with {clients} at once, of {}", rival.name());
             match share(&what, own, best_of(&measured, rival)) {
-                // With few at once a part of it is waking up, and the goal was missed from the beginning.
+                // With few clients, part of the cost is waking the process up, and hallsweep has never met the goal.
                 Some(ratio) if clients == FEWEST => goals::known(&what, ratio, goal, before),
                 Some(ratio) => goals::at_most(&what, ratio, goal),
                 None => {}
@@ -119,7 +120,7 @@ fn gets() {
 fn peers() {
     println!("\nCPU per CON GET of 119 bytes, {PEER_TURNS} × {PEER_GETS} requests: {FEW} peers, then as many peers as requests:");
     for kind in ALL {
-        // A server for the few and one for the many: what the many leave behind is not the few's.
+        // Few and many peers get separate servers, because the state that many peers leave behind would slow the few.
         let (Some((calm, body)), Some((busy, _))) = (started(kind), started(kind)) else { continue };
         let (mut few, mut many) = (Measured::new(kind), Measured::new(kind));
         let mut of_few = Load::new(calm.address, read(kind), &body);

@@ -1,8 +1,9 @@
-//! What the MQTT door can carry, printed beside rumqttd alone, the bound of two bare sockets and mosquitto, all measured in this run and by
-//! the same load on loopback: messages a second to one and to ten subscribers at both qualities, how long single messages take, and memory after a
-//! million. A rival that is not to be had is left out; without hallsweep, or with a goal missed that was met before, it ends with an
-//! exit code that says so.
-//! `cargo bench --bench mqtt -- latency` does that part alone; the others are `fan-out` and `memory`.
+//! Capacity of the MQTT door, printed beside rumqttd alone, a bound of two bare sockets, and mosquitto. All are
+//! measured in this run with the same load on loopback: messages per second to one and to ten subscribers at QoS
+//! 0 and 1, the latency of single messages, and memory after a million messages. A rival that is not installed is
+//! left out. The exit code is not zero when hallsweep cannot be measured, or when it misses a goal that it met
+//! before.
+//! `cargo bench --bench mqtt -- latency` runs that part alone; the other parts are `fan-out` and `memory`.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "mqtt/bare.rs"]
@@ -31,34 +32,35 @@ use figures::{Measured, median};
 use load::Load;
 use server::{Kind, Server};
 
-/// Who is compared.
 const ALL: [Kind; 5] = [Kind::Hallsweep, Kind::Linked, Kind::Bare, Kind::Bound, Kind::Mosquitto];
 
-/// Every figure is the median of so many turns; all servers take turns, so that a machine that is busy meanwhile is so for all.
+/// Number of turns; every figure is their median. The servers take turns, so that other load on the machine affects
+/// all of them.
 const TURNS: usize = 5;
 
-/// How long messages are published in a turn.
+/// Publishing time per turn.
 const TURN: Duration = Duration::from_secs(1);
 
-/// So many messages are under way to the slowest subscriber where the publisher waits: no server loses any of so few.
+/// Maximum number of messages on the way to the slowest subscriber where the publisher waits; no server loses a
+/// message at this number.
 const WINDOW: u64 = 2000;
 
-/// Messages a turn where each is looked at by itself.
+/// Messages per turn in the latency part.
 const SINGLE: usize = 1000;
 
-/// What memory is looked at after: so many messages to one subscriber, and as many to ten, all together.
+/// Messages before memory is read: this number to one subscriber, and the same total to ten.
 const MILLION: u64 = 1_000_000;
 
-/// Single messages are to take no more than so many times what they take at mosquitto,
+/// Largest ratio of the latency of single messages to mosquitto's.
 const LATENCY: f64 = 1.2;
 
-/// and on a machine that is not quite calm never took more than this.
+/// Largest ratio that was measured on a machine with some other load.
 const LATENCY_BEFORE: f64 = 1.3;
 
-/// More memory than this is too much, in MB, which are a million bytes.
+/// Memory limit in MB (10⁶ bytes).
 const MEMORY: f64 = 48.0;
 
-/// A million messages may take so long.
+/// Time limit for a million messages.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {

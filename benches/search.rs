@@ -1,7 +1,8 @@
-//! What the search costs, printed beside the crate `pathfinding`, measured in this run on the same halls: ways over what is known, and
-//! what to do next; then what a move costs in halls of every size, the memory a cell, and foreign maps of large size searched whole.
-//! `cargo bench --bench search -- replan` does that part alone; the others are `decision`, `growth` and `maps`. `--plot FILE` draws
-//! the growth as SVG.
+//! Cost of the search, printed beside the crate `pathfinding`, measured in this run on the same halls: ways over
+//! known cells, and the next decision. Further parts measure the cost of a move in halls of every size, the memory
+//! per cell, and large foreign maps searched completely.
+//! `cargo bench --bench search -- replan` runs that part alone; the other parts are `decision`, `growth` and `maps`.
+//! `--plot FILE` draws the growth as SVG.
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
 #[path = "search/cpu.rs"]
@@ -28,7 +29,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let (words, plot) = asked(std::env::args().skip(1));
-    // Memory is measured first, while nothing has been freed that it could be taken from.
+    // Memory is measured first, before any freed memory exists that the allocator could reuse.
     let parts: [(&str, &dyn Fn()); 4] = [
         ("growth", &|| growth::run(plot.as_deref())),
         ("replan", &replan::run),
@@ -46,7 +47,7 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// The parts that are wanted, and where the plot goes. What cargo says to every benchmark begins with a dash and means nothing here.
+/// Names of the requested parts, and the path of the plot. Arguments of cargo begin with a dash and are ignored.
 fn asked(mut arguments: impl Iterator<Item = String>) -> (Vec<String>, Option<String>) {
     let (mut words, mut plot) = (Vec::new(), None);
     while let Some(word) = arguments.next() {

@@ -1,5 +1,6 @@
-//! Missions at full speed for as long as one likes, in the real program with the real store, with operators who do everything an
-//! operator can: whether memory or descriptors grow. `cargo bench --bench soak -- --minutes 60`; without `--minutes` it is short.
+//! Missions at full speed for a chosen time, in the real program with the real store and with operators who use every
+//! command. The benchmark reports whether memory or descriptors grow. `cargo bench --bench soak -- --minutes 60`;
+//! without `--minutes` the run is short.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "common/ask.rs"]
@@ -21,19 +22,20 @@ use program::Program;
 use readers::Readers;
 use usage::Usage;
 
-/// How long it runs when nobody says.
+/// Duration of a run without `--minutes`.
 const SHORT: Duration = Duration::from_secs(20);
 
-/// A line is printed this often, and at least ten times.
+/// Interval between printed lines; a shorter run prints ten lines.
 const LINE: Duration = Duration::from_secs(10);
 
-/// After a fifth of the time everything is warm: caches filled, threads started. The halves are counted from there.
+/// Fraction of the run for warming up (one fifth): caches fill and threads start. The two halves are counted from
+/// there.
 const WARM: u32 = 5;
 
-/// When readers have gone away the program is given this long to notice.
+/// Time for the program to notice that readers have disconnected.
 const REST: Duration = Duration::from_secs(2);
 
-/// The second half may take this many descriptors more than the first at rest: none.
+/// Maximum growth of descriptors in the second half, measured at rest.
 const DESCRIPTORS: u64 = 0;
 
 fn main() -> ExitCode {
@@ -58,7 +60,7 @@ fn main() -> ExitCode {
     verdict(&warm, &middle, &end)
 }
 
-/// How long to run, from the command line.
+/// Duration of the run from the command line.
 fn minutes() -> Result<Duration, String> {
     let mut words = std::env::args().skip_while(|word| word != "--minutes").skip(1);
     if !std::env::args().any(|word| word == "--minutes") {
@@ -78,7 +80,8 @@ struct Soak {
 }
 
 impl Soak {
-    /// Plays until so long after the beginning, and measures at rest: nobody looks on, and what there was is let go.
+    /// Runs missions until `end`, then measures without readers, after the program has had time to release their
+    /// resources.
     fn until(&mut self, end: Duration, lasts: Duration) -> Usage {
         let every = LINE.min(lasts / 10);
         let mut next = self.since.elapsed() + every;
@@ -103,7 +106,7 @@ impl Soak {
     }
 }
 
-/// What grew from the warm program to the middle, and from the middle to the end.
+/// Growth from the warm program to the middle of the run, and from the middle to the end.
 fn verdict(warm: &Usage, middle: &Usage, end: &Usage) -> ExitCode {
     let growth = |from: u64, to: u64| i64::try_from(to).unwrap_or(i64::MAX) - i64::try_from(from).unwrap_or(i64::MAX);
     let say = |what, unit, of: fn(&Usage) -> u64| {

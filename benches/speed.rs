@@ -1,4 +1,5 @@
-//! How fast hallsweep is, printed beside a bound or a peer measured in the same run. `cargo bench` runs it; nothing here is a test.
+//! Speed of hallsweep, printed beside a bound or a rival measured in the same run. `cargo bench` runs it; this file
+//! contains no tests.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "common/ask.rs"]
@@ -26,7 +27,7 @@ use hallsweep_sim::headless::{Verdicts, explore};
 use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 use program::Program;
 
-/// So many pages are counted in a run.
+/// Pages counted in a run.
 const PAGES: u64 = 10_000;
 
 fn main() -> ExitCode {
@@ -39,12 +40,12 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// A figure that may be no longer than this.
+/// Records the goal that a figure is at most `most`.
 fn within(what: &str, figure: Duration, most: Duration) {
     goals::met(&format!("{what}: {figure:.2?} (at most {most:?})"), figure <= most);
 }
 
-/// The least and the median of some runs.
+/// Minimum and median time of some runs.
 fn timed(runs: usize, mut work: impl FnMut()) -> (Duration, Duration) {
     let mut times: Vec<Duration> = (0..runs)
         .map(|_| {
@@ -65,7 +66,8 @@ fn airport() -> Arc<Hall> {
     Arc::new(Hall::named_or_file("airport").expect("the hall comes with the program"))
 }
 
-/// A whole mission through core and simulator, photos aside, beside the planner's least work: one look at every cell a move.
+/// A whole mission through core and simulator without photos, beside the least work of a planner: one look at every
+/// cell per move.
 fn mission() {
     let hall = airport();
     let run =
@@ -86,7 +88,7 @@ fn now(since_start: Duration) -> Now {
     Now { since_start, ..Now::default() }
 }
 
-/// One photo, beside filling and copying as many pixels.
+/// One photo, beside filling and copying the same number of pixels.
 fn photo() {
     let mut sim = Sim::new(airport(), SimSettings::new(1, Camera::Rendered));
     let stamp = Stamp { pose: Pose::START, wall: Default::default() };
@@ -100,24 +102,25 @@ fn photo() {
     within("a photo", photo, Duration::from_millis(25));
 }
 
-/// A program at the speed of a person's watch.
+/// A program at real-time speed.
 fn program() -> Program {
     Program::serve(&["--speed", "1"])
 }
 
-/// One request on a connection of its own.
+/// Sends one request on a separate connection.
 fn ask(program: &Program, method: &str, path: &str) -> String {
     ask::ask(&program.address, method, path, "").expect("the program answers")
 }
 
-/// Clock ticks of CPU a program has used.
+/// CPU time used by a program, in clock ticks.
 fn cpu_ticks(program: &Program) -> u64 {
     let stat = std::fs::read_to_string(program.proc("stat")).unwrap_or_default();
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
     [11, 12].into_iter().filter_map(|n| fields.get(n)?.parse::<u64>().ok()).sum()
 }
 
-/// START over HTTP until its answer: the order is at the robot's port before the answer is sent, so this bounds it from above.
+/// START over HTTP until its answer. The order reaches the robot's port before the answer is sent, so this time is an
+/// upper bound.
 fn start_to_order() {
     let program = program();
     let (_, healthz) = timed(50, || drop(black_box(ask(&program, "GET", "/healthz"))));
@@ -130,7 +133,7 @@ fn start_to_order() {
     within("START and STOP together, which is more than START alone", start, Duration::from_millis(5));
 }
 
-/// What a reading of all figures costs, beside the state as JSON, for a mission that is under way.
+/// Cost of reading all metrics, beside the state as JSON, during a mission.
 fn reading_figures() {
     let program = program();
     ask(&program, "POST", "/api/v1/commands/start");
@@ -143,8 +146,8 @@ fn reading_figures() {
     goals::at_most("reading all figures beside the state as JSON", ratio(figures, state), 3.0);
 }
 
-/// What counting costs the loop: pages as those of steps, handed over and kept, beside what a step of a mission costs in the core and the
-/// simulator; and one observation of a histogram.
+/// Cost of the metrics in the main loop: counting a page of a step when it is sent and when it is stored, beside a
+/// mission's step in the core and the simulator; also one observation of a histogram.
 fn counting() {
     let hall = airport();
     let run =
@@ -172,14 +175,14 @@ fn counting() {
     goals::at_most("counting beside a step of core and simulator", ratio(page, step), 0.05);
 }
 
-/// Its cell and where the robot stands then.
+/// Page of a step: the visited cell, and the robot's pose.
 fn page_of_a_step(n: u64) -> Page {
     let cell = Cell::new(i32::try_from(n % 500).unwrap_or(0), 0);
     let facts = [Fact::Mark(cell, Mark::Visited), Fact::Pose(Pose { cell, heading: Heading::East })];
     Page { first: Seq(2 * n + 1), entries: facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect() }
 }
 
-/// CPU of a program that nobody asks anything, in percent of one core over five seconds.
+/// CPU of a program without requests, in percent of one core over five seconds.
 fn idle() {
     let program = program();
     ask(&program, "GET", "/healthz");

@@ -1,5 +1,5 @@
-//! How long STOP takes from the request to the robot's port, while every door is under load and the store is slow or hangs
-//! (safety S6); beside it a bare request under the same load. `tests/stop.rs` proves what does not depend on time.
+//! Time of a STOP from the request to the robot's port, while every door is under load and the store is slow or hangs
+//! (safety S6), beside a plain request under the same load. `tests/stop.rs` tests what does not depend on time.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "common/ask.rs"]
@@ -33,20 +33,20 @@ use std::time::{Duration, Instant};
 use tardy::{Keeping, Tardy};
 use test_app::TestApp;
 
-/// So many stops over each door: half of them with a slow store, half with one that hangs.
+/// Number of STOPs per door: half of them with a slow store, half with a hung one.
 const STOPS: u64 = 1000;
 
-/// The goals of safety S6.
+/// Goals of safety S6.
 const P99: Duration = Duration::from_millis(50);
 const WORST: Duration = Duration::from_millis(100);
 
-/// A store that is slow takes this long over every page: a disk that is busy otherwise.
+/// Time that a slow store takes per page, like a disk under other load.
 const SLOW: Duration = Duration::from_millis(10);
 
-/// The load is there before the first stop, and the robot drives for a moment before each.
+/// Time from the beginning of the load to the first STOP.
 const WARM_UP: Duration = Duration::from_secs(2);
 
-/// How long the robot may take to begin a step, or to hear of a halt: far longer than anything here takes.
+/// Time limit for the robot to begin a step or to receive a halt, much longer than either takes.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 fn main() -> ExitCode {
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
     let (store, keeping) = Tardy::start(SLOW);
     let (heard, halts) = channel();
     let app = runtime.block_on(TestApp::open(Box::new(store), move |halts| {
-        // Whoever no longer listens has all the stops it wants.
+        // The receiver is gone when the benchmark has all its STOPs.
         let _ = heard.send((halts.epoch.0, Instant::now()));
     }));
     let address = app.address.to_string();
@@ -96,7 +96,7 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// The load, in a process of its own; it ends with this.
+/// The load, in a separate process that ends when this value is dropped.
 struct Load(Child);
 
 impl Load {
@@ -122,7 +122,8 @@ struct Bench {
 }
 
 impl Bench {
-    /// The stops over one door after those over others, `tell` gives a command there: with a slow store, then with a hung one.
+    /// Times of the STOPs over one door with a slow store, then with a hung one. `before` is the number of earlier
+    /// STOPs; `tell` sends a command through the door.
     fn both(&self, before: u64, mut tell: impl FnMut(&str) -> String) -> (Vec<Duration>, Vec<Duration>) {
         let mut accepted = |command: &str| {
             let answer = tell(command);
@@ -132,8 +133,8 @@ impl Bench {
         (self.stops(first, middle, false, &mut accepted), self.stops(middle + 1, last, true, &mut accepted))
     }
 
-    /// These stops, each while the robot moves. A store that is to hang does so from the moment it moves until the stop is
-    /// answered; a START could not be recorded otherwise.
+    /// Times of these STOPs, each given while the robot moves. When `hangs` is set, the store hangs from the robot's
+    /// first movement until the STOP is answered, because a START could not be recorded while it hangs.
     fn stops(&self, first: u64, last: u64, hangs: bool, mut accepted: impl FnMut(&str)) -> Vec<Duration> {
         let took = |epoch| {
             self.app.watched.standing.store(false, Ordering::SeqCst);
@@ -169,7 +170,7 @@ impl Bench {
         }
     }
 
-    /// When the halt of the stop that made this epoch came to the robot's port.
+    /// Time when the halt of the STOP with this epoch reached the robot's port.
     fn heard(&self, epoch: u64) -> Instant {
         loop {
             let (at, when) = self.halts.recv_timeout(PATIENCE).expect("every stop comes to the robot");
@@ -180,13 +181,13 @@ impl Bench {
     }
 }
 
-/// Prints how long they took, and holds them against the goals.
+/// Prints the times and compares them with the goals.
 fn judge(what: &str, took: Vec<Duration>) {
     let (p99, worst) = print(what, took);
     goals::met(&format!("{what}: p99 ≤ {P99:?}, worst ≤ {WORST:?}"), p99 <= P99 && worst <= WORST);
 }
 
-/// Prints how long they took; the 99th percentile and the worst.
+/// Prints the times; returns the 99th percentile and the worst.
 fn print(what: &str, mut took: Vec<Duration>) -> (Duration, Duration) {
     took.sort_unstable();
     let at = |percent: usize| took[(took.len() * percent / 100).min(took.len() - 1)];

@@ -1,5 +1,6 @@
-//! How fast the store is: durable commits, how long a record takes from hand to word, opening a long journal, a large map. Beside
-//! them what the disk itself gives in the same run. `cargo bench --bench store` runs it; nothing here is a test.
+//! Speed of the store: durable commits, the time from sending a record to its confirmation, opening a long
+//! journal, and a large map, beside what the disk achieves in the same run. `cargo bench --bench store` runs it; this
+//! file contains no tests.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "common/goals.rs"]
@@ -22,13 +23,13 @@ use hallsweep_core::units::{Cell, Heading, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use tokio::sync::watch;
 
-/// So many records one after the other.
+/// Number of consecutive records.
 const RECORDS: usize = 2000;
 
-/// So many entries in a long journal.
+/// Entries of a long journal.
 const LONG: u64 = 1_000_000;
 
-/// The columns and rows of a large hall.
+/// Columns and rows of a large hall.
 const SIDE: i32 = 512;
 
 fn main() -> ExitCode {
@@ -41,7 +42,7 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// What the disk gives: a small append and a flush, over and over.
+/// Speed of the disk: repeated small appends with a flush each.
 fn flushes(folder: &Path) {
     std::fs::create_dir_all(folder).expect("a folder");
     let mut file = std::fs::File::create(folder.join("flushed")).expect("a file");
@@ -53,7 +54,7 @@ fn flushes(folder: &Path) {
     show("4 KiB and a flush, the disk alone", times.collect());
 }
 
-/// One record after the other, each waited for.
+/// Consecutive records; each waits for the confirmation of the one before.
 fn records(folder: &Path) {
     let Opened { mut store, .. } = sqlite::open(&folder.join("records"), None).expect("the folder is ours");
     let mut word = store.word();
@@ -66,7 +67,7 @@ fn records(folder: &Path) {
     show("a page of 3 entries, from hand to word", times.collect());
 }
 
-/// Many records, gathered as the disk lets them; then opened again, and checked.
+/// Many records, batched at the disk's pace; then the journal is opened again and checked.
 fn long_journal(folder: &Path) {
     let data = folder.join("long");
     let start = Instant::now();
@@ -99,7 +100,7 @@ fn long_journal(folder: &Path) {
     goals::met(&format!("a journal without faults: {} found", findings.count), findings.count == 0);
 }
 
-/// A large hall as JSON and back, and cell by cell.
+/// A large hall applied cell by cell, and converted to JSON and back.
 fn large_map() {
     let cells = || (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| Cell::new(x, y)));
     let mark = |cell: Cell| if (cell.x * 7 + cell.y * 13) % 11 == 0 { Mark::Wall } else { Mark::Visited };

@@ -1,10 +1,12 @@
-//! The storm: whatever a viewer can do to every door, honest clients beside it, and an operator's STOP in five ways, each while the
-//! robot moves. Measured is request → robot port, in a program as `app` opens it, beside a run without the storm (safety S6, S7, S9);
-//! for the floods of MQTT also beside what mosquitto makes of the same. Everything is sent to loopback, and ends by itself.
+//! The storm: everything that a viewer can do to every door, with honest clients beside it, while an operator presses
+//! STOP in five ways and the robot moves. Measured is the time from the request to the robot's port, in a program as
+//! `app` opens it, beside a run without the storm (safety S6, S7, S9). The MQTT floods are also compared with
+//! mosquitto under the same flood. Everything is sent to loopback and ends by itself.
 //!
-//! `cargo bench --bench storm` does all of it; `-- http-bodies` that flood alone, with a line for each way of STOP; `-- all` all of them
-//! at once; `-- calm` none; `-- list` names them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority, and
-//! holds those of MQTT against mosquitto.
+//! `cargo bench --bench storm` runs everything; `-- http-bodies` runs that flood alone, with a line for each way of
+//! STOP; `-- all` runs all floods at once; `-- calm` runs none; `-- list` prints their names; `--stops 20` sets the
+//! number of STOPs in each way; `--equal` runs the senders of the named floods at the program's own priority, and
+//! compares the MQTT floods with mosquitto.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "storm/beside.rs"]
@@ -48,11 +50,11 @@ use figures::{P99, Row, WORST};
 use floods::{Door, FLOODS, Flood};
 use run::run;
 
-/// STOPs in each way: without the storm and in all of it, and under each flood alone.
+/// STOPs in each way: without the storm and under all floods, and under each flood alone.
 const STOPS: usize = 300;
 const STOPS_ALONE: usize = 60;
 
-/// What it has come to: a goal was missed, or a part of it did not run.
+/// Exit codes: a goal was missed, or a part did not run.
 const MISSED: u8 = 1;
 const NOT_RUN: u8 = 2;
 
@@ -68,12 +70,12 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// What was asked for on the command line.
+/// Options from the command line.
 struct Asked {
     floods: Vec<&'static Flood>,
-    /// All of them at once.
+    /// Whether all floods run at once.
     is_all: bool,
-    /// None of them.
+    /// Whether the run without floods is requested.
     is_calm: bool,
     each: Option<usize>,
     is_equal: bool,
@@ -110,7 +112,7 @@ fn storm(words: &[String]) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The floods that were asked for, each alone.
+/// Runs the named floods, each alone.
 fn named(asked: &Asked) -> u8 {
     figures::head();
     let each = asked.each.unwrap_or(STOPS);
@@ -129,12 +131,12 @@ fn calm(each: usize) -> u8 {
     judged(&run("no storm", &[], true, each), true)
 }
 
-/// All floods at once.
+/// Runs all floods at once.
 fn at_once(is_nice: bool, each: usize) -> u8 {
     judged(&run("all at once", &FLOODS.each_ref(), is_nice, each), true)
 }
 
-/// Without the storm, under each flood, under all of them, and beside mosquitto.
+/// Runs without the storm, under each flood, under all of them, and beside mosquitto.
 fn whole(asked: &Asked) -> u8 {
     let (many, few) = (asked.each.unwrap_or(STOPS), asked.each.unwrap_or(STOPS_ALONE));
     figures::head();
@@ -147,7 +149,7 @@ fn whole(asked: &Asked) -> u8 {
     codes.into_iter().max().unwrap_or(0)
 }
 
-/// Prints a run, and says what it has come to.
+/// Prints a run and returns its exit code.
 fn judged(row: &Row, by_way: bool) -> u8 {
     row.print(by_way);
     let misses = row.misses();

@@ -1,5 +1,6 @@
-//! How long STOP takes from the request to the robot's wire: of the line protocol, while the robot moves and while its photo of 100 kB comes,
-//! and of the virtual robot's. The program is the real one in a process of its own, with its real store (safety S6).
+//! Time of a STOP from the request to the robot's wire: with the line protocol while the robot moves and while its
+//! photo of 100 kB comes, and with the virtual robot's protocol. The program is the real one in a separate process,
+//! with its real store (safety S6).
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "common/ask.rs"]
@@ -34,32 +35,32 @@ use std::time::{Duration, Instant};
 use paced::{PacedRobot, Seen};
 use program::Program;
 
-/// So many stops over each door.
+/// Number of STOPs per door.
 const STOPS: usize = 300;
 
-/// So many with the virtual robot, which needs a second to go back to where it was stopped.
+/// Number of STOPs with the virtual robot, which needs a second to return to where it was stopped.
 const VIRTUAL_STOPS: usize = 100;
 
-/// The goals of safety S6.
+/// Goals of safety S6.
 const P99: Duration = Duration::from_millis(50);
 const WORST: Duration = Duration::from_millis(100);
 
-/// As fast as photos come: one of 100 kB takes 2.5 s.
+/// Speed at which photos come, in bytes per second: a photo of 100 kB takes 2.5 s.
 const BYTES_A_SECOND: u64 = 40_000;
 
-/// Between two stops, so that nothing that the last has led to is taken for the next.
+/// Pause between two attempts to request a photo.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Between two stops while no order is written: a halt that is less than 100 ms old serves the next stop, too.
+/// Pause between two STOPs while no order is written: a halt less than 100 ms old also serves the next STOP.
 const SERVED: Duration = Duration::from_millis(120);
 
-/// How a command is answered that was accepted.
+/// Part of the answer to an accepted command.
 const ACCEPTED: &str = "\"accepted\":true";
 
-/// How long anything may take: far longer than it does.
+/// Time limit of every wait, much longer than any should take.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What was seen at the robot's port.
+/// Events at the robot's port, with their times.
 type Sight = Receiver<(Seen, Instant)>;
 
 fn main() -> ExitCode {
@@ -73,10 +74,11 @@ fn main() -> ExitCode {
     goals::exit()
 }
 
-/// How stops are given and timed: over which HTTP door the rest is asked, what is seen, how many, and how one is given.
+/// Function that gives and times STOPs. Its arguments: the HTTP address for the other requests, the events at the
+/// robot, the number of STOPs, and a function that gives one.
 type Stops = fn(&str, &Sight, usize, &mut dyn FnMut()) -> Vec<Duration>;
 
-/// The stops over each door of a program with this robot.
+/// Measures the STOPs over each door of a program with this robot.
 fn over_each_door(what: &str, robot: &PacedRobot, stops: Stops) {
     let mut program = Program::serve(&["--robot", &format!("line={}", robot.place)]);
     let [coap, mqtt] = ["coap://", "mqtt://"].map(|scheme| program.door(scheme).parse().expect("it is an address"));
@@ -93,7 +95,7 @@ fn over_each_door(what: &str, robot: &PacedRobot, stops: Stops) {
     });
 }
 
-/// Each while a step is under way.
+/// Gives each STOP during a step.
 fn while_it_moves(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnMut()) -> Vec<Duration> {
     let took = |_| {
         accepted(&post(http, "commands/start"));
@@ -105,7 +107,7 @@ fn while_it_moves(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnMut(
     (0..stops).map(took).collect()
 }
 
-/// Many while one photo comes, and on with the next.
+/// Gives many STOPs during each photo, until there are enough.
 fn while_photos_come(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnMut()) -> Vec<Duration> {
     let mut took = Vec::new();
     for photos in 0.. {
@@ -126,7 +128,7 @@ fn while_photos_come(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnM
                 took.push(at.duration_since(asked));
                 continue;
             }
-            // One that was asked for while the photo came counts, however late it is.
+            // A STOP that was requested before the photo ended counts, however late it arrives.
             if at > asked {
                 took.push(until(sight, &[Seen::Halt]).1.duration_since(asked));
             }
@@ -136,7 +138,8 @@ fn while_photos_come(http: &str, sight: &Sight, stops: usize, stop: &mut dyn FnM
     took
 }
 
-/// Has the photo taken again as soon as there is one, and waits until it comes; the mission takes the first by itself.
+/// Requests the photo again as soon as there is one, and waits until it comes. The mission takes the first photo by
+/// itself.
 fn take_photo(http: &str, sight: &Sight) {
     let since = Instant::now();
     while {
@@ -144,14 +147,14 @@ fn take_photo(http: &str, sight: &Sight) {
         !post(http, "luggage/1/photo").contains(ACCEPTED)
     } {
         assert!(since.elapsed() < PATIENCE, "a photo can be taken again");
-        // Accepted before there is a mission; else it changes nothing.
+        // START is accepted before the mission begins; later it changes nothing.
         let _ = post(http, "commands/start");
         std::thread::sleep(PAUSE);
     }
     until(sight, &[Seen::PhotoBegins]);
 }
 
-/// The next of these.
+/// Waits for the next event of these kinds.
 fn until(sight: &Sight, wanted: &[Seen]) -> (Seen, Instant) {
     loop {
         let seen = sight.recv_timeout(PATIENCE).expect("what is waited for comes to the robot");
@@ -169,7 +172,7 @@ fn accepted(answer: &str) {
     assert!(answer.contains(ACCEPTED), "{answer}");
 }
 
-/// Prints how long they took, and holds them against the goals.
+/// Prints the times and compares them with the goals.
 fn judge(what: &str, mut took: Vec<Duration>) {
     took.sort_unstable();
     let [p50, p99, worst] = [50, 99, 100].map(|percent| took[(took.len() * percent / 100).min(took.len() - 1)]);

@@ -1,7 +1,8 @@
-//! The operator's console in a real browser: headless Chromium presses the buttons of the real program.
-//! What a person sees is checked by the scripts in `browser/`; this file starts the program, and stops it when a script asks.
+//! The operator's console in a real browser: headless Chromium presses the buttons of the real program. The scripts
+//! in `browser/` check what a person sees; this file starts the program, and stops it when a script asks.
 //!
-//! Where Chromium, node or playwright-core is absent the tests say so and pass; with `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
+//! Without Chromium, node or playwright-core the tests print a note and pass; with `HALLSWEEP_REQUIRE_CLIENTS=1` they
+//! fail.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -23,28 +24,29 @@ use coap::Coap;
 use nginx::{NGINX, Nginx};
 use program::{Deadline, Program, hallsweep};
 
-/// One browser at a time: two would make each other slow, and the machine may be small.
+/// Limits the tests to one browser at a time, because two would slow each other down on a small machine.
 static BROWSER: Mutex<()> = Mutex::new(());
 
-/// A script says each of its steps, and each wait in one ends after a minute; one that says nothing for so long hangs.
+/// Silence after which a script counts as hung. A script prints each of its steps, and each wait in a step ends after
+/// a minute.
 const SILENCE: Duration = Duration::from_secs(300);
 
-/// A script that was told to end may take so long to close its browser.
+/// Time for a script to close its browser after it was told to end.
 const GRACE: Duration = Duration::from_secs(10);
 
-/// How often it is looked whether it has.
+/// Interval between checks whether a script has ended.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// Where Debian puts it.
+/// Path of Debian's package.
 const CHROMIUM: &str = "/usr/bin/chromium";
 
-/// What a script says when it wants the program gone, and when it wants it back or hung.
+/// Lines with which a script asks this test to kill, start, freeze or thaw the program.
 const KILL: &str = "please kill the program";
 const START: &str = "please start the program";
 const FREEZE: &str = "please freeze the program";
 const THAW: &str = "please thaw the program";
 
-/// Before what it wants to know over CoAP, as `PUT resourcemodel h`.
+/// Prefix of a script's request over CoAP, such as `PUT resourcemodel h`.
 const COAP: &str = "over CoAP: ";
 
 #[test]
@@ -125,7 +127,7 @@ fn a_person_stops_the_time_of_the_simulator_and_lets_things_fail() {
     }
 }
 
-/// R-reachBag, R-bagAtHome: with one STOP and one lost parcel on the way.
+/// Requirements R-reachBag and R-bagAtHome, with one STOP and one lost parcel on the way.
 #[test]
 fn a_person_has_the_dangerous_bag_fetched_and_looks_at_it_again() {
     for scenario in ["retrieval", "retrievalOnPhone", "retrievalPlain"] {
@@ -254,7 +256,7 @@ fn of_hundreds_of_pieces_none_is_drawn_over_another_on_any_screen() {
 
 #[test]
 fn in_a_hall_of_a_thousand_cells_a_side_only_what_changed_is_sent() {
-    // One corridor, to and fro, so that the whole of it is seen in some seconds.
+    // One corridor that goes back and forth, so that the robot has seen all of it within seconds.
     let row = |y: usize| match (y % 20, y / 20 % 2) {
         (0, _) => ".".repeat(1000),
         (_, 0) => "@".repeat(999) + ".",
@@ -268,13 +270,13 @@ fn two_fingers_lead_closer_to_the_hall() {
     play("pinched", &["--hall", "airport"]);
 }
 
-/// A hall in the format of public grid maps.
+/// Map file in the format of public grid maps.
 fn octile(rows: impl Iterator<Item = String>) -> String {
     let rows: Vec<String> = rows.collect();
     format!("type octile\nheight {}\nwidth {}\nmap\n{}\n", rows.len(), rows[0].len(), rows.join("\n"))
 }
 
-/// Plays a scenario in a hall of its own, as fast as it can.
+/// Plays a scenario in this hall at full speed.
 fn play_in(scenario: &str, map: &str) {
     let Data(folder) = &Data::new(scenario);
     std::fs::create_dir_all(folder).expect("a folder of ours");
@@ -330,10 +332,10 @@ fn under_a_prefix_people_sign_in_and_out() {
     play_with_keys("signedIn", play_under_a_prefix);
 }
 
-/// How a scenario is played, by its name, with arguments and environment of the program.
+/// Function that plays a scenario: its name, and the arguments and the environment of the program.
 type Play = fn(&str, &[&str], &[(&str, &str)]);
 
-/// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.
+/// Plays a scenario against a program that requires keys; the script gets an operator's and a viewer's key.
 fn play_with_keys(scenario: &str, play: Play) {
     let Data(data) = &Data::new(scenario);
     let added = hallsweep(&["token", "--data", data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
@@ -353,7 +355,6 @@ fn play_with_keys(scenario: &str, play: Play) {
     play(scenario, &["--hall", "airport", "--speed", "max", "--data", data], &environment);
 }
 
-/// A data folder for one scenario.
 struct Data(String);
 
 impl Data {
@@ -374,12 +375,12 @@ fn play(scenario: &str, arguments: &[&str]) {
     play_with(scenario, arguments, &[]);
 }
 
-/// The same, with this environment for the program and for the script.
+/// Plays a scenario with this environment for the program and the script.
 fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     play_at(scenario, arguments, environment, false);
 }
 
-/// The same, behind a proxy that knows the program under a prefix.
+/// Plays a scenario behind a proxy that serves the program under a prefix.
 fn play_under_a_prefix(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     play_at(scenario, arguments, environment, true);
 }
@@ -443,11 +444,11 @@ fn play_at(scenario: &str, arguments: &[&str], environment: &[(&str, &str)], is_
     }
 }
 
-/// A script at work. One that a test leaves is ended, with its browser.
+/// A running script, which is ended with its browser when this value is dropped.
 struct Script(Child);
 
 impl Script {
-    /// What it says, line by line.
+    /// Lines that the script prints.
     fn said(&mut self) -> mpsc::Receiver<String> {
         let pipe = BufReader::new(self.0.stdout.take().expect("standard output is a pipe"));
         let (say, said) = mpsc::channel();
@@ -455,7 +456,7 @@ impl Script {
         said
     }
 
-    /// Whether it ended well, when it ended in time.
+    /// Whether the script succeeded; `None` if it has not ended in time.
     fn ended_within(&mut self, patience: Duration) -> Option<bool> {
         let deadline = Deadline::within(patience);
         loop {
@@ -475,7 +476,7 @@ impl Drop for Script {
         if matches!(self.0.try_wait(), Ok(Some(_))) {
             return;
         }
-        // It closes its browser when it is asked to.
+        // The script closes its browser when it gets SIGTERM.
         let _ = Command::new("kill").arg(self.0.id().to_string()).status();
         if self.ended_within(GRACE).is_none() {
             let _ = self.0.kill();
@@ -484,7 +485,7 @@ impl Drop for Script {
     }
 }
 
-/// Asks the program what a script wants to know, as `PUT resourcemodel h`; the answer as `2.05 TEXT` in one line.
+/// Sends a request such as `PUT resourcemodel h`; returns the answer as `2.05 TEXT` in one line.
 fn over_coap(program: &Program, request: &str) -> String {
     let mut words = request.splitn(3, ' ');
     let mut next = || words.next().unwrap_or_default();
@@ -493,7 +494,7 @@ fn over_coap(program: &Program, request: &str) -> String {
     format!("{} {}", reply.code, reply.text.replace('\n', " "))
 }
 
-/// The folder of scripts, when everything they need is there; a word when it is not.
+/// Folder of the scripts; `None` after a printed note when something that they need is missing.
 fn clients(with_nginx: bool) -> Option<PathBuf> {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
     let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -510,7 +511,7 @@ fn clients(with_nginx: bool) -> Option<PathBuf> {
     };
     let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
     assert!(!required, "the browser tests need {missing}");
-    // Written past the test harness, which would keep it to itself.
+    // Written directly, because the test harness would capture the output.
     writeln!(std::io::stderr(), "the browser test is left out: it needs {missing}").expect("standard error is open");
     None
 }

@@ -1,7 +1,7 @@
-//! The image in an engine: started as its documentation says, used through its published port, ended, killed, upgraded, and put on
-//! volumes as clusters make them. What the program does behind its doors is tested in `service`.
+//! The image in a container engine: started as documented, used through its published port, ended, killed,
+//! upgraded, and run on volumes as clusters create them. `service` tests what the program does.
 //!
-//! `.ci/image` builds the image and says which engine runs it. Without one the tests say so and pass; with
+//! `.ci/image` builds the image and chooses the engine. Without an engine the tests print a note and pass; with
 //! `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
 
 #[path = "container/client.rs"]

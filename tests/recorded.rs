@@ -1,7 +1,7 @@
-//! What every door shows and answers, byte for byte, in missions that a seed determines: held against the files of
-//! `tests/recorded/`, so that moving and renaming code changes nothing that a client sees. `HALLSWEEP_RENEW=1` writes the files
-//! anew; `HALLSWEEP_RECORD=FOLDER` writes many missions in full into a folder, to be compared with those of another version.
-//! Sockets, blocks, acknowledgements and dates are not in it.
+//! Everything that every door shows and answers, byte for byte, in missions that a seed determines. It is compared
+//! with the files of `tests/recorded/`, so that moving and renaming code changes nothing that a client sees.
+//! `HALLSWEEP_RENEW=1` writes these files again; `HALLSWEEP_RECORD=FOLDER` writes many missions in full into a
+//! folder, for comparison with another version. Sockets, blocks, acknowledgements and dates are not included.
 
 #[path = "recorded/book.rs"]
 mod book;
@@ -33,13 +33,13 @@ use book::{Book, Size};
 use doors::Camera;
 use play::Play;
 
-/// Where the files are that are held against.
+/// Folder of the recorded files.
 const KEPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded");
 
-/// The mission of those files.
+/// Mission of the recorded files.
 const SHORT: Play = Play { hall: "seed", seed: 2, steps: 70, one_in: 12, with_table: false, camera: Camera::Stub };
 
-/// Pages and streams tell times in the machine's zone.
+/// Time zone of the recorded pages and streams.
 const ZONE: &str = "UTC";
 
 #[test]
@@ -47,7 +47,7 @@ fn every_door_shows_and_answers_what_it_did_before() {
     if std::env::var("TZ").is_ok_and(|zone| zone == ZONE) {
         return recorded();
     }
-    // Where a program is, it learns when it starts.
+    // A program reads its time zone when it starts, so the test starts itself again.
     let itself = std::env::current_exe().expect("a program knows where it is");
     let mut there = Command::new(itself);
     there.args(["--exact", "every_door_shows_and_answers_what_it_did_before", "--nocapture"]);
@@ -76,7 +76,7 @@ async fn recorded() {
     );
 }
 
-/// Many missions, in full where they are few and as digests where they are many.
+/// Records many missions: a few in full, most as digests.
 async fn at_length(folder: &Path) {
     let mut outcomes: BTreeMap<String, [usize; 2]> = BTreeMap::new();
     let mut in_full = Book::new(Size::Long(120));

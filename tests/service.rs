@@ -1,5 +1,6 @@
-//! The whole program through its public doors only: the real binary, on a free port, asked over HTTP and the command line.
-//! What the core decides is tested beside it and in `simulation`; here it matters that it arrives.
+//! End-to-end tests of the real program through its public interfaces: the binary listens on a free port and is
+//! driven over HTTP and the command line. The rules of the core are tested beside the core and in `simulation`; these
+//! tests check that the effects of those rules reach the clients.
 
 #[path = "service/access.rs"]
 mod access;

@@ -1,5 +1,5 @@
-//! STOP through the real doors, on the real loop, a thousand times each. How long one takes is measured by `benches/stop.rs`;
-//! here no time counts.
+//! STOP through the real doors and the real main loop, a thousand times each. `benches/stop.rs` measures the time;
+//! this test does not depend on time.
 
 #[path = "../benches/common/ask.rs"]
 mod ask;
@@ -24,16 +24,16 @@ use std::time::Duration;
 use hallsweep::storage::sqlite::MemoryStore;
 use test_app::{TestApp, Watched};
 
-/// So many stops are asked of a program that may be trusted with one.
+/// Number of STOPs per door.
 const STOPS: u64 = 1000;
 
-/// How often it is looked whether the robot moves,
+/// Interval between checks whether the robot moves.
 const GLANCE: Duration = Duration::from_millis(1);
 
-/// and how many times at most: a minute, far longer than it takes on a busy machine.
+/// Maximum number of checks, which take a minute: much longer than any wait on a busy machine.
 const PATIENCE: u32 = 60_000;
 
-/// Lets the robot begin so many steps more.
+/// Waits until the robot has begun `steps` further steps.
 fn drive(watched: &Watched, steps: u64) {
     let enough = watched.began.load(Ordering::SeqCst) + steps;
     let mut glances = 0;
@@ -44,8 +44,8 @@ fn drive(watched: &Watched, steps: u64) {
     }
 }
 
-/// Safety S8: the state that the answer names says that the robot stands, or that it is halting. It may be newer by now, and
-/// nobody has pressed START since.
+/// Safety S8: the state named in the answer says that the robot stands or is halting. The current state may be newer,
+/// but no START has come since.
 fn stands(address: &str, answer: &str) {
     let json = |text: &str| {
         let body = text.find('{').map_or("", |begins| &text[begins..]);
@@ -57,8 +57,8 @@ fn stands(address: &str, answer: &str) {
     assert!(robot["state"] == "stopped" || robot["halting"] == true, "{answer}: {robot}");
 }
 
-/// Presses START and STOP; how far the robot comes in between differs from one time to the next, and often is nowhere. `tell`
-/// gives a command and returns its answer.
+/// Presses START and STOP repeatedly. The distance driven between varies and is often zero. `tell` sends a
+/// command and returns its answer.
 fn press(watched: &Watched, address: &str, mut tell: impl FnMut(&str) -> String) {
     let mut accepted = |command: &str| {
         let answer = tell(command);
@@ -85,7 +85,7 @@ async fn no_step_begins_late(app: &TestApp, tell: impl FnMut(&str) -> String + S
     assert_eq!(late, 0, "a step began after the last stop was answered");
 }
 
-/// Safety S6: no step begins after the stop was answered, in 1,000 stops.
+/// Safety S6: no step begins after the STOP was answered, in 1,000 STOPs.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_http() {
     let app = TestApp::open(Box::new(MemoryStore::new()), |_| {}).await;

@@ -1,6 +1,7 @@
-//! A short storm: what a viewer can do to every door, a few floods at once, and an operator who presses STOP 340 times in
-//! five ways; what comes over MQTT comes in either version. Program, robot, floods and ways are those of `benches/storm.rs`, which measures how long that takes; here no time
-//! counts. This file starts itself as the program and as the floods, so it has no harness, and reads the usual words by itself.
+//! A short storm: floods of every door by a viewer, a few at once, while an operator presses STOP 340 times in five
+//! ways, with both versions of MQTT. Program, robot, floods and ways are those of `benches/storm.rs`, which measures
+//! the time; this test does not depend on time. This file starts itself as the program and as the floods; therefore
+//! it has no test harness and parses the usual arguments itself.
 #![expect(clippy::print_stdout, reason = "without a harness a test says itself what became of it")]
 
 #[path = "../benches/storm/clock.rs"]
@@ -43,12 +44,13 @@ use course::Doors;
 use floods::Flood;
 use stops::Way;
 
-/// So many STOPs are pressed in all.
+/// Total number of STOPs.
 const STOPS: usize = 340;
 
-/// Floods that go on at once, each group at a program of its own. Which are left to the benchmark, and why, stands in docs/testing.md.
+/// Concurrent floods; each group runs against a separate program. docs/testing.md says which floods only the
+/// benchmark runs, and why.
 const GROUPS: [&[&str]; 12] = [
-    // Beside those who say nothing too few of these get in to take all places.
+    // Beside the silent connections, too few of these would be accepted to fill all places.
     &["http-bodies", "http-bodies-near"],
     &["http-heads", "http-heads-near", "http-silence", "http-silence-near"],
     &["http-refused", "http-strangers", "http-reads", "http-streams", "http-comings"],
@@ -63,10 +65,10 @@ const GROUPS: [&[&str]; 12] = [
     &["coap-gets", "coap-malformed"],
 ];
 
-/// Those that are done in MQTT 5 as well, by everybody.
+/// Groups that also run with MQTT 5 for all clients.
 const IN_FIVE: [&[&str]; 5] = [GROUPS[4], GROUPS[5], GROUPS[6], GROUPS[7], GROUPS[9]];
 
-/// As it is asked for on the command line of `cargo test`.
+/// Name of the test on the command line of `cargo test`.
 const NAME: &str = "every_stop_gets_in_whatever_a_viewer_does";
 
 fn main() {
@@ -84,14 +86,14 @@ fn main() {
     }
 }
 
-/// Whether the words that the tests of this project are chosen by choose this one.
+/// Whether the arguments of the test harness select this test.
 fn is_asked_for(words: &[String]) -> bool {
     let (mut filters, mut skipped, mut words) = (Vec::new(), Vec::new(), words.iter().map(String::as_str));
     while let Some(word) = words.next() {
         match word {
             "--ignored" => return false,
             "--skip" => skipped.extend(words.next()),
-            // Their values are no filters.
+            // The value of such an option is not a filter.
             "--test-threads" | "--format" | "--color" | "--logfile" | "--shuffle-seed" | "-Z" => drop(words.next()),
             option if option.starts_with('-') => {}
             filter => filters.push(filter),
@@ -100,7 +102,8 @@ fn is_asked_for(words: &[String]) -> bool {
     (filters.is_empty() || filters.iter().any(|filter| NAME.contains(filter))) && !skipped.iter().any(|word| NAME.contains(word))
 }
 
-/// Safety S7, S9: whatever a viewer does, every STOP halts, and nobody who presses one is refused a place.
+/// Safety S7, S9: whatever a viewer does, every STOP halts the robot, and no operator's connection for a STOP is
+/// refused.
 fn every_stop_gets_in_whatever_a_viewer_does() {
     let groups = GROUPS.into_iter().map(|group| (group, false)).chain(IN_FIVE.map(|group| (group, true)));
     let each = STOPS / (GROUPS.len() + IN_FIVE.len()) / Way::ALL.len();

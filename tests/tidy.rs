@@ -1,5 +1,5 @@
-//! The rules of the app as a test: who may name whom, headers, sizes, the one clock. It reads the sources and names file and
-//! line of everything that breaks a rule. Each rule is in a file of its own, with a test that it finds what it should.
+//! The rules of the source code as tests: dependencies, headers, sizes, the one clock. The tests read the sources and
+//! report file and line of every violation. Each rule has its own file, with a test that the rule finds violations.
 
 #[path = "tidy/circles.rs"]
 mod circles;
@@ -26,7 +26,7 @@ mod words;
 
 use reading::{Source, sources};
 
-/// Fails with every finding of a rule over all sources, those of the crates included.
+/// Panics with all violations of a rule in the sources of the program and the crates.
 fn check(rule: impl Fn(&Source) -> Vec<String>) {
     check_in(&["src", "crates"], rule);
 }

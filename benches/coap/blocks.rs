@@ -1,4 +1,4 @@
-//! Block-wise transfers: a few clients fetch the same 50 kB again and again, block by block, and compare every byte.
+//! Block-wise transfers: a few clients fetch the same 50 kB repeatedly, block by block, and compare every byte.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::time::Instant;
@@ -7,13 +7,13 @@ use crate::client::BLOCK;
 use crate::datagram::{Asking, BLOCK2, GET, block};
 use crate::load::{Outcome, PATIENCE, look, socket};
 
-/// So many clients at once.
+/// Number of concurrent clients.
 const CLIENTS: usize = 8;
 
-/// Blocks in a transfer: 50,176 bytes.
+/// Blocks per transfer: 50,176 bytes.
 pub(crate) const BLOCKS: u32 = 49;
 
-/// Fetches `path` so many times in all; an outcome counts blocks.
+/// Fetches `path` `transfers` times in all; the outcome counts blocks.
 pub(crate) fn fetch(server: SocketAddr, path: &str, expected: &[u8], transfers: usize) -> Outcome {
     let mut askings: Vec<Asking> =
         (0..BLOCKS).map(|number| Asking::new(GET, path, &[(BLOCK2, &block(number, false))], &[])).collect();

@@ -1,4 +1,4 @@
-//! One client that asks one thing at a time and waits for the answer: for setting the stage, not for load.
+//! A client that sends one request at a time and waits for the answer. It prepares the servers and makes no load.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicU16, Ordering};
@@ -6,22 +6,20 @@ use std::time::Duration;
 
 use crate::datagram::{Asking, BLOCK1, BLOCK2, CONTENT, CONTINUE, FORMAT, GET, JSON, POST, PUT, Told, acknowledgement, block};
 
-/// An answer that takes longer than this is lost.
+/// Time after which an answer counts as lost.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// The size of a block.
+/// Size of a block, in bytes.
 pub(crate) const BLOCK: usize = 1024;
 
-/// A client on a port of its own.
 pub(crate) struct Client {
     socket: UdpSocket,
 }
 
-/// An answer: its code and its payload.
+/// Code and payload of an answer.
 pub(crate) type Answer = (u8, Vec<u8>);
 
 impl Client {
-    /// Of this server.
     pub(crate) fn new(server: SocketAddr) -> Client {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
         socket.connect(server).expect("an address of this machine");
@@ -29,22 +27,20 @@ impl Client {
         Client { socket }
     }
 
-    /// What is there, its first block at least; `None` when nobody answers.
+    /// Returns the answer to a GET, which is at least the first block; `None` when no answer comes.
     pub(crate) fn get(&mut self, path: &str) -> Option<Answer> {
         self.ask(Asking::new(GET, path, &[], &[]))
     }
 
-    /// Bids a command.
     pub(crate) fn post(&mut self, path: &str) -> Option<Answer> {
         self.ask(Asking::new(POST, path, &[], &[]))
     }
 
-    /// Puts JSON there.
     pub(crate) fn put(&mut self, path: &str, json: &str) -> Option<Answer> {
         self.ask(Asking::new(PUT, path, &[(FORMAT, &[JSON])], json.as_bytes()))
     }
 
-    /// Puts this there, block by block.
+    /// Sends `bytes` with PUT, block by block.
     pub(crate) fn put_blocks(&mut self, path: &str, bytes: &[u8]) -> Option<Answer> {
         let mut last = None;
         let count = bytes.len().div_ceil(BLOCK);
@@ -57,7 +53,7 @@ impl Client {
         last
     }
 
-    /// The first so many blocks of what is there; fewer when there are fewer.
+    /// Returns the first `count` blocks of the resource, or all blocks if it has fewer.
     pub(crate) fn blocks(&mut self, path: &str, count: u32) -> Vec<u8> {
         let mut bytes = Vec::new();
         for number in 0..count {

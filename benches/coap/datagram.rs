@@ -1,26 +1,25 @@
-//! CoAP datagrams as plain bytes: requests made once and numbered when they are sent, answers looked at in place. Only what a
-//! load needs; whether hallsweep's own codec is right is not decided by hallsweep's own codec here.
+//! CoAP datagrams as plain bytes: requests are built once and numbered when they are sent, and answers are parsed in
+//! place. This module does not use hallsweep's codec, so that an error in the codec cannot hide itself.
 
-/// Request codes.
 pub(crate) const GET: u8 = 1;
 pub(crate) const POST: u8 = 2;
 pub(crate) const PUT: u8 = 3;
 
-/// 2.05 and 2.31.
+/// Codes 2.05 and 2.31.
 pub(crate) const CONTENT: u8 = 0x45;
 pub(crate) const CONTINUE: u8 = 0x5F;
 
-/// Option numbers.
+/// Option numbers (RFC 7252 §5.10, RFC 7641 and RFC 7959).
 pub(crate) const OBSERVE: u16 = 6;
 pub(crate) const FORMAT: u16 = 12;
 pub(crate) const BLOCK2: u16 = 23;
 pub(crate) const BLOCK1: u16 = 27;
 const URI_PATH: u16 = 11;
 
-/// `application/json`.
+/// Content-Format of `application/json`.
 pub(crate) const JSON: u8 = 50;
 
-/// Blocks of 1,024 bytes, as the Block options write it.
+/// SZX value of the Block options for blocks of 1,024 bytes.
 pub(crate) const SZX_1024: u32 = 6;
 
 /// A confirmable request with a token of four bytes.
@@ -28,7 +27,7 @@ pub(crate) const SZX_1024: u32 = 6;
 pub(crate) struct Asking(Vec<u8>);
 
 impl Asking {
-    /// Of a resource; further options in any order.
+    /// Builds a request for a resource; `options` may be in any order.
     pub(crate) fn new(method: u8, path: &str, options: &[(u16, &[u8])], payload: &[u8]) -> Asking {
         let segments = path.split('/').filter(|segment| !segment.is_empty());
         let mut all: Vec<(u16, &[u8])> = segments.map(|segment| (URI_PATH, segment.as_bytes())).collect();
@@ -47,7 +46,7 @@ impl Asking {
         Asking(bytes)
     }
 
-    /// Its bytes with this message id and token.
+    /// Sets the message id and the token, and returns the bytes.
     pub(crate) fn numbered(&mut self, id: u16, token: u32) -> &[u8] {
         self.0[2..4].copy_from_slice(&id.to_be_bytes());
         self.0[4..8].copy_from_slice(&token.to_be_bytes());
@@ -64,7 +63,7 @@ fn option(bytes: &mut Vec<u8>, delta: u16, value: &[u8]) {
     bytes.extend_from_slice(value);
 }
 
-/// A number below 269 as four bits and, from 13 on, one more byte.
+/// Encodes a number below 269 as four bits and, from 13 on, one more byte.
 fn nibble(number: u16) -> (u8, Option<u8>) {
     match number {
         0..13 => (number as u8, None),
@@ -72,31 +71,30 @@ fn nibble(number: u16) -> (u8, Option<u8>) {
     }
 }
 
-/// The value of a Block option.
+/// Value of a Block option with blocks of 1,024 bytes.
 pub(crate) fn block(number: u32, more: bool) -> [u8; 3] {
     let value = (number << 4 | u32::from(more) << 3 | SZX_1024).to_be_bytes();
     [value[1], value[2], value[3]]
 }
 
-/// The acknowledgement of a confirmable message.
 pub(crate) fn acknowledgement(id: u16) -> [u8; 4] {
     let id = id.to_be_bytes();
     [0x60, 0, id[0], id[1]]
 }
 
-/// What has come from a server.
+/// Message that came from a server.
 pub(crate) struct Told<'a> {
-    /// Whether it is to be acknowledged.
+    /// Whether the message must be acknowledged.
     pub(crate) confirmable: bool,
     pub(crate) code: u8,
     pub(crate) id: u16,
-    /// Four bytes, as they were sent; `None` when there are others.
+    /// Token of four bytes in the order sent; `None` when the token has another length.
     pub(crate) token: Option<u32>,
     pub(crate) payload: &'a [u8],
 }
 
 impl Told<'_> {
-    /// `None` when these bytes are no message.
+    /// Parses a message; `None` when the bytes are not a message.
     pub(crate) fn read(bytes: &[u8]) -> Option<Told<'_>> {
         let [first, code, high, low, ..] = *bytes else { return None };
         let token = bytes.get(4..4 + usize::from(first & 0xF))?;
@@ -110,7 +108,7 @@ impl Told<'_> {
     }
 }
 
-/// What follows the options.
+/// Bytes after the options and the payload marker.
 fn payload(mut rest: &[u8]) -> Option<&[u8]> {
     while let Some((first, after)) = rest.split_first() {
         if *first == 0xFF {
@@ -123,7 +121,7 @@ fn payload(mut rest: &[u8]) -> Option<&[u8]> {
     Some(&[])
 }
 
-/// The number that four bits and what follows them mean, and what follows that.
+/// Decodes an option's delta or length from its four bits and the extended bytes; also returns the bytes that follow.
 fn wide(bits: u8, rest: &[u8]) -> Option<(usize, &[u8])> {
     match bits {
         13 => rest.split_first().map(|(byte, rest)| (usize::from(*byte) + 13, rest)),

@@ -1,5 +1,5 @@
-//! Many observers of one resource, each with a port of its own, that acknowledge what is to be acknowledged: how long from a change
-//! until the last of them has heard of it, and whether all have.
+//! Many observers of one resource, each with its own port, acknowledge every confirmable notification. Measured are
+//! the time from a change until the last observer receives it, and whether all observers do.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -10,30 +10,29 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use crate::client::Client;
 use crate::datagram::{Asking, CONTENT, GET, OBSERVE, Told, acknowledgement};
 
-/// So many observers.
 pub(crate) const OBSERVERS: usize = 500;
 
-/// So many changes.
+/// Number of changes.
 pub(crate) const ROUNDS: u32 = 12;
 
-/// A round is over when all have heard, or after this long: before the first retransmission of whatever got lost.
+/// Time limit of a round; it ends before the first retransmission of a lost message.
 const ROUND: Duration = Duration::from_secs(2);
 
-/// Between two rounds a server may come to rest.
+/// Pause between two rounds, so that the servers become idle.
 const REST: Duration = Duration::from_millis(250);
 
-/// One change.
+/// Result of one change.
 pub(crate) struct Round {
-    /// How many heard of it.
+    /// Number of observers that received the change.
     pub(crate) heard: usize,
-    /// From the change to the last of these.
+    /// Time from the change until the last of these observers received it.
     pub(crate) last: Duration,
 }
 
-/// Which observer heard which temperature, and when.
+/// Observer number, received temperature in °C, and time of receipt.
 type Heard = (usize, f64, Instant);
 
-/// Registers all observers and changes the temperature so many times; `text` makes the payload that changes it.
+/// Registers all observers and changes the temperature `ROUNDS` times; `text` builds the payload of the change.
 pub(crate) fn rounds(server: SocketAddr, path: &'static str, text: impl Fn(f64) -> String) -> Vec<Round> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("the system gives sockets");
     runtime.block_on(async {
@@ -55,7 +54,7 @@ pub(crate) fn rounds(server: SocketAddr, path: &'static str, text: impl Fn(f64) 
     })
 }
 
-/// A socket whose observation was answered.
+/// Returns a socket whose observation the server has confirmed.
 async fn registered(server: SocketAddr, path: &str, observer: usize) -> UdpSocket {
     let socket = UdpSocket::bind("127.0.0.1:0").await.expect("a free port");
     socket.connect(server).await.expect("an address of this machine");
@@ -71,7 +70,7 @@ async fn registered(server: SocketAddr, path: &str, observer: usize) -> UdpSocke
     }
 }
 
-/// Acknowledges and tells what comes, until the runtime ends.
+/// Acknowledges and forwards every notification until the runtime ends.
 async fn listen(socket: UdpSocket, observer: usize, hear: UnboundedSender<Heard>) {
     let mut room = [0; 2048];
     while let Ok(length) = socket.recv(&mut room).await {
@@ -86,7 +85,7 @@ async fn listen(socket: UdpSocket, observer: usize, hear: UnboundedSender<Heard>
     }
 }
 
-/// One change, until all have heard of it or the round is over.
+/// Makes one change and waits until all observers have received it or the round's time is over.
 async fn round(server: SocketAddr, path: &str, celsius: f64, text: String, heard: &mut UnboundedReceiver<Heard>) -> Round {
     let changed = Instant::now();
     let path = path.to_owned();
@@ -106,7 +105,7 @@ async fn round(server: SocketAddr, path: &str, celsius: f64, text: String, heard
     round
 }
 
-/// The temperature that a payload tells.
+/// Temperature in °C that a payload contains.
 fn celsius(payload: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(payload).ok()?;
     let (_, rest) = text.split_once("\"celsius\":")?;

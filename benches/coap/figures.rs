@@ -1,4 +1,4 @@
-//! Figures as people read them: medians of turns, ratios to hallsweep's own.
+//! Readable figures: medians of turns, and ratios to hallsweep's figures.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use crate::goals;
 use crate::load::Outcome;
 use crate::server::Kind;
 
-/// One figure of one server, turn by turn.
+/// One figure of one server, with its value in every turn.
 pub(crate) struct Measured {
     kind: Kind,
     turns: Vec<Duration>,
@@ -19,7 +19,6 @@ impl Measured {
         Measured { kind, turns: Vec::new(), outcome: Outcome::default() }
     }
 
-    /// One turn more.
     pub(crate) fn add(&mut self, (each, outcome): (Duration, Outcome)) {
         self.turns.push(each);
         self.outcome += outcome;
@@ -33,7 +32,7 @@ impl Measured {
         self.turns.iter().min().copied().unwrap_or_default()
     }
 
-    /// What went wrong, when anything did, and how far the turns lie apart.
+    /// Range of the turns, and the number of lost and wrong answers if there are any.
     fn remarks(&self) -> String {
         let least = self.best();
         let most = self.turns.iter().max().copied().unwrap_or_default();
@@ -50,27 +49,27 @@ pub(crate) fn median(mut turns: Vec<Duration>) -> Duration {
     turns.get(turns.len() / 2).copied().unwrap_or_default()
 }
 
-/// A server's figure among several.
+/// Median of a server's figure.
 pub(crate) fn of(measured: &[Measured], kind: Kind) -> Option<Duration> {
     measured.iter().find(|measured| measured.kind == kind).map(Measured::median)
 }
 
-/// A rival's best turn: a goal is held against that.
+/// Best turn of a rival, which the goals compare with.
 pub(crate) fn best_of(measured: &[Measured], kind: Kind) -> Option<Duration> {
     measured.iter().find(|measured| measured.kind == kind).map(Measured::best)
 }
 
-/// As `12.4 µs`.
+/// Formats a duration as `12.4 µs`.
 pub(crate) fn micros(duration: Duration) -> String {
     format!("{:.1} µs", duration.as_secs_f64() * 1e6)
 }
 
-/// As `8.5 ms`.
+/// Formats a duration as `8.5 ms`.
 pub(crate) fn millis(duration: Duration) -> String {
     format!("{:.1} ms", duration.as_secs_f64() * 1e3)
 }
 
-/// One line a server, with hallsweep's share of it.
+/// Prints one line per server, with hallsweep's ratio to it.
 pub(crate) fn table(measured: &[Measured], written: fn(Duration) -> String) {
     let own = of(measured, Kind::Hallsweep);
     for one in measured {
@@ -79,7 +78,7 @@ pub(crate) fn table(measured: &[Measured], written: fn(Duration) -> String) {
     }
 }
 
-/// Few and many peers of one server.
+/// Prints the figures of one server with few and with many peers.
 pub(crate) fn peers(few: &Measured, many: &Measured, memory: &[u64]) {
     let ratio = ratio(many.median(), few.median());
     let memory: Vec<String> = memory.iter().map(|kib| format!("{:.1}", *kib as f64 / 1024.0)).collect();
@@ -94,7 +93,7 @@ pub(crate) fn peers(few: &Measured, many: &Measured, memory: &[u64]) {
     println!("                many: {}", many.remarks());
 }
 
-/// All rounds of one server.
+/// Prints a summary of all rounds of one server.
 pub(crate) fn fan_out(kind: Kind, last: Duration, rounds: &[Round], cpu: Duration) {
     let complete = rounds.iter().filter(|round| round.heard == OBSERVERS).count();
     let least = rounds.iter().map(|round| round.heard).min().unwrap_or(0);
@@ -107,8 +106,8 @@ pub(crate) fn fan_out(kind: Kind, last: Duration, rounds: &[Round], cpu: Duratio
     );
 }
 
-/// How many times a rival's figure hallsweep's is, for the goal of that name; `None`, with a printed word, when either is not there.
-/// Of hallsweep that was said where it was left out.
+/// Ratio of hallsweep's figure to a rival's, for the goal `what`. When either figure is missing, the function prints
+/// that the goal is not judged and returns `None`; a missing hallsweep has already been reported as a failure.
 pub(crate) fn share(what: &str, own: Option<Duration>, other: Option<Duration>) -> Option<f64> {
     let share = own.zip(other).map(|(own, other)| ratio(own, other));
     if share.is_none() {
@@ -117,7 +116,7 @@ pub(crate) fn share(what: &str, own: Option<Duration>, other: Option<Duration>) 
     share
 }
 
-/// How busy the machine is: its load average.
+/// Load average of the machine.
 pub(crate) fn busy() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     text.split(' ').take(3).collect::<Vec<_>>().join(" ")

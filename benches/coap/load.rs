@@ -1,31 +1,32 @@
-//! The load: confirmable GETs, many at once, every answer looked at. It never sleeps, so that no server pays for waking it. How
-//! often a server itself sleeps between requests depends on how many ask at once and on what else the machine does.
+//! The load: many concurrent confirmable GETs whose answers are all checked. The load never sleeps, so that no server
+//! pays for waking it. How often a server sleeps between requests depends on the number of clients and on the other
+//! load of the machine.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 use crate::datagram::{Asking, CONTENT, GET, Told};
 
-/// As many clients as ask at once in `gets`, one request each.
+/// Number of concurrent clients in `gets`, with one request each.
 pub(crate) const CLIENTS: usize = 64;
 
-/// The fewest that ask at once anywhere.
+/// Smallest number of concurrent clients in any part.
 pub(crate) const FEWEST: usize = 32;
 
-/// So many clients ask at once in `peers`: fewer datagrams than a receive buffer of the usual size holds.
+/// Number of concurrent peers in `peers`; a receive buffer of the usual size holds more datagrams than this.
 const GROUP: u32 = 100;
 
-/// An answer that takes longer is lost.
+/// Time after which an answer counts as lost.
 pub(crate) const PATIENCE: Duration = Duration::from_millis(500);
 
-/// What became of the requests.
+/// Numbers of requests by result.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outcome {
-    /// Answered as they must be.
+    /// Requests with the expected answer.
     pub(crate) right: u64,
-    /// Answered otherwise.
+    /// Requests with any other answer.
     pub(crate) wrong: u64,
-    /// Not answered in time.
+    /// Requests without an answer in time.
     pub(crate) lost: u64,
 }
 
@@ -37,18 +38,17 @@ impl std::ops::AddAssign for Outcome {
     }
 }
 
-/// Asks one server for one resource, and knows the answer.
+/// Sends GETs for one resource to one server and compares the answers with the expected bytes.
 pub(crate) struct Load {
     server: SocketAddr,
     expected: Vec<u8>,
     requests: Requests,
     clients: Vec<UdpSocket>,
-    /// The port of all `peers`, each of which has an address of its own.
+    /// Port that all `peers` share; each of them has its own address.
     port: u16,
 }
 
 impl Load {
-    /// Of this resource, which is to be answered so.
     pub(crate) fn new(server: SocketAddr, path: &str, expected: &[u8]) -> Load {
         let clients: Vec<UdpSocket> = (0..CLIENTS).map(|_| socket(server, Ipv4Addr::LOCALHOST, 0)).collect();
         let port = clients[0].local_addr().expect("it is bound").port();
@@ -56,7 +56,8 @@ impl Load {
         Load { server, expected: expected.to_vec(), requests, clients, port }
     }
 
-    /// So many requests from so many clients, always the same: all of them ask at once, and again when all have their answers.
+    /// Sends `count` requests from `clients` fixed clients. All clients send at once, and send again when every
+    /// answer has come.
     pub(crate) fn gets(&mut self, count: usize, clients: usize) -> Outcome {
         let mut outcome = Outcome::default();
         let clients = &self.clients[..clients];
@@ -70,8 +71,8 @@ impl Load {
         outcome
     }
 
-    /// So many requests in all from so many peers, each with an address of its own from number `first` on: a group of peers asks
-    /// at once, one request each. It ends early when `limit` is over.
+    /// Sends `count` requests from `peers` peers, whose addresses are numbered from `first`. A group of peers sends
+    /// at once, one request each. The function returns early when `limit` is over.
     pub(crate) fn peers(&mut self, first: u32, peers: u32, count: u32, limit: Duration) -> Outcome {
         let began = Instant::now();
         let mut outcome = Outcome::default();
@@ -88,24 +89,26 @@ impl Load {
     }
 }
 
-/// Requests of one kind, each numbered.
+/// Numbered requests for one resource.
 struct Requests {
     asking: Asking,
-    /// How many there were in the whole run: none of them may be taken for another one sent again.
+    /// Number of requests in the whole run; it makes every token unique, so that no request looks like a
+    /// retransmission.
     sent: u32,
 }
 
 impl Requests {
-    /// Sends one more; its token is its number.
+    /// Sends the next request; its token is its number.
     fn send(&mut self, socket: &UdpSocket) -> u32 {
         self.sent += 1;
-        // Requests of one client are at least so many apart, so that their ids differ until long after they are forgotten.
+        // One client's requests are at least `FEWEST` apart, so their ids stay different until the server has long
+        // forgotten the earlier ones.
         let _ = socket.send(self.asking.numbered((self.sent / FEWEST as u32) as u16, self.sent));
         self.sent
     }
 }
 
-/// Waits for the answer to a request on a socket that does not block, and looks at it.
+/// Waits on a non-blocking socket for the answer to a request, and adds its result to `outcome`.
 pub(crate) fn look(socket: &UdpSocket, token: u32, expected: &[u8], until: Instant, outcome: &mut Outcome) {
     let mut room = [0; 2048];
     loop {
@@ -123,7 +126,7 @@ pub(crate) fn look(socket: &UdpSocket, token: u32, expected: &[u8], until: Insta
     outcome.lost += 1;
 }
 
-/// A socket that does not block, at this address and port of this machine.
+/// Non-blocking socket at this address and port of the local machine.
 pub(crate) fn socket(server: SocketAddr, address: Ipv4Addr, port: u16) -> UdpSocket {
     let socket = UdpSocket::bind((address, port)).expect("every address that begins with 127 is this machine's");
     socket.connect(server).expect("an address of this machine");
@@ -131,7 +134,7 @@ pub(crate) fn socket(server: SocketAddr, address: Ipv4Addr, port: u16) -> UdpSoc
     socket
 }
 
-/// The address of a peer; none of them is the servers' own.
+/// Address of a peer in 127.0.0.0/8, from 127.1.0.0 on, so that it is never the servers' 127.0.0.1.
 fn address(number: u32) -> Ipv4Addr {
     let [_, high, middle, low] = number.to_be_bytes();
     Ipv4Addr::new(127, high + 1, middle, low)

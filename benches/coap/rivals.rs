@@ -1,9 +1,9 @@
-//! The rivals of Rust: a package of their own beside this file, built when the benchmark runs and never otherwise.
+//! The rivals written in Rust: a separate package beside this file, which only this benchmark builds.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Builds them; without them, those that use them are left out.
+/// Builds the rivals; when the build fails, the parts that need them leave them out.
 pub(crate) fn build() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/coap/rivals/Cargo.toml");
     println!("building coap-rs and the bare bound (benches/coap/rivals) …");
@@ -16,12 +16,12 @@ pub(crate) fn build() {
     }
 }
 
-/// Where a program of theirs is.
+/// Path of a rival's executable.
 pub(crate) fn program(name: &str) -> PathBuf {
     folder().join("release").join(name)
 }
 
-/// Beside what cargo makes of hallsweep itself: this program is in `target/release/deps`.
+/// Build folder of the rivals, beside cargo's own: this program is in `target/release/deps`.
 fn folder() -> PathBuf {
     let own = std::env::current_exe().expect("the system knows which program this is");
     own.ancestors().nth(3).expect("it is in target/release/deps").join("rivals")

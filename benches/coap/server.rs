@@ -1,5 +1,5 @@
-//! The servers that are measured, each a process of its own on a free port of this machine: how each is started, what it has used,
-//! and that it ends with the benchmark.
+//! The measured servers, each a separate process on a free local port: how to start it, its CPU and memory, and its
+//! end with the benchmark.
 
 use std::io::{BufRead, BufReader};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -12,30 +12,29 @@ use std::time::Duration;
 use crate::client::Client;
 use crate::goals;
 
-/// How a server of Rust says where it is.
+/// Prefix of the address that the servers written in Rust print.
 const ANNOUNCED: &str = "coap://";
 
-/// A server may take so many looks, a moment apart, until it answers.
+/// Number of attempts, and the pause between them, until a server answers.
 const LOOKS: u32 = 100;
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Who is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// hallsweep's door.
+    /// The CoAP door of hallsweep.
     Hallsweep,
-    /// libcoap's example server, as Debian has it.
+    /// libcoap's example server from Debian's package.
     Libcoap,
-    /// The same, told to notify by NON.
+    /// The same server with non-confirmable notifications.
     LibcoapNon,
-    /// coap-rs, as its examples use it.
+    /// coap-rs as its examples use it.
     CoapRs,
-    /// A bound: one socket and the codec.
+    /// A bound of one socket and the codec.
     Bare,
 }
 
 impl Kind {
-    /// As figures name it.
+    /// Name in the figures.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Kind::Hallsweep => "hallsweep",
@@ -46,13 +45,12 @@ impl Kind {
         }
     }
 
-    /// Says why it is not measured.
+    /// Prints the reason why the server is not measured.
     pub(crate) fn left_out(self, why: &str) {
         goals::left_out(self.name(), self == Kind::Hallsweep, why);
     }
 }
 
-/// A running server.
 pub(crate) struct Server {
     pub(crate) kind: Kind,
     pub(crate) address: SocketAddr,
@@ -61,7 +59,8 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Starts it; `None`, with a printed word, when it is not to be had: for hallsweep that is a failure.
+    /// Starts a server. `None` after a printed reason when the server is not available, which is a failure for
+    /// hallsweep alone.
     pub(crate) fn start(kind: Kind) -> Option<Server> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -79,14 +78,14 @@ impl Server {
         is_there.then_some(server)
     }
 
-    /// Reads where it is, unless it was told.
+    /// Reads the address that the server prints; libcoap gets its port as an argument instead.
     fn announced(&mut self) -> bool {
         if matches!(self.kind, Kind::Libcoap | Kind::LibcoapNon) {
             return true;
         }
         let output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
         let (say, said) = channel();
-        // It reads on to the end: a server that cannot print might stop.
+        // The thread reads all output, because a server whose output pipe is full might stop.
         std::thread::spawn(move || {
             for at in output.lines().map_while(Result::ok).filter_map(|line| address(&line)) {
                 let _ = say.send(at);
@@ -105,7 +104,7 @@ impl Server {
         })
     }
 
-    /// The CPU it has used, all threads together.
+    /// CPU time used so far by all threads.
     pub(crate) fn cpu(&self) -> Duration {
         let tasks = std::fs::read_dir(self.proc("task")).expect("the system tells of a process that runs");
         let used = tasks.flatten().map(|task| {
@@ -115,7 +114,7 @@ impl Server {
         Duration::from_nanos(used.sum())
     }
 
-    /// Its memory in KiB.
+    /// Resident memory in KiB.
     pub(crate) fn memory(&self) -> u64 {
         let status = std::fs::read_to_string(self.proc("status")).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or_default();
@@ -147,7 +146,7 @@ fn command(kind: Kind, port: u16, folder: &Path) -> Command {
             for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
                 command.env_remove(name);
             }
-            // Several of them run at once: each has ports of its own at every door.
+            // Several servers run at once, so each door gets a free port.
             let free = "127.0.0.1:0";
             command.args(["serve", "--http", free, "--coap", free, "--mqtt", free, "--speed", "max", "--data"]).arg(folder);
         }
@@ -158,7 +157,7 @@ fn command(kind: Kind, port: u16, folder: &Path) -> Command {
     command
 }
 
-/// libcoap wants a port of both UDP and TCP.
+/// Port that is free for both UDP and TCP, because libcoap binds both.
 fn free_port() -> u16 {
     let free = |_| {
         let port = UdpSocket::bind("127.0.0.1:0").ok()?.local_addr().ok()?.port();

@@ -1,5 +1,5 @@
-//! What each server is asked for: a temperature of about the same length, and 50 kB. Where hallsweep has its own, the others are
-//! given the like.
+//! Resources that each server is asked for: a temperature of about the same length, and 50 kB. The rivals get
+//! resources like those of hallsweep.
 
 use std::time::{Duration, Instant};
 
@@ -8,16 +8,16 @@ use crate::client::{BLOCK, Client};
 use crate::datagram::CONTENT;
 use crate::server::{Kind, Server};
 
-/// What is observed and changed.
+/// Resource that is observed and changed.
 pub(crate) const RESOURCE: &str = "/temperature";
 
-/// The length of what rivals serve: that of hallsweep's robot at rest.
+/// Length in bytes of the rivals' resource, equal to that of hallsweep's idle robot.
 const LENGTH: usize = 119;
 
-/// hallsweep's robot may take so long to find and photograph a piece of luggage.
+/// Time limit for hallsweep's robot to find and photograph a piece of luggage.
 const SEARCH: Duration = Duration::from_secs(30);
 
-/// What is read again and again: it must not change meanwhile, and hallsweep's temperature does.
+/// Resource that is read repeatedly. It must not change during the run, and hallsweep's temperature does.
 pub(crate) const fn read(kind: Kind) -> &'static str {
     match kind {
         Kind::Hallsweep => "/robot",
@@ -25,8 +25,8 @@ pub(crate) const fn read(kind: Kind) -> &'static str {
     }
 }
 
-/// Sets the temperature, and says how a GET of what is read is answered from now on; `None`, with a printed word, when it cannot
-/// be set.
+/// Sets the temperature and returns the answer to a GET of the measured resource; `None` after a printed reason when
+/// the temperature cannot be set.
 pub(crate) fn prepared(server: &Server) -> Option<Vec<u8>> {
     let mut client = Client::new(server.address);
     let answer = client.put(RESOURCE, &reading(server.kind, 10.0));
@@ -40,7 +40,7 @@ pub(crate) fn prepared(server: &Server) -> Option<Vec<u8>> {
     }
 }
 
-/// What is put to change the temperature; rivals show it as it is.
+/// Payload of a PUT that changes the temperature; rivals return it unchanged.
 pub(crate) fn reading(kind: Kind, celsius: f64) -> String {
     if kind == Kind::Hallsweep {
         return format!("{{\"celsius\":{celsius:.1}}}");
@@ -50,7 +50,7 @@ pub(crate) fn reading(kind: Kind, celsius: f64) -> String {
     format!("{start}{:o<filled$}\"}}", "")
 }
 
-/// A resource of 50 kB or more: its path, and its first 49 blocks; `None`, with a printed word, when there is none.
+/// A resource of at least 50 kB: its path and its first 49 blocks; `None` after a printed reason when there is none.
 pub(crate) fn photo(server: &Server) -> Option<(&'static str, Vec<u8>)> {
     let mut client = Client::new(server.address);
     let path = match server.kind {
@@ -66,7 +66,7 @@ pub(crate) fn photo(server: &Server) -> Option<(&'static str, Vec<u8>)> {
     is_whole.then_some((path, bytes))
 }
 
-/// The photo of the first piece, after a search for it.
+/// Path of the photo of the first piece, after a search that finds it.
 fn searched(client: &mut Client) -> &'static str {
     let path = "/luggage/1/photo";
     let since = Instant::now();

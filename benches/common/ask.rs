@@ -1,13 +1,13 @@
-//! One HTTP request on a connection of its own, as plain as can be: what it costs is the program's doing. It follows no redirect
-//! and reads no stream.
+//! One HTTP request on a separate connection, as simple as possible, so that its cost is the program's. It follows no
+//! redirect and reads no stream.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
 
-/// Asks and returns the whole answer, headers included. A `body` is sent as JSON.
+/// Sends a request and returns the whole answer, headers included. A `body` is sent as JSON.
 ///
 /// # Errors
-/// When nobody listens, or the connection breaks.
+/// When nothing listens at `address`, or the connection breaks.
 pub(crate) fn ask(address: &str, method: &str, path: &str, body: &str) -> std::io::Result<String> {
     let mut stream = TcpStream::connect(address)?;
     stream.set_nodelay(true)?;

@@ -1,5 +1,5 @@
-//! A CoAP client as plain as can be, for tests and benchmarks: it asks one thing at a time, again when something is lost, takes
-//! an answer with the acknowledgement or after it, and can be told of changes. It puts no blocks together.
+//! A simple CoAP client for tests and benchmarks. It sends one request at a time, sends it again when no answer
+//! comes, accepts piggybacked and separate answers, and can observe. It does not reassemble blocks.
 
 use std::io::{Error, ErrorKind, Result};
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -7,29 +7,26 @@ use std::time::Duration;
 
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 
-/// After so long without an answer a request is sent again.
+/// Time without an answer after which a request is sent again.
 const WAIT: Duration = Duration::from_secs(1);
 
-/// So often it is sent.
+/// Maximum number of times that a request is sent.
 const TRIES: u32 = 10;
 
-/// One client, on a port of its own.
 pub(crate) struct Coap {
     socket: UdpSocket,
     id: u16,
 }
 
-/// What was answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Reply {
-    /// As `2.05`.
+    /// Code such as `2.05`.
     pub(crate) code: String,
-    /// What it carries, as text.
+    /// Payload as text.
     pub(crate) text: String,
 }
 
 impl Coap {
-    /// A client of the door at this address.
     pub(crate) fn at(door: SocketAddr) -> Coap {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).expect("this machine has a free port");
         socket.connect(door).expect("a socket of this machine reaches it");
@@ -37,29 +34,29 @@ impl Coap {
         Coap { socket, id: 0 }
     }
 
-    /// Asks, as `POST commands/stop?id=7`; a payload is sent as text.
+    /// Sends a request such as `POST commands/stop?id=7`; a payload is sent as text.
     ///
     /// # Errors
-    /// When nobody answers.
+    /// When no answer comes.
     pub(crate) fn ask(&mut self, method: &str, path: &str, payload: &str) -> Result<Reply> {
         let request = self.request(method, path, payload);
         self.exchange(&request)
     }
 
-    /// Asks, and is told of changes from now on.
+    /// Sends a GET that registers this client as an observer.
     ///
     /// # Errors
-    /// When nobody answers.
+    /// When no answer comes.
     pub(crate) fn observe(&mut self, path: &str) -> Result<Reply> {
         let mut request = self.request("GET", path, "");
         request.add_option(CoapOption::Observe, Vec::new());
         self.exchange(&request)
     }
 
-    /// The next of what was not read yet: news of something observed, as far as this client sees.
+    /// Returns the next message, which is a notification if the client observes a resource.
     ///
     /// # Errors
-    /// When nothing comes.
+    /// When no message comes.
     pub(crate) fn next(&self) -> Result<Reply> {
         self.receive().map(|packet| Reply::of(&packet))
     }
@@ -91,7 +88,7 @@ impl Coap {
             loop {
                 match self.receive() {
                     Ok(answer) if answer.get_token() == request.get_token() => return Ok(Reply::of(&answer)),
-                    // News, or the answer to something that was asked before and answered twice.
+                    // A notification, or a second answer to an earlier request.
                     Ok(_) => {}
                     Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => break,
                     Err(error) => return Err(error),
@@ -101,12 +98,12 @@ impl Coap {
         Err(ErrorKind::TimedOut.into())
     }
 
-    /// The next message that says something; one that wants to be acknowledged is.
+    /// Returns the next message that is not empty, and acknowledges it if it is confirmable.
     fn receive(&self) -> Result<Packet> {
         let mut buffer = [0; 2048];
         loop {
             let length = match self.socket.recv(&mut buffer) {
-                // A child of the same process has ended.
+                // A signal interrupted the call because another child of this process has ended.
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
                 heard => heard?,
             };

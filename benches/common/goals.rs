@@ -1,27 +1,29 @@
-//! The goals of a benchmark as they turned out, and the exit code that tells of them. Figures and ratios are made elsewhere.
+//! The goals of a benchmark, their results, and the exit code that reports them. Figures and ratios are computed
+//! elsewhere.
 
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The exit codes of a benchmark: a goal was missed; hallsweep, or a part of the benchmark, was not there to be measured.
+/// Exit codes: a goal was missed; hallsweep or a part of the benchmark could not be measured.
 const MISSED: u8 = 1;
 const NOT_RUN: u8 = 2;
 
 static MISSES: AtomicU32 = AtomicU32::new(0);
 static ABSENCES: AtomicU32 = AtomicU32::new(0);
 
-/// A goal that has been met before: missed, it fails.
+/// Records a goal that was met before, so that missing it fails the benchmark.
 pub(crate) fn met(what: &str, is_met: bool) {
     MISSES.fetch_add(u32::from(!is_met), Ordering::Relaxed);
     println!("  goal {what}: {}", if is_met { "met" } else { "MISSED" });
 }
 
-/// A ratio that is to be at most so much.
+/// Records the goal that a ratio is at most `goal`.
 pub(crate) fn at_most(what: &str, ratio: f64, goal: f64) {
     met(&format!("{what}: {ratio:.2} (at most {goal})"), ratio <= goal);
 }
 
-/// A goal that was missed before as well: it fails only when the figure is worse than it ever was, by more than a tenth.
+/// Records a goal that was already missed before. It fails only when the ratio is more than a tenth above the earlier
+/// one.
 pub(crate) fn known(what: &str, ratio: f64, goal: f64, before: f64) {
     let bound = before * 1.1;
     let said = if ratio <= goal {
@@ -35,18 +37,18 @@ pub(crate) fn known(what: &str, ratio: f64, goal: f64, before: f64) {
     println!("  goal {what}: {ratio:.2} (at most {goal}): {said}");
 }
 
-/// A goal that nobody can be held against in this run, because the rival is not to be had: said, and no fault of ours.
+/// Prints that a goal cannot be judged because the rival is missing, which is no failure.
 pub(crate) fn not_judged(what: &str) {
     println!("  goal {what}: not judged, there is nobody to compare with");
 }
 
-/// Who is left out of the figures, and why: a rival may be, hallsweep may not.
+/// Prints who is left out and why. A missing rival is no failure, a missing hallsweep is one.
 pub(crate) fn left_out(who: &str, is_ours: bool, why: &str) {
     ABSENCES.fetch_add(u32::from(is_ours), Ordering::Relaxed);
     println!("  {who} is left out: {why}");
 }
 
-/// What the benchmark ends with.
+/// Prints a summary and returns the exit code.
 pub(crate) fn exit() -> ExitCode {
     let (misses, absences) = (MISSES.load(Ordering::Relaxed), ABSENCES.load(Ordering::Relaxed));
     if absences > 0 {

@@ -1,22 +1,21 @@
-//! The real program on a free port of this machine and with a folder of its own, for benchmarks: started and ended.
+//! The real program on a free local port with its own folder, started and ended by benchmarks.
 
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A running program.
 pub(crate) struct Program {
     child: Child,
-    /// Where it keeps everything; gone with it.
+    /// Data folder, which is deleted with this value.
     pub(crate) folder: PathBuf,
-    /// Where it listens, as `127.0.0.1:40123`.
+    /// HTTP address such as `127.0.0.1:40123`.
     pub(crate) address: String,
     said: BufReader<ChildStdout>,
 }
 
 impl Program {
-    /// Serves with these arguments, none of the surroundings' settings, and nothing that was kept before.
+    /// Starts `serve` with these arguments, without `HALLSWEEP_` variables and with an empty data folder.
     pub(crate) fn serve(arguments: &[&str]) -> Program {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -37,7 +36,7 @@ impl Program {
         program
     }
 
-    /// Where the door is that it announces next, as `coap://`.
+    /// Address of the next door that the program announces with this scheme, such as `coap://`.
     pub(crate) fn door(&mut self, scheme: &str) -> String {
         let mut line = String::new();
         while !line.contains(scheme) {
@@ -49,7 +48,7 @@ impl Program {
         door.split_whitespace().next().unwrap_or_default().trim_end_matches('/').to_owned()
     }
 
-    /// Where the system says something of it under this name, as `stat`.
+    /// Path of a file in the process's `/proc` folder, such as `stat`.
     pub(crate) fn proc(&self, name: &str) -> PathBuf {
         format!("/proc/{}/{name}", self.child.id()).into()
     }

@@ -1,12 +1,12 @@
-//! rumqttd in a process of its own and with nothing before it: this program calls itself for it. No client but the load may ever reach
-//! it.
+//! rumqttd alone in a separate process, for which this program starts itself again. Only the load may reach this
+//! broker.
 
 use std::collections::HashMap;
 use std::net::SocketAddr;
 
 use rumqttd::{Broker, Config, ConnectionSettings, RouterConfig, ServerSettings};
 
-/// Serves on this port of this machine until the process is ended.
+/// Serves on this local port until the process is killed.
 pub(crate) fn serve(port: u16) {
     let listen = SocketAddr::from(([127, 0, 0, 1], port));
     let server = ServerSettings {

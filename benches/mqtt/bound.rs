@@ -1,5 +1,5 @@
-//! The bound: two bare sockets with one thread between them, which copies what comes from one to whoever subscribed, whatever to, and
-//! acknowledges it. Nothing is judged, kept or bounded; no broker can be faster on this machine by much.
+//! The bound: two bare sockets and one thread, which acknowledges every message and copies it to every subscriber,
+//! whatever the topic. The bound checks, stores and limits nothing; no broker on this machine can be much faster.
 
 use std::cell::RefCell;
 use std::io::ErrorKind;
@@ -10,12 +10,12 @@ use tokio::task::{LocalSet, spawn_local};
 
 use crate::frame;
 
-/// As much is read at once.
+/// Bytes per read.
 const ROOM: usize = 256 * 1024;
 
 type Subscribers = Rc<RefCell<Vec<Rc<TcpStream>>>>;
 
-/// Serves on this port of this machine until the process is ended.
+/// Serves on this local port until the process is killed.
 pub(crate) fn serve(port: u16) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("the system gives a runtime");
     let served = LocalSet::new().block_on(&runtime, async {

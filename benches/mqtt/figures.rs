@@ -1,4 +1,4 @@
-//! Figures as people read them: medians of turns with how far these lie apart.
+//! Readable figures: medians of turns, with their ranges.
 
 use std::time::Duration;
 
@@ -6,16 +6,16 @@ use crate::goals;
 use crate::load::Outcome;
 use crate::server::Kind;
 
-/// What one server did in one kind of load, turn by turn.
+/// Results of one server under one load, turn by turn.
 pub(crate) struct Measured {
     kind: Kind,
-    /// Messages that came, all subscribers together, a second.
+    /// Messages received per second by all subscribers together.
     rates: Vec<f64>,
     cpu: Duration,
     came: u64,
     lost: u64,
     disordered: u64,
-    /// What ended turns early.
+    /// Errors that ended turns early.
     failures: Vec<String>,
 }
 
@@ -24,7 +24,7 @@ impl Measured {
         Measured { kind, rates: Vec::new(), cpu: Duration::ZERO, came: 0, lost: 0, disordered: 0, failures: Vec::new() }
     }
 
-    /// One turn more, and the CPU that it took.
+    /// Adds a turn and the CPU that the server used in it.
     pub(crate) fn add(&mut self, outcome: std::io::Result<Outcome>, cpu: Duration) {
         match outcome {
             Ok(outcome) => {
@@ -38,7 +38,7 @@ impl Measured {
         }
     }
 
-    /// Whether every message came once and in its order, in every turn.
+    /// Whether every message arrived once and in order in every turn.
     pub(crate) fn is_whole(&self) -> bool {
         self.lost == 0 && self.disordered == 0 && self.failures.is_empty() && self.came > 0
     }
@@ -61,24 +61,22 @@ impl Measured {
     }
 }
 
-/// The middle one; 0 of none.
+/// Median of the values; 0 if there are none.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// One line a server.
 pub(crate) fn table(measured: &[Measured]) {
     measured.iter().for_each(|one| println!("{}", one.line()));
 }
 
-/// A server among several.
 pub(crate) fn of(measured: &[Measured], kind: Kind) -> Option<&Measured> {
     measured.iter().find(|one| one.kind == kind)
 }
 
-/// hallsweep's messages a second: at least so many times those of another.
+/// Records the goal that hallsweep carries at least `at_least` times the messages per second of a rival.
 pub(crate) fn faster(measured: &[Measured], than: Kind, at_least: f64) {
     let what = format!("messages a second, of {}", than.name());
     let (Some(own), Some(other)) = (of(measured, Kind::Hallsweep), of(measured, than)) else {
@@ -88,7 +86,7 @@ pub(crate) fn faster(measured: &[Measured], than: Kind, at_least: f64) {
     goals::met(&format!("{what}: {ratio:.2} (at least {at_least})"), ratio >= at_least);
 }
 
-/// How busy the machine is: its load average.
+/// Load average of the machine.
 pub(crate) fn busy() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     text.split(' ').take(3).collect::<Vec<_>>().join(" ")

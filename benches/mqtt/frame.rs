@@ -1,16 +1,16 @@
-//! MQTT 3.1.1 as far as a load needs it: frames written and taken apart by hand, so that the load costs next to nothing.
-//! Nothing is refused politely here: a server that says anything unexpected ends the benchmark.
+//! The part of MQTT 3.1.1 that a load needs. Frames are written and parsed by hand, so that the load costs little. A
+//! server that sends anything unexpected ends the benchmark.
 
-/// The kinds of packet that come, by the upper half of their first byte.
+/// Packet types of a server, in the upper half of the first byte.
 pub(crate) const CONNACK: u8 = 2;
 pub(crate) const PUBLISH: u8 = 3;
 pub(crate) const PUBACK: u8 = 4;
 pub(crate) const SUBACK: u8 = 9;
 
-/// So many seconds of silence are allowed, which no part of the benchmark needs.
+/// Keep-alive in seconds, longer than any part of the benchmark.
 const KEEP_ALIVE: u16 = 600;
 
-/// A CONNECT with a clean session and this client id.
+/// CONNECT with a clean session.
 pub(crate) fn connect(client: &str) -> Vec<u8> {
     let mut body = vec![0, 4, b'M', b'Q', b'T', b'T', 4, 2];
     body.extend_from_slice(&KEEP_ALIVE.to_be_bytes());
@@ -18,7 +18,6 @@ pub(crate) fn connect(client: &str) -> Vec<u8> {
     packet(1 << 4, &body)
 }
 
-/// A SUBSCRIBE to this filter at this quality.
 pub(crate) fn subscribe(filter: &str, qos: u8) -> Vec<u8> {
     let mut body = vec![0, 1];
     text(&mut body, filter);
@@ -39,13 +38,12 @@ pub(crate) fn publish(out: &mut Vec<u8>, topic: &str, qos: u8, id: u16, sequence
     out.resize(out.len() + length - 8, b'.');
 }
 
-/// Appends a PUBACK.
 pub(crate) fn puback(out: &mut Vec<u8>, id: u16) {
     out.extend_from_slice(&[PUBACK << 4, 2]);
     out.extend_from_slice(&id.to_be_bytes());
 }
 
-/// The first frame, when it has come whole: its first byte, its body, and the length of it all.
+/// First complete frame: its first byte, its body, and its total length.
 pub(crate) fn first(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
     let (mut length, mut at) = (0, 1);
     loop {
@@ -60,7 +58,7 @@ pub(crate) fn first(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
     Some((bytes[0], body, at + length))
 }
 
-/// The packet id of a PUBLISH at quality 1 and the sequence number in its payload.
+/// Packet id of a PUBLISH at QoS 1, and the sequence number in its payload.
 pub(crate) fn published(first: u8, body: &[u8]) -> (Option<u16>, u64) {
     let topic = usize::from(u16::from_be_bytes([body[0], body[1]]));
     let at = 2 + topic;

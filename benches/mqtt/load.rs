@@ -1,5 +1,5 @@
-//! The load: one publisher and some subscribers in one thread, and every message counted at every subscriber by its number. The
-//! publisher waits for nobody, or until no more than so many messages are under way.
+//! The load: one publisher and some subscribers in one thread. Every subscriber counts the messages by their numbers.
+//! The publisher never waits, or limits the messages on the way to `window`.
 
 use std::cell::{Cell, RefCell};
 use std::net::SocketAddr;
@@ -13,49 +13,49 @@ use tokio::time::timeout;
 use crate::frame;
 use crate::wire::Wire;
 
-/// The payload of a message, in bytes.
+/// Payload size in bytes.
 pub(crate) const LENGTH: usize = 100;
 
-/// What is published and subscribed to.
+/// Topic of all messages.
 const TOPIC: &str = "bench/load";
 
-/// So many messages are written at once, at most.
+/// Maximum number of messages per write.
 const BATCH: u64 = 128;
 
-/// At quality 1 so many publications are not acknowledged, at most.
+/// Maximum number of unacknowledged publications at QoS 1.
 const UNACKNOWLEDGED: u64 = 100;
 
-/// When nothing comes for so long, what is missing is lost.
+/// Time without a message after which the missing messages count as lost.
 const SILENCE: Duration = Duration::from_secs(1);
 
-/// What is done in one turn.
+/// Description of one turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load {
     pub(crate) qos: u8,
     pub(crate) subscribers: usize,
-    /// It ends after so many messages, or after so long.
+    /// Maximum number of messages and maximum time; the turn ends at the first of both.
     pub(crate) messages: u64,
     pub(crate) lasting: Duration,
-    /// So many messages may be under way to the slowest subscriber; `None`: as many as the server takes.
+    /// Maximum number of messages on the way to the slowest subscriber; `None` means no limit.
     pub(crate) window: Option<u64>,
 }
 
-/// How a turn went.
+/// Result of one turn.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outcome {
-    /// From the first message until the last that came anywhere.
+    /// Time from the first message sent to the last message received.
     pub(crate) elapsed: Duration,
-    /// Messages that came, all subscribers together.
+    /// Messages received by all subscribers together.
     pub(crate) came: u64,
-    /// Messages that did not.
+    /// Messages not received.
     pub(crate) lost: u64,
-    /// Messages that came after one with a higher number, or twice.
+    /// Messages received twice, or after one with a higher number.
     pub(crate) disordered: u64,
 }
 
-/// What publisher and subscribers tell each other.
+/// State that the publisher shares with the subscribers.
 struct Course {
-    /// For each subscriber the number after the last that came.
+    /// For each subscriber, the number after the last received message.
     next: RefCell<Vec<u64>>,
     came: Cell<u64>,
     disordered: Cell<u64>,
@@ -76,18 +76,17 @@ impl Course {
         })
     }
 
-    /// Every message before this one is over, for the slowest subscriber.
+    /// Lowest number of a message that the slowest subscriber has not received yet.
     fn least(&self) -> u64 {
         self.next.borrow().iter().copied().min().unwrap_or(0)
     }
 
-    /// Waits until something comes; false: nothing did for too long.
+    /// Waits for the next message; false when none comes within `SILENCE`.
     async fn goes_on(&self) -> bool {
         timeout(SILENCE, self.progress.notified()).await.is_ok()
     }
 }
 
-/// Runs it against this server.
 pub(crate) fn run(server: SocketAddr, load: Load) -> std::io::Result<Outcome> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     LocalSet::new().block_on(&runtime, turn(server, load))
@@ -121,9 +120,9 @@ struct Publisher {
     wire: Wire,
     load: Load,
     course: Rc<Course>,
-    /// So many publications were acknowledged.
+    /// Number of acknowledged publications.
     acknowledged: u64,
-    /// What has not come of those before this one is not waited for any more.
+    /// Number before which missing messages are no longer waited for.
     given_up: u64,
     out: Vec<u8>,
 }
@@ -135,13 +134,13 @@ impl Publisher {
             if self.unacknowledged() >= UNACKNOWLEDGED {
                 self.wire.read().await?;
             } else if self.under_way() * 4 > self.load.window.map_or(u64::MAX, |window| window * 3) {
-                // Three quarters are under way: it waits for half a moment rather than going on with crumbs.
+                // Three quarters of the window are on the way. Waiting here avoids writing a few messages at a time.
                 if !self.course.goes_on().await {
                     self.given_up = self.course.sent.get();
                 }
             } else {
                 self.send().await?;
-                // The subscribers are served by the same thread.
+                // The subscribers run on the same thread.
                 tokio::task::yield_now().await;
             }
         }
@@ -151,7 +150,7 @@ impl Publisher {
         Ok(())
     }
 
-    /// Sends as many as may be sent now.
+    /// Sends as many messages as the limits allow now.
     async fn send(&mut self) -> std::io::Result<()> {
         let sent = self.course.sent.get();
         let mut count = BATCH.min(self.load.messages - sent);
@@ -168,7 +167,7 @@ impl Publisher {
         Ok(())
     }
 
-    /// Takes the acknowledgements that have come.
+    /// Counts the acknowledgements received.
     fn hear(&mut self) {
         while let Some((first, _)) = self.wire.next() {
             self.acknowledged += u64::from(first >> 4 == frame::PUBACK);
@@ -187,7 +186,7 @@ impl Publisher {
     }
 }
 
-/// Counts what comes, and acknowledges it; ends when the server ends the connection.
+/// Counts and acknowledges messages until the server closes the connection.
 async fn listen(mut wire: Wire, number: usize, course: Rc<Course>) {
     let mut acknowledgements = Vec::new();
     let mut next = 0;

@@ -1,4 +1,5 @@
-//! Single messages at an even pace, far below what any server can do: how long each takes from the publisher to the subscriber.
+//! Single messages at a constant pace far below the capacity of any server: the time of each from the publisher to
+//! the subscriber.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -7,15 +8,15 @@ use crate::frame;
 use crate::load::LENGTH;
 use crate::wire::Wire;
 
-/// 500 a second.
+/// Interval between messages: 500 per second.
 const PACE: Duration = Duration::from_millis(2);
 
 const TOPIC: &str = "bench/paced";
 
-/// A message that takes longer is lost.
+/// Time after which a message counts as lost.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How long each of so many messages took, shortest first; those that got lost are missing.
+/// Latencies of the messages in ascending order, without those that were lost.
 pub(crate) fn run(server: SocketAddr, qos: u8, messages: usize) -> std::io::Result<Vec<Duration>> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut took = runtime.block_on(turn(server, qos, messages))?;
@@ -53,7 +54,7 @@ async fn turn(server: SocketAddr, qos: u8, messages: usize) -> std::io::Result<V
     Ok(took)
 }
 
-/// Notes how long those took that have come, and acknowledges them.
+/// Records the latencies of the messages received, and acknowledges them.
 async fn hear(subscriber: &mut Wire, sent: &[Instant], took: &mut Vec<Duration>) -> std::io::Result<()> {
     let now = Instant::now();
     let mut acknowledgements = Vec::new();

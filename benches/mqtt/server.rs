@@ -1,5 +1,5 @@
-//! The servers that are measured, each a process of its own on a free port of this machine: how each is started, what it has used,
-//! and that it ends with the benchmark.
+//! The measured servers, each a separate process on a free local port: how to start it, its CPU and memory, and its
+//! end with the benchmark.
 
 use std::io::{BufRead, BufReader};
 use std::net::{SocketAddr, TcpListener};
@@ -11,30 +11,29 @@ use std::time::Duration;
 
 use crate::{goals, paced};
 
-/// How hallsweep says where its topics are.
+/// Prefix of the address that hallsweep prints.
 const ANNOUNCED: &str = "mqtt://";
 
-/// A server may take so many looks, a moment apart, until it serves.
+/// Number of attempts, and the pause between them, until a server answers.
 const LOOKS: u32 = 100;
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Who is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// hallsweep's public port.
     Hallsweep,
-    /// The same where rumqttd routes.
+    /// hallsweep's public port in the mode where rumqttd routes.
     Linked,
     /// rumqttd alone.
     Bare,
     /// Two bare sockets with one thread between them.
     Bound,
-    /// mosquitto, as Debian has it.
+    /// mosquitto from Debian's package.
     Mosquitto,
 }
 
 impl Kind {
-    /// As figures name it.
+    /// Name in the figures.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Kind::Hallsweep => "hallsweep",
@@ -45,13 +44,12 @@ impl Kind {
         }
     }
 
-    /// Says why it is not measured.
+    /// Prints the reason why the server is not measured.
     pub(crate) fn left_out(self, why: &str) {
         goals::left_out(self.name(), self == Kind::Hallsweep, why);
     }
 }
 
-/// A running server.
 pub(crate) struct Server {
     pub(crate) kind: Kind,
     pub(crate) address: SocketAddr,
@@ -60,7 +58,8 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Starts it; `None`, with a printed word, when it is not to be had: for hallsweep that is a failure.
+    /// Starts a server. `None` after a printed reason when the server is not available, which is a failure for
+    /// hallsweep alone.
     pub(crate) fn start(kind: Kind) -> Option<Server> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -79,14 +78,14 @@ impl Server {
         is_there.then_some(server)
     }
 
-    /// Reads where it is, unless it was told.
+    /// Reads the address that the server prints; the rivals get their port as an argument instead.
     fn announced(&mut self) -> bool {
         let output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
         if !matches!(self.kind, Kind::Hallsweep | Kind::Linked) {
             return true;
         }
         let (say, said) = channel();
-        // It reads on to the end: a server that cannot print might stop.
+        // The thread reads all output, because a server whose output pipe is full might stop.
         std::thread::spawn(move || {
             for at in output.lines().map_while(Result::ok).filter_map(|line| address(&line)) {
                 let _ = say.send(at);
@@ -97,7 +96,7 @@ impl Server {
         announced.is_ok()
     }
 
-    /// Whether messages come through it.
+    /// Whether a message passes through the server.
     fn serves(&self) -> bool {
         (0..LOOKS).any(|_| {
             std::thread::sleep(LOOK);
@@ -105,7 +104,7 @@ impl Server {
         })
     }
 
-    /// The CPU it has used, all threads together.
+    /// CPU time used so far by all threads.
     pub(crate) fn cpu(&self) -> Duration {
         let tasks = std::fs::read_dir(self.proc("task")).expect("the system tells of a process that runs");
         let used = tasks.flatten().map(|task| {
@@ -115,7 +114,7 @@ impl Server {
         Duration::from_nanos(used.sum())
     }
 
-    /// Its memory in MB, a million bytes each: now, and at the worst moment.
+    /// Resident memory in MB (10⁶ bytes): now, and its maximum.
     pub(crate) fn memory(&self) -> (f64, f64) {
         let status = std::fs::read_to_string(self.proc("status")).unwrap_or_default();
         let kib = |name| {
@@ -162,7 +161,7 @@ fn hallsweep(folder: &Path, router: &str) -> Command {
     command
 }
 
-/// With the limits it comes with: 1,000 messages wait for a slow subscriber and 20 are not acknowledged, at most.
+/// mosquitto with its default limits: 1,000 queued and 20 unacknowledged messages per client.
 fn mosquitto(port: u16, folder: &Path) -> Command {
     let settings = folder.join("mosquitto.conf");
     let text = format!("listener {port} 127.0.0.1\nallow_anonymous true\npersistence false\n");

@@ -1,4 +1,4 @@
-//! One connection to a broker, which gathers what comes and writes in large pieces. It neither reconnects nor times out.
+//! One connection to a broker, with large reads and writes. It neither reconnects nor times out.
 
 use std::io::ErrorKind;
 use std::net::SocketAddr;
@@ -7,20 +7,18 @@ use tokio::net::TcpStream;
 
 use crate::frame;
 
-/// As much is read at once: many small messages for one call of the system.
+/// Bytes per read, so that one system call reads many small messages.
 const ROOM: usize = 256 * 1024;
 
-/// A connection that was accepted.
 pub(crate) struct Wire {
     stream: TcpStream,
     came: Vec<u8>,
-    /// What of it was taken, and what of it there is.
+    /// Start and end of the received bytes that are not parsed yet.
     from: usize,
     until: usize,
 }
 
 impl Wire {
-    /// Connects under this name.
     pub(crate) async fn connect(server: SocketAddr, client: &str) -> std::io::Result<Wire> {
         let stream = TcpStream::connect(server).await?;
         stream.set_nodelay(true)?;
@@ -33,7 +31,7 @@ impl Wire {
         Ok(wire)
     }
 
-    /// Subscribes, and waits until that is granted.
+    /// Subscribes and waits for the SUBACK.
     pub(crate) async fn subscribe(&mut self, filter: &str, qos: u8) -> std::io::Result<()> {
         self.write(&frame::subscribe(filter, qos)).await?;
         let (first, body) = self.awaited().await?;
@@ -43,7 +41,6 @@ impl Wire {
         Ok(())
     }
 
-    /// Writes all of it.
     pub(crate) async fn write(&self, mut bytes: &[u8]) -> std::io::Result<()> {
         while !bytes.is_empty() {
             match self.stream.try_write(bytes) {
@@ -55,7 +52,7 @@ impl Wire {
         Ok(())
     }
 
-    /// Reads once, as much as there is.
+    /// Reads once, as many bytes as are available.
     pub(crate) async fn read(&mut self) -> std::io::Result<()> {
         self.came.copy_within(self.from..self.until, 0);
         self.until -= self.from;
@@ -73,7 +70,7 @@ impl Wire {
         }
     }
 
-    /// The next frame that has come: its first byte and its body.
+    /// Next complete frame: its first byte and its body.
     pub(crate) fn next(&mut self) -> Option<(u8, &[u8])> {
         let (first, body, length) = frame::first(&self.came[self.from..self.until])?;
         self.from += length;

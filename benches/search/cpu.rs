@@ -1,23 +1,23 @@
-//! How long something takes the processor: what others do on the machine meanwhile is left out.
+//! CPU time of a piece of work, without the time that other processes use.
 
 use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// The time of the processor that this thread has had. To ask takes a quarter of a microsecond, which is part of every figure.
+/// CPU time of this thread. The call itself takes a quarter of a microsecond, which every figure includes.
 fn now() -> Duration {
     let spent = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(u64::try_from(spent.tv_sec).unwrap_or(0), u32::try_from(spent.tv_nsec).unwrap_or(0))
 }
 
-/// How long the work took, and what came of it.
+/// CPU time of the work, and its result.
 pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (Duration, R) {
     let start = now();
     let result = work();
     (now().saturating_sub(start), result)
 }
 
-/// How long the same thing took many times.
+/// CPU times of repeated work.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Times(Vec<Duration>);
 
@@ -26,13 +26,14 @@ impl Times {
         self.0.push(time);
     }
 
-    /// Both together.
+    /// Joins two lists of times.
     pub(crate) fn and(mut self, other: Times) -> Times {
         self.0.extend(other.0);
         self
     }
 
-    /// Of two runs that did the same, each time the shorter one: what disturbs a run disturbs the other elsewhere.
+    /// Takes the shorter time of each pair from two equal runs, because a disturbance rarely hits the same step in
+    /// both.
     pub(crate) fn shorter(self, other: &Times) -> Times {
         assert_eq!(self.0.len(), other.0.len(), "both runs did the same");
         Times(self.0.into_iter().zip(&other.0).map(|(one, two)| one.min(*two)).collect())
@@ -46,7 +47,7 @@ impl Times {
         self.0.iter().max().copied().unwrap_or_default()
     }
 
-    /// So many hundredths of the times are at most this long.
+    /// Percentile of the times.
     pub(crate) fn within(&self, hundredths: usize) -> Duration {
         let mut sorted = self.0.clone();
         sorted.sort_unstable();
@@ -54,12 +55,11 @@ impl Times {
     }
 }
 
-/// In microseconds.
+/// Converts a time to microseconds.
 pub(crate) fn micros(time: Duration) -> f64 {
     time.as_secs_f64() * 1e6
 }
 
-/// How many times as long one is as the other.
 pub(crate) fn ratio(one: Duration, other: Duration) -> f64 {
     one.as_secs_f64() / other.as_secs_f64().max(1e-9)
 }

@@ -1,4 +1,5 @@
-//! What to do next, while a whole hall is searched, beside the nearest unknown cell found by Dijkstra of `pathfinding` from the same views.
+//! Decisions during the search of a whole hall, beside the nearest unknown cell that `pathfinding` finds with
+//! Dijkstra from the same views.
 
 use std::time::Duration;
 
@@ -16,11 +17,11 @@ use crate::{goals, rivals};
 
 const SIDE: usize = 400;
 
-/// One of so many views is shown to the rival.
+/// The rival also decides on one in this many views.
 const SAMPLED: usize = 50;
 
-/// What the mean of `frontier` may come to of the rival's; it looks for much the same. The score weighs every entry that is near, and takes
-/// its time for it.
+/// Largest ratio of `frontier`'s mean to the rival's, which searches for nearly the same. `score` has no goal,
+/// because it weighs every near entry and takes longer.
 const MEAN: f64 = 1.0;
 
 pub(crate) fn run() {
@@ -40,7 +41,7 @@ pub(crate) fn run() {
     }
 }
 
-/// How long our decisions take on the mean, against the rival's.
+/// Mean decision time of a strategy, as a ratio to the rival's.
 fn beside(ground: &Ground, strategy: Strategy, terms: Terms) -> f64 {
     let (mut walk, mut search, mut ways) = (Walk::new(ground, terms), strategy.begin(), Ways::default());
     let (mut ours, mut theirs) = (Times::default(), Times::default());

@@ -1,4 +1,4 @@
-//! A hall searched whole, once for the time of all of it and again for the time of each decision.
+//! A hall searched completely, once for the total time and again for the time of each decision.
 
 use std::time::Duration;
 
@@ -11,20 +11,20 @@ use hallsweep_evaluation::walk::Walk;
 
 use crate::cpu::{Times, micros, timed};
 
-/// Runs in which each decision is timed.
+/// Number of runs in which each decision is timed.
 const RUNS: usize = 3;
 
-/// What it came to.
+/// Results of a search.
 pub(crate) struct Explored {
     pub(crate) cells: usize,
     pub(crate) moves: u64,
-    /// All of it, the simulated robot included.
+    /// Total time, including the simulated robot.
     pub(crate) all: Duration,
     pub(crate) decisions: Times,
 }
 
 impl Explored {
-    /// Panics where anything was left out: figures of half a search are none.
+    /// Panics when the search left anything out, because figures of an incomplete search mean nothing.
     pub(crate) fn of(ground: &Ground, terms: Terms, strategy: Strategy) -> Explored {
         let mut walk = Walk::new(ground, terms);
         let (all, ()) = timed(|| walk.finish(ground, &mut Ways::default(), strategy.begin()));
@@ -35,7 +35,7 @@ impl Explored {
         Explored { cells: ground.reachable, moves: walk.moves.total(), all, decisions }
     }
 
-    /// Both together.
+    /// Adds two results.
     pub(crate) fn and(self, other: Explored) -> Explored {
         Explored {
             cells: self.cells + other.cells,
@@ -49,7 +49,7 @@ impl Explored {
         micros(self.all) / self.moves as f64
     }
 
-    /// Cells, moves a cell, microseconds a move; mean, 99th percentile and worst of the decisions.
+    /// Table row: cells, moves per cell, and µs per move; then mean, 99th percentile and worst decision.
     pub(crate) fn line(&self) -> String {
         let Explored { cells, moves, decisions, .. } = self;
         let [mean, p99, worst] = [decisions.mean(), decisions.within(99), decisions.worst()].map(micros);
@@ -61,7 +61,7 @@ impl Explored {
     }
 }
 
-/// The columns of a line.
+/// Heading of the table whose rows are made by `line`.
 pub(crate) const HEADING: &str = "   cells  moves a cell  µs a move  decision: mean        p99      worst, µs";
 
 fn decisions(ground: &Ground, terms: Terms, strategy: Strategy) -> Times {

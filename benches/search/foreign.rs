@@ -1,5 +1,5 @@
-//! Maps as others draw them, in MovingAI's format with all its letters and both its types: a maze, a town of blocks and yards, and caves
-//! with water, swamp and trees. They are drawn here from a seed and read as any file.
+//! Maps in MovingAI's format, with all its letters and both its types: a maze, a town of blocks and yards, and caves
+//! with water, swamp and trees. The maps are generated from a seed and parsed like any file.
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Cell;
@@ -8,12 +8,12 @@ use hallsweep_evaluation::Ground;
 use hallsweep_evaluation::family::{Family, hall};
 use hallsweep_sim::{Hall, Truth};
 
-/// What stands in one cell; the letters of one kind mean the same to a robot.
+/// Letters of a map; all letters of one constant mean the same to a robot.
 const FREE: [char; 3] = ['.', 'G', 'S'];
 const SHUT: [char; 3] = ['@', 'O', 'W'];
 const TREE: char = 'T';
 
-/// A map: its name, its type, its cells a side.
+/// Name, type and side in cells of each map.
 pub(crate) const MAPS: [(&str, &str, usize); 6] = [
     ("maze", "octile", 1024),
     ("maze", "octile-corner", 512),
@@ -23,7 +23,7 @@ pub(crate) const MAPS: [(&str, &str, usize); 6] = [
     ("caves", "octile-corner", 512),
 ];
 
-/// The ground of a map, read from its text. Where home lies in a corner that is shut off another is drawn.
+/// Ground of a map, parsed from its text. If home is in an enclosed corner, the next seed is tried.
 pub(crate) fn ground(name: &str, kind: &str, side: usize) -> Ground {
     let draws = (0..).map(|seed| {
         let mut dice = RandomStream::new(seed, name);
@@ -38,7 +38,7 @@ pub(crate) fn ground(name: &str, kind: &str, side: usize) -> Ground {
     draws.into_iter().find(|ground| ground.reachable * 4 > side * side).expect("some draw leaves home open")
 }
 
-/// Rows of letters as a file; corners have a height each, and one row and column more than the cells.
+/// Writes cells as a map file. A map of type `octile-corner` has a height per corner, and one row and column more.
 fn written(kind: &str, cells: &[Vec<char>]) -> String {
     let more = usize::from(kind == "octile-corner");
     let (height, width) = (cells.len() + more, cells[0].len() + more);
@@ -64,7 +64,7 @@ fn maze(side: usize, dice: &mut RandomStream) -> Vec<Vec<char>> {
     (least.y..=most.y).map(|y| (least.x..=most.x).map(|x| cell(x, y)).collect()).collect()
 }
 
-/// Streets three cells wide round blocks of houses, some of which have a yard with a gate; here and there a tree.
+/// Streets three cells wide around blocks of houses; some blocks have a yard with a gate, and there are a few trees.
 fn town(side: usize, dice: &mut RandomStream) -> Vec<Vec<char>> {
     const BLOCK: usize = 16;
     const STREET: usize = 3;
@@ -85,7 +85,7 @@ fn town(side: usize, dice: &mut RandomStream) -> Vec<Vec<char>> {
     (0..side).map(|y| (0..side).map(|x| cell(x, y)).collect()).collect()
 }
 
-/// Rock where most of the neighbours are rock, five times over.
+/// Caves by a cellular automaton: in each of five rounds, a cell becomes rock when most of its neighbours are rock.
 fn caves(side: usize, dice: &mut RandomStream) -> Vec<Vec<char>> {
     let mut rock: Vec<Vec<bool>> = (0..side).map(|_| (0..side).map(|_| dice.below(100) < 42).collect()).collect();
     for _ in 0..5 {

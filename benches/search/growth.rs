@@ -1,4 +1,5 @@
-//! What a move costs in halls from fifty to a thousand cells a side, 10 % luggage, and the memory of the largest.
+//! Cost of a move in halls from fifty to a thousand cells a side with 10 % luggage, and the memory of the largest
+//! hall.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::rng::RandomStream;
@@ -18,11 +19,12 @@ use crate::goals;
 
 const SIDES: [usize; 6] = [50, 100, 200, 400, 800, 1000];
 
-/// In all halls of one side together there are about as many cells, so that small ones are measured as long as large ones.
+/// Approximate number of cells of all halls of one side together, so that small halls are measured as long as large
+/// ones.
 const CELLS: usize = 1_000_000;
 
-/// Goals: bytes a cell; the slowest decision and the mean in the largest hall, in microseconds; what a move costs with 800 cells a side
-/// against 100.
+/// Goals: bytes per cell; slowest and mean decision in the largest hall, in microseconds; ratio of the cost of a move
+/// at 800 cells a side to that at 100.
 const BYTES: f64 = 64.0;
 const WORST: f64 = 10_000.0;
 const MEAN: f64 = 1000.0;
@@ -50,7 +52,7 @@ pub(crate) fn run(plot: Option<&str>) {
     }
 }
 
-/// Halls of one side, enough of them that their time can be told.
+/// Searches enough halls of one side for a reliable time.
 fn of_side(side: usize) -> Explored {
     let count = (CELLS / (side * side)).clamp(1, 40);
     let halls = (0..count).map(|n| hall(Family::Luggage(0.1), side, side, &mut RandomStream::new(n as u64, "growth")));
@@ -60,7 +62,8 @@ fn of_side(side: usize) -> Explored {
     explored
 }
 
-/// What grid and ways take a cell in the largest hall, when all of it was searched. The system counts pages, in kB.
+/// Memory per cell of the grid and the ways in the largest hall, after a complete search. The system reports pages,
+/// in kB.
 fn memory() {
     let Some(side) = SIDES.last().copied() else { return };
     let ground = Ground::of(&hall(Family::Luggage(0.1), side, side, &mut RandomStream::new(1, "memory")));
@@ -69,7 +72,7 @@ fn memory() {
     };
     let (mut walk, mut ways) = (Walk::new(&ground, TERMS), Ways::default());
     walk.finish(&ground, &mut ways, Strategy::Auto.begin());
-    // From end to end: what takes the most memory of all.
+    // A way from end to end needs the most memory.
     let end = ground.cells().into_iter().rev().find(|cell| walk.grid.at(*cell) == Square::Visited);
     let way = ways.way_over_visited(&walk.grid, TERMS.costs, walk.pose, end.unwrap_or(Cell::HOME));
     assert!(way.is_some(), "the robot was there and is home");

@@ -1,4 +1,4 @@
-//! Large maps of others searched whole by `auto`, for either goal.
+//! Large foreign maps searched completely by `auto`, for either goal.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
@@ -9,8 +9,8 @@ use crate::explored::{Explored, HEADING};
 use crate::foreign::{MAPS, ground};
 use crate::goals;
 
-/// The slowest decision of all, in milliseconds, and what it was when it was first measured: in a maze of half a million cells, where the
-/// nearest unknown cell is at the other end of it.
+/// Slowest decision of all in milliseconds: the goal, and the first measured value. That value is from a maze of half
+/// a million cells whose nearest unknown cell was at the opposite end.
 const WORST: f64 = 10.0;
 const BEFORE: f64 = 16.0;
 

@@ -13,13 +13,13 @@ use hallsweep_sim::Truth;
 use crate::cpu::{Times, micros, ratio, timed};
 use crate::{goals, rivals};
 
-/// Sides of halls, and how many ways are looked for in each.
+/// Sides of the halls, and the number of ways searched in each.
 const HALLS: [(usize, usize); 3] = [(100, 2000), (400, 300), (1000, 60)];
 
-/// In a hall of this side there are fewer states than a search looks at before it goes by steps alone.
+/// Side of the hall that has fewer states than the limit after which a search ignores turns.
 const ALWAYS_EXACT: usize = 100;
 
-/// What the mean may come to of the mean of A*.
+/// Largest ratio of the mean time to that of A*.
 const MEAN: f64 = 0.4;
 
 const COSTS: Costs = Costs::EVEN;
@@ -64,7 +64,8 @@ fn beside(side: usize, count: usize) {
     goals::at_most(&format!("ways in a hall of {side} a side against A*, mean"), ratio(ours.mean(), theirs.mean()), MEAN);
 }
 
-/// By how much a way is dearer than the cheapest, as a share. One that is leads far, and takes as few steps as there are.
+/// Relative excess of a way's cost over the cheapest; `None` when they are equal. A more expensive way must still
+/// reach the goal with the fewest possible steps.
 fn excess(grid: &Grid, start: Pose, goal: Cell, way: &[Move], least: u32) -> Option<f64> {
     let steps = way.iter().filter(|step| **step == Move::Forward).count();
     let cost =
@@ -77,7 +78,7 @@ fn excess(grid: &Grid, start: Pose, goal: Cell, way: &[Move], least: u32) -> Opt
     Some(f64::from(cost) / f64::from(least) - 1.0)
 }
 
-/// A hall of which everything is known that can be, and its visited cells.
+/// Grid of a hall with every reachable cell known, and the visited cells.
 fn known(ground: &Ground) -> (Grid, Vec<Cell>) {
     let mut grid = Grid::with_room_for(ground.bounds());
     let (free, luggage): (Vec<Cell>, Vec<Cell>) = ground.cells().into_iter().partition(|cell| ground.at(*cell) == Truth::Free);

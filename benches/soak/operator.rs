@@ -1,4 +1,4 @@
-//! An operator who does everything an operator can: looks at the state, and presses what fits it, or now and then something else.
+//! An operator who uses every command: mostly one that fits the state, sometimes another.
 
 use std::time::Duration;
 
@@ -7,10 +7,10 @@ use serde_json::Value;
 
 use crate::ask::ask;
 
-/// A person looks up so often; the robot does not wait for it except for verdicts.
+/// Interval between the operator's looks at the state; the robot waits for the operator only at verdicts.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// What is pressed although nothing asks for it, with its path and body.
+/// Method, path and body of commands that the operator sends at random.
 const WHIMS: [(&str, &str, &str); 6] = [
     ("POST", "commands/stop", ""),
     ("POST", "commands/backHome", ""),
@@ -20,7 +20,7 @@ const WHIMS: [(&str, &str, &str); 6] = [
     ("POST", "commands/goto", "{\"x\":1,\"y\":1}"),
 ];
 
-/// Plays one after the other mission.
+/// Plays missions one after the other.
 pub(crate) struct Operator {
     address: String,
     chance: RandomStream,
@@ -29,22 +29,21 @@ pub(crate) struct Operator {
 }
 
 impl Operator {
-    /// An operator of the program at this address.
     pub(crate) fn new(address: &str) -> Operator {
         Operator { address: address.to_owned(), chance: RandomStream::new(1, "operator"), missions: 0, revision: 0 }
     }
 
-    /// Missions that were brought to an end.
+    /// Number of missions that ended.
     pub(crate) const fn missions(&self) -> u64 {
         self.missions
     }
 
-    /// The last revision that was seen.
+    /// Last revision seen.
     pub(crate) const fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Looks once, and does what it likes.
+    /// Reads the state once and sends a command.
     pub(crate) fn act(&mut self) {
         std::thread::sleep(GLANCE);
         let state = self.state();
@@ -68,7 +67,7 @@ impl Operator {
         }
     }
 
-    /// Takes away what can be taken away, and starts again.
+    /// Removes the holds that the operator can remove, and sends START again.
     fn remove_holds(&mut self, holds: &Value) {
         let has = |name: &str| holds.as_array().is_some_and(|all| all.iter().any(|hold| hold == name));
         if has("tooHigh") {
@@ -88,7 +87,7 @@ impl Operator {
         }
     }
 
-    /// Looks at the photo and says what it is, or has another one taken; then goes on.
+    /// Gives a verdict on the photo or requests another photo, then resumes.
     fn answer(&mut self, state: &Value) {
         let pieces = state["luggage"].as_array().into_iter().flatten();
         for piece in pieces.filter(|piece| piece["verdict"] == "pending") {
@@ -110,7 +109,8 @@ impl Operator {
         self.press("POST", "commands/start", "");
     }
 
-    /// Whether it was accepted; a refusal, as of a button that was pressed too late, is part of the play.
+    /// Sends a command and returns whether it was accepted. A refusal, for example because the state has changed, is
+    /// expected.
     fn press(&mut self, method: &str, path: &str, body: &str) -> bool {
         let answer = self.ask(method, path, body);
         assert!(!answer.starts_with("HTTP/1.1 5"), "{method} {path} {body}: {answer}");

@@ -1,4 +1,4 @@
-//! Screens that come and go: each opens a stream of events, reads it for a while, and leaves.
+//! Screens that come and go: each opens an event stream, reads it for a while, and closes it.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use hallsweep_core::rng::RandomStream;
 
-/// So many at once.
+/// Number of concurrent screens.
 const SCREENS: u64 = 6;
 
-/// A stream sends something every second at least; so often a reader thinks about leaving, too.
+/// Interval between a screen's decisions whether to leave; a stream sends an event at least every second.
 const GLANCE: Duration = Duration::from_millis(100);
 
-/// All screens; their threads end with the program that started them.
+/// All screens; their threads end with this process.
 pub(crate) struct Readers(Arc<Screens>);
 
 #[derive(Default)]
@@ -25,7 +25,6 @@ struct Screens {
 }
 
 impl Readers {
-    /// Screens that look at the program at this address.
     pub(crate) fn start(address: &str) -> Readers {
         let screens = Arc::new(Screens::default());
         for number in 0..SCREENS {
@@ -35,7 +34,7 @@ impl Readers {
         Readers(screens)
     }
 
-    /// Whether all of them leave and stay away; returns when they have left.
+    /// Makes all screens leave and stay away, or return; waits until they have left.
     pub(crate) fn rest(&self, rests: bool) {
         self.0.rests.store(rests, Ordering::SeqCst);
         while rests && self.0.open.load(Ordering::SeqCst) > 0 {
@@ -50,7 +49,7 @@ impl Screens {
             sleep(GLANCE);
             self.open.fetch_add(1, Ordering::SeqCst);
             if !self.rests.load(Ordering::SeqCst) {
-                // A stream that breaks is one more that went away.
+                // A broken stream counts as one that a screen left.
                 let _ = self.read(address, &mut chance);
             }
             self.open.fetch_sub(1, Ordering::SeqCst);

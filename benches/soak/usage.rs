@@ -1,29 +1,28 @@
-//! What a running program takes of the machine, as the system sees it (Linux: `/proc`).
+//! Resources of a running program, read from Linux's `/proc`.
 
 use std::path::Path;
 use std::time::Duration;
 
 use crate::program::Program;
 
-/// The heading over the lines.
+/// Heading of the table whose rows are made by `line`.
 pub(crate) const HEADING: &str = "  time  missions  revision   memory  descriptors  threads   journal    photos";
 
-/// One look.
+/// One measurement.
 pub(crate) struct Usage {
     /// Resident memory, in kB.
     pub(crate) memory_kb: u64,
-    /// Open files and sockets.
+    /// Number of open files and sockets.
     pub(crate) descriptors: u64,
-    /// Threads.
     pub(crate) threads: u64,
-    /// Bytes of the journal, with what has not been folded into it yet.
+    /// Size of the journal in bytes, including the write-ahead log.
     journal: u64,
-    /// Bytes of the photos.
+    /// Size of the photos in bytes.
     photos: u64,
 }
 
 impl Usage {
-    /// What a program takes now.
+    /// Measures a running program.
     pub(crate) fn of(program: &Program) -> Usage {
         let status = std::fs::read_to_string(program.proc("status")).unwrap_or_default();
         let field = |name: &str| {
@@ -39,7 +38,7 @@ impl Usage {
         }
     }
 
-    /// As a line below the heading.
+    /// Row of the table.
     pub(crate) fn line(&self, since: Duration, missions: u64, revision: u64, note: &str) -> String {
         let Usage { memory_kb, descriptors, threads, journal, photos } = self;
         let (seconds, journal, photos) = (since.as_secs(), journal / 1000, photos / 1000);
@@ -54,7 +53,8 @@ fn descriptors(program: &Program) -> u64 {
     open.count() as u64
 }
 
-/// The bytes of the files below a folder whose names begin so.
+/// Total size in bytes of the files in a folder whose names begin with `begins`, including the files of matching
+/// folders.
 fn bytes(folder: &Path, begins: &str) -> u64 {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let of = |entry: std::fs::DirEntry| match entry.metadata() {

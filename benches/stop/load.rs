@@ -1,5 +1,5 @@
-//! Clients of every kind at once, in a process of their own, until it is ended: readers, streams, commands, and some that behave
-//! badly. Only STOP and START are left to the benchmark.
+//! Concurrent clients of every kind in a separate process until it is killed: readers, streams, commands, and some
+//! that behave badly. STOP and START come from the benchmark alone.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -11,30 +11,29 @@ use crate::coap::Coap;
 use crate::mqtt::Client;
 use crate::packets;
 
-/// The word by which the benchmark starts itself as this.
+/// Argument with which the benchmark starts itself as the load.
 pub(crate) const WORD: &str = "load";
 
-/// What it comes to.
 pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests over HTTP, 2 readers \
                                     and 16 observers over CoAP, 2 publishers, 8 subscribers and 4 stalled ones over MQTT";
 
-/// A reader waits this long between two requests.
+/// Pause of a reader between two requests.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// A sender waits this long between two commands: each goes on record, and while anything is on its way to a slow store the
-/// robot rests, so that more of them would leave nothing to stop.
+/// Pause of a sender between two commands. The robot waits while a command is being recorded in the slow store, so
+/// more commands would leave no movement to stop.
 const COMMAND_PAUSE: Duration = Duration::from_millis(150);
 
-/// So many messages a publisher sends at once: with its pauses, some thousands a second.
+/// Messages that a publisher sends at once; with its pauses, this makes some thousands per second.
 const BURST: usize = 20;
 
-/// One letter of a slow request comes so often.
+/// Interval between the letters of a slow request.
 const LETTER: Duration = Duration::from_millis(500);
 
-/// A client that was turned away comes again after this long.
+/// Pause before a refused client connects again.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// Runs until the process is ended.
+/// Runs until the process is killed.
 pub(crate) fn press(address: &str, [coap, mqtt]: [SocketAddr; 2]) {
     let of = |count: usize, client: fn(&str) -> std::io::Result<()>| {
         for _ in 0..count {
@@ -56,7 +55,7 @@ pub(crate) fn press(address: &str, [coap, mqtt]: [SocketAddr; 2]) {
     }
 }
 
-/// Comes again whenever it is over.
+/// Repeats the client whenever it ends.
 fn again(mut client: impl FnMut() -> std::io::Result<()>) {
     loop {
         if client().is_err() {
@@ -84,7 +83,7 @@ fn publish(door: SocketAddr, n: usize) -> std::io::Result<()> {
     Err(ErrorKind::BrokenPipe.into())
 }
 
-/// A subscriber to everything, or one that has stalled.
+/// A subscriber to all topics, which reads or has stalled.
 fn subscribe(door: SocketAddr, n: usize, reads: bool) -> std::io::Result<()> {
     let mut client =
         Client::try_connect(door, &packets::connect(&format!("subscriber-{n}"), 60)).expect("the door lets a client in");
@@ -113,13 +112,13 @@ fn read(address: &str) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A temperature is a command like any other, goes on record, and moves nobody.
+/// Reports a temperature: a recorded command that does not move the robot.
 fn send(address: &str) -> std::io::Result<()> {
     sleep(COMMAND_PAUSE);
     ask(address, "PUT", "/api/v1/temperature", "{\"celsius\":20.5}").map(drop)
 }
 
-/// A stream that is read, or one whose reader has stalled.
+/// An event stream whose reader reads or has stalled.
 fn watch(address: &str, reads: bool) -> std::io::Result<()> {
     let mut stream = TcpStream::connect(address)?;
     write!(stream, "GET /api/v1/events HTTP/1.1\r\nHost: {address}\r\n\r\n")?;
@@ -132,7 +131,7 @@ fn watch(address: &str, reads: bool) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A request whose headers come letter by letter, until the door has had enough of it.
+/// A request whose headers come letter by letter until the door closes the connection.
 fn dawdle(address: &str) -> std::io::Result<()> {
     let mut stream = TcpStream::connect(address)?;
     write!(stream, "GET /api/v1/state HTTP/1.1\r\nHost: {address}\r\nX-Slow: ")?;

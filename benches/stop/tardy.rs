@@ -1,4 +1,4 @@
-//! A store that takes its time over every page, or hangs as long as it is told to. It keeps nothing.
+//! A store that is slow for every page, or hangs until it is released. It stores nothing.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -9,21 +9,21 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::units::Seq;
 use tokio::sync::watch;
 
-/// Pages that may wait: more than come while it hangs.
+/// Capacity of the queue, more than the pages that arrive while the store hangs.
 const PAGES: usize = 65_536;
 
-/// The store's end in the loop.
+/// The main loop's side of the store.
 pub(crate) struct Tardy {
     pages: SyncSender<Seq>,
     word: watch::Receiver<StoreStatus>,
 }
 
-/// Lets the store hang, and go on.
+/// Switch that makes the store hang or continue.
 #[derive(Clone, Default)]
 pub(crate) struct Keeping(Arc<(Mutex<bool>, Condvar)>);
 
 impl Tardy {
-    /// A store that takes this long over every page, on a thread of its own that ends with it.
+    /// Starts a store that takes this long per page, on a thread that ends with it.
     pub(crate) fn start(takes: Duration) -> (Tardy, Keeping) {
         let (pages, handed) = sync_channel(PAGES);
         let (say, word) = watch::channel(StoreStatus::default());
@@ -45,14 +45,14 @@ impl Store for Tardy {
 }
 
 impl Keeping {
-    /// Whether it hangs from now on.
+    /// Sets whether the store hangs.
     pub(crate) fn hang(&self, hangs: bool) {
         let (is_hung, changed) = &*self.0;
         *is_hung.lock().unwrap_or_else(PoisonError::into_inner) = hangs;
         changed.notify_all();
     }
 
-    /// What has come while a page was written is kept with the next one, as a disk does it.
+    /// Pages that arrive during a write are stored together with the next one, as on a disk.
     fn keep(&self, handed: &Receiver<Seq>, takes: Duration, say: &watch::Sender<StoreStatus>) {
         while let Ok(first) = handed.recv() {
             let last = handed.try_iter().last().unwrap_or(first);

@@ -1,4 +1,4 @@
-//! mosquitto under the same flood: how long single messages take from a publisher to a subscriber.
+//! mosquitto under the same flood: the time of single messages from a publisher to a subscriber.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -13,13 +13,13 @@ use crate::packets::{SUBACK, publish, subscribe};
 use crate::stage::Sender;
 use crate::wire::{Wire, login};
 
-/// The flood is there before the first message.
+/// Time from the beginning of the flood to the first message.
 const WARM_UP: Duration = Duration::from_secs(2);
 
-/// A message follows the one before after so long, as a STOP does.
+/// Pause between two messages, as between two STOPs.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// It may take so long.
+/// Time limit of a message.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 const TOPIC: &str = "beside/stop";
@@ -62,7 +62,7 @@ impl Drop for Mosquitto {
     }
 }
 
-/// How long so many single messages take through mosquitto while this flood goes on, its senders as important as it.
+/// Times of single messages through mosquitto during this flood, with the senders at mosquitto's own priority.
 pub(crate) fn mosquitto(flood: &Flood, doors: &Doors, messages: usize) -> Result<Spread, String> {
     let mosquitto = Mosquitto::start()?;
     let sender = Sender::flood(flood.name, &Doors { mqtt: mosquitto.at, ..doors.clone() }, false)?;

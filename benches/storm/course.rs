@@ -1,5 +1,5 @@
-//! One flood under way: where the doors are, whose keys it has, what it has done so far, and when it is over. Which floods there are
-//! stands in `floods`.
+//! One running flood: the addresses of the doors, the tokens that it uses, its tally, and its end. `floods` lists the
+//! floods.
 
 use std::io;
 use std::net::SocketAddr;
@@ -8,15 +8,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 
-/// Whoever was turned away comes again after this long.
+/// Pause before a refused client tries again.
 const AGAIN: Duration = Duration::from_millis(10);
 
-/// The names of the keys: two operators and the viewer.
+/// Names of the keys: two operators and the viewer.
 pub(crate) const OPERATOR: &str = "operator";
 pub(crate) const SECOND: &str = "second";
 pub(crate) const VIEWER: &str = "viewer";
 
-/// The doors of one program, and the tokens of those who may come in.
+/// Addresses of the doors of one program, and the tokens that they accept.
 #[derive(Clone, Debug)]
 pub(crate) struct Doors {
     pub(crate) http: SocketAddr,
@@ -28,20 +28,20 @@ pub(crate) struct Doors {
 }
 
 impl Doors {
-    /// No door of ours, and nobody's keys.
+    /// Placeholder without a real door or token.
     pub(crate) fn nowhere() -> Doors {
         let nowhere = SocketAddr::from(([127, 0, 0, 1], 9));
         let [operator, second, viewer] = ["-", "-", "-"].map(str::to_owned);
         Doors { http: nowhere, coap: nowhere, mqtt: nowhere, operator, second, viewer }
     }
 
-    /// As words of a command line.
+    /// Converts to arguments of a command line.
     pub(crate) fn words(&self) -> [String; 6] {
         let Doors { http, coap, mqtt, operator, second, viewer } = self;
         [http.to_string(), coap.to_string(), mqtt.to_string(), operator.clone(), second.clone(), viewer.clone()]
     }
 
-    /// Out of them.
+    /// Parses the arguments that `words` makes.
     pub(crate) fn read(words: &[String]) -> Doors {
         let [http, coap, mqtt, operator, second, viewer] = words else { panic!("three addresses and three tokens: {words:?}") };
         let address = |word: &String| word.parse().expect("an address with a port");
@@ -50,12 +50,11 @@ impl Doors {
     }
 }
 
-/// A flood under way.
 pub(crate) struct Course {
     pub(crate) doors: Doors,
     done: AtomicU64,
     turned_away: AtomicU64,
-    /// Parts that still prepare what the flood needs.
+    /// Number of parts that still prepare what the flood needs.
     preparing: AtomicU64,
     is_over: AtomicBool,
 }
@@ -66,7 +65,7 @@ impl Course {
         Arc::new(Course { doors, done, turned_away, preparing, is_over: AtomicBool::new(false) })
     }
 
-    /// So many clients, each of which comes again whenever it is through, or was turned away, until the flood is over.
+    /// Starts `count` clients; each runs again when it ends or is refused, until the flood is over.
     pub(crate) fn clients(self: &Arc<Course>, count: usize, client: fn(&Course, usize) -> io::Result<()>) {
         for n in 0..count {
             let course = Arc::clone(self);
@@ -81,12 +80,12 @@ impl Course {
         }
     }
 
-    /// Does this before the flood counts as begun.
+    /// Runs a preparation that must end before the flood counts as begun.
     pub(crate) fn prepare(self: &Arc<Course>, what: impl FnOnce(&Course) -> io::Result<()> + Send + 'static) {
         self.preparing.fetch_add(1, Ordering::SeqCst);
         let course = Arc::clone(self);
         spawn(move || {
-            // What could not be prepared shows in what the flood does then.
+            // A failed preparation shows in the flood's tally.
             if what(&course).is_err() {
                 course.turned_away.fetch_add(1, Ordering::Relaxed);
             }
@@ -94,7 +93,7 @@ impl Course {
         });
     }
 
-    /// So many requests, packets, datagrams or connections more.
+    /// Counts requests, packets, datagrams or connections.
     pub(crate) fn did(&self, more: usize) {
         self.done.fetch_add(more as u64, Ordering::Relaxed);
     }
@@ -107,12 +106,12 @@ impl Course {
         self.preparing.load(Ordering::SeqCst) == 0
     }
 
-    /// Ends it; its clients leave within a second.
+    /// Ends the flood; its clients leave within a second.
     pub(crate) fn end(&self) {
         self.is_over.store(true, Ordering::SeqCst);
     }
 
-    /// What it has done, and how often somebody was turned away.
+    /// Number of actions done, and number of refusals.
     pub(crate) fn tally(&self) -> (u64, u64) {
         (self.done.load(Ordering::Relaxed), self.turned_away.load(Ordering::Relaxed))
     }

@@ -1,51 +1,51 @@
-//! What a run has come to, as one table, and which goals it met.
+//! Results of a run as a table, and the goals that it met.
 
 use std::time::Duration;
 
 use crate::stops::Way;
 
-/// The goals of rule S6, for every flood whose senders are nicer than the program.
+/// Goals of safety S6, for floods whose senders have a lower priority than the program.
 pub(crate) const P99: Duration = Duration::from_millis(50);
 pub(crate) const WORST: Duration = Duration::from_millis(100);
 
-/// At equal priority: so many times what the same flood makes a message through mosquitto take, at most.
+/// Largest ratio, at equal priority, to the time of a message through mosquitto under the same flood.
 const BESIDE: f64 = 2.0;
 
 /// The STOPs of one run.
 #[derive(Default)]
 pub(crate) struct Stops {
-    /// Request → robot port, in which way; `None`: it has not come to the robot.
+    /// Way of each STOP, and its time from the request to the robot's port; `None` when it did not reach the robot.
     pub(crate) took: Vec<(Way, Option<Duration>)>,
-    /// The epoch of the last.
+    /// Epoch of the last STOP.
     pub(crate) epoch: u64,
-    /// The robot could not be set moving for so many.
+    /// Number of STOPs before which the robot could not be started.
     pub(crate) unstarted: usize,
-    /// So many were not answered in time, or with a refusal.
+    /// Number of STOPs that were refused or not answered in time.
     pub(crate) unanswered: usize,
     pub(crate) is_cut_short: bool,
     pub(crate) whys: Vec<String>,
 }
 
-/// One line of the table.
+/// One row of the table.
 pub(crate) struct Row {
     what: String,
     pub(crate) stops: Stops,
-    /// Kept connections of the operator that were lost.
+    /// Number of lost persistent connections of the operator.
     pub(crate) cut: usize,
-    /// What the floods did, and how often they were turned away.
+    /// Actions of the floods, and their refusals.
     pub(crate) done: u64,
     pub(crate) away: u64,
-    /// What those who look on were told, and how often they were cut off.
+    /// Messages that the honest clients received, and their lost connections.
     pub(crate) seen: u64,
     pub(crate) honest_cut: u64,
     pub(crate) memory_mib: u64,
-    /// Lines of the log that no storm may cause.
+    /// Log lines that no storm may cause.
     pub(crate) broke: Vec<String>,
-    /// Why it did not take place.
+    /// Reason why the run did not take place.
     pub(crate) failed: Option<String>,
 }
 
-/// How many of so many took how long.
+/// Distribution of times.
 pub(crate) struct Spread {
     pub(crate) p50: Duration,
     pub(crate) p99: Duration,
@@ -53,7 +53,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of these; `None` of none.
+    /// Distribution of these times; `None` when there are none.
     pub(crate) fn of(mut took: Vec<Duration>) -> Option<Spread> {
         took.sort_unstable();
         let at = |percent: usize| took.get((took.len() * percent / 100).min(took.len().saturating_sub(1))).copied();
@@ -77,7 +77,7 @@ impl Row {
         }
     }
 
-    /// How long those STOPs took that came by these ways.
+    /// Distribution of the times of the STOPs that came in these ways.
     pub(crate) fn spread(&self, ways: &[Way]) -> Option<Spread> {
         Spread::of(self.stops.took.iter().filter(|(way, _)| ways.contains(way)).filter_map(|(_, took)| *took).collect())
     }
@@ -87,7 +87,7 @@ impl Row {
         of_these.fold((0, 0), |(lost, all), (_, took)| (lost + usize::from(took.is_none()), all + 1))
     }
 
-    /// What it falls short of, the time aside: a STOP that did not come, a run that was none.
+    /// Failures other than late STOPs: a STOP that did not arrive, or an incomplete run.
     pub(crate) fn shortcomings(&self) -> Vec<String> {
         let (lost, _) = self.lost(&Way::ALL);
         let Stops { unstarted, unanswered, is_cut_short, .. } = self.stops;
@@ -103,7 +103,7 @@ impl Row {
         found
     }
 
-    /// Where it misses the goals of S6.
+    /// Goals of safety S6 that the run missed.
     pub(crate) fn misses(&self) -> Vec<String> {
         let late = |spread: Spread| {
             let (p99, worst) = (spread.p99 > P99, spread.worst > WORST);
@@ -113,7 +113,7 @@ impl Row {
         late.map(|(_, what)| what).collect()
     }
 
-    /// Prints the line, and what is to be said about it.
+    /// Prints the row and remarks on it.
     pub(crate) fn print(&self, by_way: bool) {
         if let Some(why) = &self.failed {
             println!("  {:<18} did not run: {why}", self.what);
@@ -145,7 +145,7 @@ impl Row {
     }
 }
 
-/// What stands above the lines.
+/// Prints the heading of the table.
 pub(crate) fn head() {
     println!(
         "  {:<18} {:>9} {:>9} {:>9}  {:>4}    {:<4} {:<11} {:>9} {:>7} {:>7} {:>3} {:>4}",
@@ -153,7 +153,7 @@ pub(crate) fn head() {
     );
 }
 
-/// Prints a run at equal priority beside the same flood at mosquitto, and says whether the goal is met.
+/// Prints a run at equal priority beside the same flood at mosquitto, and returns whether the goal is met.
 pub(crate) fn beside(row: &Row, other: &Spread) -> bool {
     let Some(own) = row.spread(&[Way::MqttKept]) else {
         println!("  {:<18} no STOP came", row.what);

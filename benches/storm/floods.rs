@@ -1,4 +1,5 @@
-//! THE TABLE of floods: what a viewer, or somebody without a key, can do to each door. How each is done stands beside this file.
+//! THE TABLE of floods: everything that a client without a key, or a viewer, can do to each door. The modules beside
+//! this file implement them.
 
 use std::sync::Arc;
 
@@ -13,7 +14,6 @@ mod mqtt;
 #[path = "floods/web.rs"]
 mod web;
 
-/// Which door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Door {
     Http,
@@ -23,10 +23,10 @@ pub(crate) enum Door {
 
 /// One way to flood one door.
 pub(crate) struct Flood {
-    /// The word by which it is asked for alone.
+    /// Name on the command line.
     pub(crate) name: &'static str,
     pub(crate) door: Door,
-    /// Begins it; it goes on until its course is over.
+    /// Begins the flood, which continues until its course is over.
     pub(crate) begin: fn(&Arc<Course>),
 }
 
@@ -34,7 +34,6 @@ const fn flood(door: Door, name: &'static str, begin: fn(&Arc<Course>)) -> Flood
     Flood { name, door, begin }
 }
 
-/// All of them.
 pub(crate) const FLOODS: [Flood; 32] = [
     flood(Door::Http, "http-bodies", http::bodies),
     flood(Door::Http, "http-bodies-near", http::bodies_near),
@@ -70,7 +69,6 @@ pub(crate) const FLOODS: [Flood; 32] = [
     flood(Door::Coap, "coap-observers", coap::observers),
 ];
 
-/// The one of this name.
 pub(crate) fn named(name: &str) -> Option<&'static Flood> {
     FLOODS.iter().find(|flood| flood.name == name)
 }

@@ -1,5 +1,5 @@
-//! Whoever looks on while the storm goes: an operator's page, a screen at the broker and an observer over CoAP. They count what they
-//! are told, and how often they were cut off.
+//! Honest clients during the storm: an operator's page, a screen at the broker and an observer over CoAP. They count
+//! the messages that they receive and their lost connections.
 
 use std::io::{self, Read, Write};
 use std::net::Ipv4Addr;
@@ -12,10 +12,9 @@ use crate::http::{connected, request};
 use crate::packets::{PINGREQ, SUBACK, subscribe};
 use crate::wire::{Wire, login};
 
-/// Silence for so long is taken for an end: the page's stream beats every second.
+/// Silence after which a connection counts as lost; the page's stream sends something every second.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Begins all of them.
 pub(crate) fn look_on(course: &Arc<Course>) {
     course.clients(1, page);
     course.clients(1, screen);
@@ -53,7 +52,7 @@ fn observer(course: &Course, _: usize) -> io::Result<()> {
     let mut client = Coap::at(course.doors.coap);
     client.observe("robot")?;
     while course.goes_on() {
-        // A robot that stands is no news.
+        // A robot that does not move causes no notifications.
         match client.next() {
             Ok(_) => course.did(1),
             Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {}

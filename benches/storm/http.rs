@@ -1,4 +1,4 @@
-//! An HTTP client as plain as can be: requests as bytes, connections from any loopback address, and whole answers. It knows no
+//! A simple HTTP client: requests as bytes, connections from any loopback address, and whole answers. It follows no
 //! redirect and reads no stream.
 
 use std::io::{self, Error, ErrorKind, Read, Write};
@@ -7,18 +7,17 @@ use std::time::Duration;
 
 use socket2::{Domain, Socket, Type};
 
-/// A connection that is kept between requests.
+/// Persistent connection.
 pub(crate) struct Kept {
     stream: TcpStream,
     heard: Vec<u8>,
 }
 
-/// What was answered.
 pub(crate) struct Answer {
     pub(crate) body: String,
 }
 
-/// A connection from this address of the machine.
+/// Connection from this local address.
 pub(crate) fn connected(door: SocketAddr, source: Ipv4Addr, patience: Duration) -> io::Result<TcpStream> {
     let socket = Socket::new(Domain::IPV4, Type::STREAM, None)?;
     socket.bind(&SocketAddr::from((source, 0)).into())?;
@@ -30,17 +29,16 @@ pub(crate) fn connected(door: SocketAddr, source: Ipv4Addr, patience: Duration) 
     Ok(stream)
 }
 
-/// One of six loopback addresses from which floods come; an operator comes from 127.0.0.1.
+/// One of six loopback addresses from which floods come; the operator uses 127.0.0.1.
 pub(crate) fn somewhere(n: usize) -> Ipv4Addr {
     Ipv4Addr::new(127, 0, 0, u8::try_from(2 + n % 6).expect("less than 8"))
 }
 
-/// The operator's own address.
 pub(crate) fn near(_: usize) -> Ipv4Addr {
     Ipv4Addr::LOCALHOST
 }
 
-/// A request as bytes. A `body` is sent as JSON.
+/// Builds a request. A `body` is sent as JSON.
 pub(crate) fn request(method: &str, path: &str, door: SocketAddr, token: Option<&str>, body: &str) -> Vec<u8> {
     let key = token.map(|token| format!("Authorization: Bearer {token}\r\n")).unwrap_or_default();
     let kind = if body.is_empty() { "" } else { "Content-Type: application/json\r\n" };
@@ -49,18 +47,17 @@ pub(crate) fn request(method: &str, path: &str, door: SocketAddr, token: Option<
 }
 
 impl Kept {
-    /// A new connection.
     pub(crate) fn to(door: SocketAddr, source: Ipv4Addr, patience: Duration) -> io::Result<Kept> {
         Ok(Kept { stream: connected(door, source, patience)?, heard: Vec::new() })
     }
 
-    /// Asks, and waits for the whole answer.
+    /// Sends a request and waits for the whole answer.
     pub(crate) fn ask(&mut self, request: &[u8]) -> io::Result<Answer> {
         self.stream.write_all(request)?;
         self.answer()
     }
 
-    /// The next answer, whole.
+    /// Returns the next whole answer.
     pub(crate) fn answer(&mut self) -> io::Result<Answer> {
         let head_end = loop {
             if let Some(at) = find(&self.heard, b"\r\n\r\n") {

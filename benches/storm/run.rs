@@ -1,4 +1,4 @@
-//! One run: a program, a flood or many or none, those who look on, and so many STOPs, each while the robot moves.
+//! One run: a program, any number of floods, honest clients, and STOPs that are each given while the robot moves.
 
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -9,23 +9,23 @@ use crate::floods::{Door, Flood};
 use crate::stage::{Said, Sender, TestApp};
 use crate::stops::{Operator, Way};
 
-/// The flood is there before the first STOP.
+/// Time from the beginning of the floods to the first STOP.
 const WARM_UP: Duration = Duration::from_secs(1);
 
-/// After so long a START was refused for good, or the robot does not move, or a STOP does not come to it.
+/// Time limit for an accepted START, for the robot's first movement, and for a STOP to reach the robot.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A robot that was started and does not move after so long is started once more.
+/// Time after which a START is repeated when the robot does not move.
 const AGAIN: Duration = Duration::from_secs(2);
 
-/// A START that was refused is pressed again after so long.
+/// Pause before a refused START is sent again.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A run is over after so long, however far it has come: this, and so much for each STOP of a way, many times what they take.
+/// Time limit of a run: a fixed part, and a part for each STOP of a way; both are many times what the run takes.
 const LIMIT: Duration = Duration::from_secs(60);
 const LIMIT_EACH: Duration = Duration::from_millis(300);
 
-/// Presses STOP so often in each way.
+/// Presses STOP `each` times in each way.
 pub(crate) fn run(what: &str, floods: &[&Flood], is_nice: bool, each: usize) -> Row {
     let mut row = Row::new(what);
     let took_place = storm(&mut row, floods, is_nice, each);
@@ -42,7 +42,7 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
     let senders = senders?;
     std::thread::sleep(WARM_UP);
     let until = Instant::now() + LIMIT + LIMIT_EACH * u32::try_from(each).unwrap_or(u32::MAX);
-    // START waits its turn behind the flood: where one door alone is flooded, it comes by another.
+    // A START can be delayed by the flood at its door. When HTTP is flooded but CoAP is not, START is sent over CoAP.
     let over_coap = floods.len() > 1 && floods.iter().all(|flood| flood.door != Door::Coap);
     row.stops = stops(&app, &mut operator, (each, over_coap), until);
     row.cut = operator.cut;
@@ -51,7 +51,8 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
     for (flood, sender) in floods.iter().zip(senders) {
         let (done, away) = sender.end();
         (row.done, row.away) = (row.done + done, row.away + away);
-        // Under others it may be turned away all the time; alone it is no flood then.
+        // A flood that was always refused is possible beside others; a flood that runs alone must have done
+        // something.
         if done == 0 && (away == 0 || floods.len() == 1) {
             return Err(format!("{} did nothing", flood.name));
         }
@@ -60,7 +61,7 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
     Ok(())
 }
 
-/// The ways take turns, so that all of them meet the same weather.
+/// Takes turns among the ways, so that the conditions are the same for all of them.
 fn stops(app: &TestApp, operator: &mut Operator, (each, over_coap): (usize, bool), until: Instant) -> Stops {
     let mut stops = Stops::default();
     let mut is_driving = false;
@@ -92,7 +93,7 @@ fn stops(app: &TestApp, operator: &mut Operator, (each, over_coap): (usize, bool
     stops
 }
 
-/// Presses START until the robot moves.
+/// Sends START until the robot moves.
 fn drive(app: &TestApp, operator: &mut Operator, over_coap: bool) -> Result<(), String> {
     let until = Instant::now() + PATIENCE;
     loop {
@@ -113,7 +114,7 @@ fn drive(app: &TestApp, operator: &mut Operator, over_coap: bool) -> Result<(), 
     }
 }
 
-/// The halt of a stop later than this epoch: which, and when it came.
+/// Epoch and time of the next halt after this epoch.
 fn halted(app: &TestApp, epoch: u64) -> Option<(u64, u64)> {
     let until = Instant::now() + PATIENCE;
     loop {

@@ -1,4 +1,5 @@
-//! The processes of a storm: the program, the floods and those who look on. All of them are started from this one, and end with it.
+//! The processes of a storm: the program, the floods and the honest clients. This process starts all of them, and
+//! they end with it.
 
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::fs::DirBuilderExt;
@@ -15,23 +16,22 @@ use crate::course::{Course, Doors, OPERATOR, SECOND, VIEWER};
 use crate::wire;
 use crate::{descriptors, floods, honest, test_app};
 
-/// Says to a sender, by being there, that it is to speak MQTT 5.
+/// Environment variable that makes a sender use MQTT 5.
 const FIVE: &str = "HALLSWEEP_STORM_MQTT";
 
-/// The words by which the benchmark starts itself as a flood, and as those who look on.
+/// Arguments with which the benchmark starts itself as a flood, and as the honest clients.
 pub(crate) const FLOOD: &str = "flood";
 pub(crate) const HONEST: &str = "honest";
 
-/// How much nicer than the others senders are.
+/// Niceness of the senders, which lowers their priority.
 const NICE: &str = "10";
 
-/// What a process of ours may take to begin.
+/// Time limit for a process to start.
 const BEGINNING: Duration = Duration::from_secs(60);
 
-/// A flood ends by itself after so long, whatever becomes of whoever began it.
+/// Time after which a flood ends by itself, even when the benchmark is gone.
 const LONGEST: Duration = Duration::from_secs(180);
 
-/// A program.
 pub(crate) struct TestApp {
     child: Child,
     folder: PathBuf,
@@ -39,19 +39,19 @@ pub(crate) struct TestApp {
     said: Receiver<Said>,
 }
 
-/// What the robot's port says.
+/// Messages of the test application.
 pub(crate) enum Said {
     Doors(String),
     Moves,
-    /// A stop of this epoch has come, so many nanoseconds after the machine began.
+    /// Epoch of a STOP, and the time when its halt reached the robot's port, in nanoseconds since boot.
     Halt(u64, u64),
 }
 
 impl TestApp {
-    /// Starts it with keys of both roles and every door open.
+    /// Starts the program with keys of both roles and every door open.
     ///
     /// # Errors
-    /// Why it does not serve.
+    /// Why the program does not serve.
     pub(crate) fn start() -> Result<TestApp, String> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -79,19 +79,19 @@ impl TestApp {
         Ok(TestApp { child, folder, doors: Doors::read(&words), said })
     }
 
-    /// Waits for what comes next, at most until then.
+    /// Waits until `until` for the next message.
     pub(crate) fn next(&self, until: Instant) -> Result<Said, RecvTimeoutError> {
         self.said.recv_timeout(until.saturating_duration_since(Instant::now()))
     }
 
-    /// The memory in use at its worst moment, in MiB.
+    /// Peak resident memory in MiB.
     pub(crate) fn memory_mib(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
         line.trim().trim_end_matches(" kB").parse::<u64>().unwrap_or(0) / 1024
     }
 
-    /// Lines of its log that no storm may cause.
+    /// Log lines that no storm may cause.
     pub(crate) fn broke(&self) -> Vec<String> {
         let log = std::fs::read_to_string(self.folder.join("storm.log")).unwrap_or_default();
         let broken = |line: &&str| {
@@ -111,23 +111,23 @@ impl Drop for TestApp {
     }
 }
 
-/// A flood, or those who look on, under way.
+/// A running flood, or the honest clients.
 pub(crate) struct Sender {
     child: Child,
-    /// Closed, it ends the sender.
+    /// Standard input of the sender, which ends when this is closed.
     _leash: Option<ChildStdin>,
     lines: Receiver<String>,
 }
 
 impl Sender {
-    /// Starts a flood, and waits until what it needs is there.
+    /// Starts a flood and waits until it is prepared.
     pub(crate) fn flood(name: &str, doors: &Doors, is_nice: bool) -> Result<Sender, String> {
         let mut command = if is_nice { nice(FLOOD) } else { own(FLOOD) };
         command.arg(name);
         Sender::start(command, doors)
     }
 
-    /// Starts those who look on.
+    /// Starts the honest clients.
     pub(crate) fn honest(doors: &Doors) -> Result<Sender, String> {
         Sender::start(own(HONEST), doors)
     }
@@ -145,7 +145,7 @@ impl Sender {
         Ok(sender)
     }
 
-    /// Ends it; what it has done, and how often somebody of it was turned away.
+    /// Ends the sender; returns the number of its actions and of its refusals.
     pub(crate) fn end(mut self) -> (u64, u64) {
         self._leash = None;
         let tally = self.lines.recv_timeout(Duration::from_secs(10)).unwrap_or_default();
@@ -161,7 +161,7 @@ impl Drop for Sender {
     }
 }
 
-/// Is a flood, in a process of its own: prints a line when it has begun, and its tally at the end.
+/// Runs a flood in this process: prints a line when it has begun, and its tally at the end.
 pub(crate) fn flood(name: &str, doors: Doors) {
     wire::speak_five(std::env::var_os(FIVE).is_some());
     descriptors::raised(8192);
@@ -174,7 +174,7 @@ pub(crate) fn flood(name: &str, doors: Doors) {
     until_told(&course);
 }
 
-/// Is those who look on.
+/// Runs the honest clients in this process.
 pub(crate) fn look_on(doors: Doors) {
     wire::speak_five(std::env::var_os(FIVE).is_some());
     let course = Course::new(doors);
@@ -197,14 +197,14 @@ fn until_told(course: &Arc<Course>) {
     std::process::exit(0);
 }
 
-/// This program once more, as something else.
+/// Command that starts this program again in another role.
 fn own(word: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().expect("the system knows which program this is"));
     command.arg(word).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
     command
 }
 
-/// The same, with less right to the machine than the others.
+/// The same command with a lower priority.
 fn nice(word: &str) -> Command {
     let mut command = Command::new("nice");
     command.args(["-n", NICE]).arg(std::env::current_exe().expect("the system knows which program this is")).arg(word);
@@ -212,7 +212,7 @@ fn nice(word: &str) -> Command {
     command
 }
 
-/// Keys of both roles, in a new data folder.
+/// Creates a data folder with keys of both roles.
 fn keys(folder: &PathBuf) -> Result<[String; 3], String> {
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(folder).map_err(|error| error.to_string())?;
     let mut tokens = Vec::new();

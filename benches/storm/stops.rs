@@ -1,4 +1,4 @@
-//! An operator's STOP in five ways, from a client that waits for the answer like any other.
+//! An operator's STOP in five ways, from a client that waits for the answer.
 
 use std::io::{self, Error};
 use std::net::Ipv4Addr;
@@ -12,7 +12,7 @@ use crate::wire::{Wire, login};
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
-/// How a STOP is pressed.
+/// Way in which a STOP is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
     HttpFresh,
@@ -25,7 +25,7 @@ pub(crate) enum Way {
 impl Way {
     pub(crate) const ALL: [Way; 5] = [Way::HttpFresh, Way::HttpKept, Way::Coap, Way::MqttKept, Way::MqttFresh];
 
-    /// As figures name it.
+    /// Name in the figures.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Way::HttpFresh => "HTTP, fresh",
@@ -37,27 +37,27 @@ impl Way {
     }
 }
 
-/// An operator's hands: one kept connection of each kind, come before the storm.
+/// Operator with one persistent connection of each kind, opened before the storm.
 pub(crate) struct Operator {
     doors: Doors,
-    /// A STOP that has no answer after so long has not got in.
+    /// Time after which a STOP without an answer counts as failed.
     patience: Duration,
     kept: Kept,
     mqtt: Wire,
     coap: Coap,
     pressed: usize,
-    /// So often a kept connection was lost, and another one had to be made.
+    /// Number of persistent connections that were lost and replaced.
     pub(crate) cut: usize,
 }
 
 impl Operator {
-    /// Comes in by every door.
+    /// Connects to every door.
     pub(crate) fn come(doors: &Doors, patience: Duration) -> io::Result<Operator> {
         let (kept, mqtt, coap) = (kept(doors, patience)?, listening(doors, patience)?, Coap::at(doors.coap));
         Ok(Operator { doors: doors.clone(), patience, kept, mqtt, coap, pressed: 0, cut: 0 })
     }
 
-    /// Presses START: on the kept HTTP connection, or over CoAP.
+    /// Sends START on the persistent HTTP connection, or over CoAP.
     pub(crate) fn start(&mut self, over_coap: bool) -> io::Result<()> {
         if over_coap {
             return self.coap.ask("POST", "commands/start", "").and_then(|reply| accepted(&reply.text));
@@ -73,7 +73,7 @@ impl Operator {
         }
     }
 
-    /// Presses STOP in this way, and waits for the answer.
+    /// Sends STOP in this way and waits for the answer.
     pub(crate) fn stop(&mut self, way: Way) -> io::Result<()> {
         self.pressed += 1;
         let pressed = match way {
@@ -93,7 +93,7 @@ impl Operator {
         pressed
     }
 
-    /// A newcomer comes in, says STOP, and waits until the broker has taken it.
+    /// Connects a new client, sends STOP, and waits until the broker acknowledges it.
     fn by_fresh_mqtt(&mut self) -> io::Result<()> {
         let connect = login(&format!("newcomer-{}", self.pressed), OPERATOR, &self.doors.operator);
         let mut wire = Wire::let_in(self.doors.mqtt, Ipv4Addr::LOCALHOST, &connect, self.patience)?;
@@ -106,14 +106,14 @@ fn http(doors: &Doors, patience: Duration) -> io::Result<Kept> {
     Kept::to(doors.http, Ipv4Addr::LOCALHOST, patience)
 }
 
-/// A connection on which the operator has asked before: of one on which nothing was said nobody knows whose it is.
+/// Connection with an earlier request of the operator. Without one, the door would not know whose connection it is.
 fn kept(doors: &Doors, patience: Duration) -> io::Result<Kept> {
     let mut kept = http(doors, patience)?;
     kept.ask(&request("GET", "/api/v1/state", doors.http, Some(&doors.operator), ""))?;
     Ok(kept)
 }
 
-/// A client of the broker that hears what became of its STOP.
+/// Broker client that receives the results of its STOPs.
 fn listening(doors: &Doors, patience: Duration) -> io::Result<Wire> {
     let connect = login("operator-kept", OPERATOR, &doors.operator);
     let mut wire = Wire::let_in(doors.mqtt, Ipv4Addr::LOCALHOST, &connect, patience)?;
@@ -127,7 +127,7 @@ fn by_http(kept: &mut Kept, doors: &Doors) -> io::Result<()> {
     kept.ask(&stop).and_then(|answer| accepted(&answer.body))
 }
 
-/// The result bears the name of this STOP: those of newcomers come here too.
+/// The result contains the name of this STOP, because results for new clients arrive here too.
 fn by_mqtt(wire: &mut Wire, number: usize) -> io::Result<()> {
     let name = format!("\"id\":\"stop-{number}\"");
     wire.say(&publish(STOP, format!("{{{name}}}").as_bytes(), 0, 0, 0))?;

@@ -1,5 +1,5 @@
-//! The program under the storm, in a process of its own: its doors, its loop and its store as `app` opens them, and a robot that
-//! begins whatever it may and says when a halt has come to its port.
+//! The program under the storm, in a separate process: its doors, main loop and store as `app` opens them, and a
+//! robot that executes every order and reports when a halt reaches its port.
 
 use std::io::Write;
 use std::sync::mpsc::{Sender, channel};
@@ -14,19 +14,19 @@ use hallsweep_core::robot::Parts;
 
 use crate::clock::now;
 
-/// The word by which the benchmark starts itself as this.
+/// Argument with which the benchmark starts itself as this program.
 pub(crate) const WORD: &str = "app";
 
-/// How long a step or a turn takes.
+/// Duration of a step or a turn.
 const STEP: Duration = Duration::from_millis(2);
 
-/// Serves by the settings of the surroundings until the process is ended, and prints `doors HTTP COAP MQTT`, then `moves` whenever
-/// the robot begins its first step after a halt, and `halt EPOCH NANOSECONDS`.
+/// Serves with the settings of the environment until the process is killed. It prints `doors HTTP COAP MQTT` once,
+/// `moves` at the robot's first step after a halt, and `halt EPOCH NANOSECONDS` at each halt.
 pub(crate) fn serve() {
     let settings = config::load(&config::sources(None, Vec::new())).expect("the benchmark gives good settings");
     telemetry::start(&settings.log);
     let (say, said) = channel::<String>();
-    // The robot waits for no pipe.
+    // A separate thread writes, so that a full pipe does not block the robot.
     std::thread::spawn(move || {
         let mut out = std::io::stdout();
         for line in said {
@@ -47,11 +47,10 @@ pub(crate) fn serve() {
     served.expect("it serves until it is ended");
 }
 
-/// The robot.
 struct Wheels {
     side: RobotSide,
     say: Sender<String>,
-    /// Whether it has not moved since it was halted.
+    /// Whether the robot has not moved since its last halt.
     stands: bool,
 }
 

@@ -1,5 +1,5 @@
-//! A connection to an MQTT broker, by TCP or by WebSocket, on which any bytes are said; whoever wants to may read the packets that
-//! come by TCP. It answers nothing by itself.
+//! A connection to an MQTT broker over TCP or WebSocket that sends any bytes. Packets that come over TCP can be read.
+//! The connection answers nothing by itself.
 
 use std::io::{self, Error, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
@@ -11,10 +11,10 @@ use crate::five::{bare, dressed, whole};
 use crate::http::connected;
 use crate::packets::{CONNACK, connect_with, text};
 
-/// Whether all of this process speak MQTT 5.
+/// Whether all connections of this process use MQTT 5.
 static IS_FIVE: AtomicBool = AtomicBool::new(false);
 
-/// From now on all of this process speak MQTT 5, or not.
+/// Sets whether all connections of this process use MQTT 5.
 pub(crate) fn speak_five(is_five: bool) {
     IS_FIVE.store(is_five, Ordering::Relaxed);
 }
@@ -23,26 +23,25 @@ pub(crate) fn is_five() -> bool {
     IS_FIVE.load(Ordering::Relaxed)
 }
 
-/// A connection.
 pub(crate) struct Wire {
     stream: TcpStream,
     is_web: bool,
     heard: Vec<u8>,
 }
 
-/// A CONNECT that shows this name and password.
+/// CONNECT with this name and password.
 pub(crate) fn login(client_id: &str, name: &str, token: &str) -> Vec<u8> {
-    // Name, password and a session that is not kept.
+    // Flags: user name, password, clean session.
     connect_with(4, 0xC2, 60, &[text(client_id), text(name), text(token)].concat())
 }
 
 impl Wire {
-    /// A connection on which nothing was said.
+    /// Connection on which nothing has been sent.
     pub(crate) fn silent(door: SocketAddr, source: Ipv4Addr, patience: Duration) -> io::Result<Wire> {
         Ok(Wire { stream: connected(door, source, patience)?, is_web: false, heard: Vec::new() })
     }
 
-    /// A client that was let in.
+    /// Connection that the broker has accepted.
     pub(crate) fn let_in(door: SocketAddr, source: Ipv4Addr, connect: &[u8], patience: Duration) -> io::Result<Wire> {
         let mut wire = Wire::silent(door, source, patience)?;
         wire.say(connect)?;
@@ -52,7 +51,7 @@ impl Wire {
         }
     }
 
-    /// A connection by WebSocket on which nothing of MQTT was said.
+    /// WebSocket connection on which no MQTT has been sent.
     pub(crate) fn web(door: SocketAddr, source: Ipv4Addr, patience: Duration) -> io::Result<Wire> {
         let mut stream = connected(door, source, patience)?;
         let key = "dGhlIHNhbXBsZSBub25jZQ==";
@@ -69,7 +68,7 @@ impl Wire {
         Err(Error::other(String::from_utf8_lossy(&answer[..read]).into_owned()))
     }
 
-    /// Sends these bytes, by WebSocket in one message.
+    /// Sends these bytes; over WebSocket, in one message.
     pub(crate) fn say(&mut self, bytes: &[u8]) -> io::Result<()> {
         if is_five() { self.say_as_it_is(&dressed(bytes)) } else { self.say_as_it_is(bytes) }
     }
@@ -90,7 +89,7 @@ impl Wire {
         self.stream.write_all(&frame)
     }
 
-    /// The next packet that comes by TCP: its first byte and its body.
+    /// Next packet that comes over TCP: its first byte and its body.
     pub(crate) fn next(&mut self) -> io::Result<(u8, Vec<u8>)> {
         loop {
             if let Some((length, head)) = whole(&self.heard) {
@@ -109,7 +108,7 @@ impl Wire {
         }
     }
 
-    /// The next packet of this kind; others are passed over.
+    /// Body of the next packet of this kind; other packets are skipped.
     pub(crate) fn until(&mut self, kind: u8) -> io::Result<Vec<u8>> {
         loop {
             let (first, body) = self.next()?;
@@ -119,7 +118,7 @@ impl Wire {
         }
     }
 
-    /// Whether the other side has ended it.
+    /// Whether the other side has closed the connection.
     pub(crate) fn is_over(&mut self) -> bool {
         let _ = self.stream.set_nonblocking(true);
         let read = self.stream.read(&mut [0; 4096]);
@@ -130,7 +129,7 @@ impl Wire {
         }
     }
 
-    /// Reads what comes on a thread of its own, and looks at none of it, until the connection ends.
+    /// Reads and discards everything on a separate thread, until the connection ends.
     pub(crate) fn read_idly(&self) -> io::Result<()> {
         let mut stream = self.stream.try_clone()?;
         spawn(move || {
@@ -149,7 +148,7 @@ impl Wire {
 
 impl Drop for Wire {
     fn drop(&mut self) {
-        // Whoever reads idly ends with it.
+        // The thread of `read_idly` ends with the connection.
         let _ = self.stream.shutdown(std::net::Shutdown::Both);
     }
 }

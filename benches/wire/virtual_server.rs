@@ -1,5 +1,5 @@
-//! The server of the virtual robot as far as a STOP is concerned, at a port of this machine: it greets each connection and tells what came
-//! over it, and when. Its robot meets nothing.
+//! The server of the virtual robot, reduced to what a STOP needs, on a local port. It greets each connection and
+//! reports the received messages with their times. Its robot never collides.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use crate::paced::Seen;
 
-/// Starts one; where it listens, and what it sees.
+/// Starts a server; returns its address and its events.
 pub(crate) fn listening() -> (String, Receiver<(Seen, Instant)>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("this machine has a free port");
     let place = listener.local_addr().expect("it is bound").to_string();
     let (say, seen) = channel();
     std::thread::spawn(move || {
-        // Its one client makes a new connection when it has ended the last.
+        // The only client opens a new connection after it has closed the last.
         for stream in listener.incoming().flatten() {
             let _ = serve(stream, &say);
         }
@@ -32,11 +32,11 @@ fn serve(mut stream: TcpStream, say: &Sender<(Seen, Instant)>) -> std::io::Resul
         if count == 0 {
             return Ok(());
         }
-        // A message comes in one piece.
+        // Each message arrives in one piece.
         for message in String::from_utf8_lossy(&bytes[..count]).split(';') {
             let seen = [("moveForward", Seen::Moves), ("alarm", Seen::Halt)];
             for (_, seen) in seen.into_iter().filter(|(name, _)| message.contains(name)) {
-                // Whoever no longer looks has seen enough.
+                // The receiver is gone when the benchmark has all its STOPs.
                 let _ = say.send((seen, heard));
             }
         }

@@ -1,20 +1,19 @@
-//! What holds for the body of every command, however it is written: it is a command, or a sentence that repeats little of it. Which
-//! notation that is, the targets say.
+//! Property of the body of every command: it parses as a command, or is refused with a sentence that quotes little of
+//! it. The fuzz targets choose the notation.
 
 use hallsweep_core::command::LuggageRef;
 use hallsweep_fuzz::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
 use hallsweep_fuzz::api::fields::{Body, Unread};
 
-/// The longest sentence about a body of any length.
+/// Longest refusal in bytes, for a body of any length.
 const SENTENCE: usize = 400;
 
-/// A way to write bodies.
+/// Notation in which bodies are written.
 pub(crate) trait Notation {
-    /// Reads one.
     fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread>;
 }
 
-/// Reads these bytes as the body of each command.
+/// Parses these bytes as the body of each command.
 pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, EpochBody>(bytes).map(EpochBody::epoch);
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));

@@ -1,5 +1,5 @@
-//! The bodies of all commands in CBOR: any bytes give a command, or a sentence that repeats little of them.
-//! What the core makes of a command is tested elsewhere.
+//! The bodies of all commands in CBOR: any bytes parse as a command, or are refused with a sentence that quotes
+//! little of them. Other tests check what the core does with a command.
 #![no_main]
 
 mod bodies;

@@ -1,9 +1,9 @@
-//! A CoAP endpoint, an application that answers in every way there is, at once or late, and two peers, one on this machine and one
-//! beyond it, that send anything at any time. Whatever they do: nothing breaks, every datagram that goes out is a message and not
-//! too long, an address that proved nothing gets at most three times what came from it, what is remembered stays bounded, and a STOP
-//! from this machine is handed over once, and once more after what it did was undone, whatever is wrong with it, and none from
-//! elsewhere (safety S1, S8).
-//! Whether the answers are the right ones is tested elsewhere.
+//! A CoAP endpoint, an application that answers in every possible way, at once or late, and two peers that send
+//! anything at any time: one on this machine, one remote. The properties: nothing panics; every datagram sent is a
+//! valid message of bounded length; an unproved address gets at most three times the bytes that it sent; the
+//! endpoint's state stays bounded; a STOP from this machine is handed over once, and once more after its effect was
+//! undone, whatever else is wrong with it; a STOP from elsewhere is never handed over (safety S1, S8).
+//! Other tests check whether the answers are right.
 #![no_main]
 
 use std::collections::HashMap;
@@ -16,21 +16,20 @@ use coap_endpoint::{Answer, Code, ETag, Endpoint, ExchangeId, Format, Request, R
 use coap_lite::{CoapOption, Packet};
 use libfuzzer_sys::fuzz_target;
 
-/// The peers: how many there are, and the one whose datagrams are counted.
+/// Number of peers, the remote peer, whose traffic is counted, and the local peer.
 const PEERS: usize = 2;
 const BEYOND: usize = 1;
 const HERE: usize = 0;
 
-/// The path that is STOP.
 const STOP: &str = "stop";
 
-/// The option by which a peer proves its address (RFC 9175).
+/// Option Echo, with which a peer proves its address (RFC 9175).
 const ECHO: u16 = 252;
 
-/// So many steps are taken at most, so that one input does not take long.
+/// Maximum number of steps, so that one input does not take long.
 const STEPS: usize = 512;
 
-/// Nothing that is due may be due again at once for ever: so often within one step is too often.
+/// Maximum number of timeouts handled within one step; more would mean an endless loop.
 const TURNS: usize = 100_000;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -40,7 +39,7 @@ fuzz_target!(|bytes: &[u8]| {
         let Some(after) = play.step(rest) else { break };
         rest = after;
     }
-    // Three hours later nobody is owed anything.
+    // After three hours, no message waits for an acknowledgement any more.
     play.pass(Duration::from_secs(3 * 3600));
     assert_eq!(play.endpoint.counts().reliable, 0, "whoever never answers is given up");
 });
@@ -50,20 +49,20 @@ struct Play {
     now: Duration,
     /// Requests that the application has not answered yet.
     waiting: Vec<ExchangeId>,
-    /// How the next requests are answered at once; `None`: not at once.
+    /// Kind of the answer that each new request gets at once; `None` if requests wait.
     at_once: Option<u8>,
-    /// What the application shows, counted.
+    /// Counter that stands for the state of the application.
     state: u8,
-    /// Bytes that came from beyond this machine and that went there, until it may have proved its address.
+    /// Bytes received from and sent to the remote peer, until it may have proved its address.
     received: usize,
     sent: usize,
     may_be_proved: bool,
-    /// The latest Echo that went to each peer.
+    /// Latest Echo value sent to each peer.
     echoes: [Vec<u8>; PEERS],
-    /// The STOPs that came from this machine since what they did was last undone, and when each first did.
+    /// STOPs from this machine since the last undoing, with the time when each was first received.
     stops: HashMap<Vec<u8>, Duration>,
     undone: u64,
-    /// How many were handed over.
+    /// Number of STOPs handed over to the application.
     pressed: usize,
 }
 
@@ -87,7 +86,7 @@ impl Play {
         }
     }
 
-    /// One step, and what follows it in the input; `None` at its end.
+    /// Executes one step; returns the rest of the input, or `None` at its end.
     fn step<'a>(&mut self, input: &'a [u8]) -> Option<&'a [u8]> {
         let [what, how, rest @ ..] = input else { return None };
         match what % 8 {
@@ -124,12 +123,13 @@ impl Play {
         self.settle();
         let pressed = self.pressed - before;
         assert!(pressed <= 1, "one press is one STOP");
-        // The path may be in what only a lenient reader finds; and what reads on in an answer is no press.
+        // A STOP may also be handed over from a path that only a lenient parser finds. A request for a later block of
+        // an answer is not a press.
         assert!(pressed == 1 || !is_press, "{datagram:?} must halt");
         assert!(pressed == 0 || may_stop(peer, datagram), "{datagram:?} must not halt");
     }
 
-    /// A peer sends back what it was asked to, with a request to observe.
+    /// A peer returns the Echo value that it received, in a request to observe.
     fn echo(&mut self, peer: usize) {
         let mut packet = Packet::new();
         packet.header.message_id = u16::from(self.state) << 8 | 0x55;
@@ -140,7 +140,7 @@ impl Play {
         self.receive(peer, &packet.to_bytes().expect("it is short"));
     }
 
-    /// Time goes on, and whatever falls due meanwhile is done when it is due.
+    /// Advances the time and handles each timeout when it is due.
     fn pass(&mut self, time: Duration) {
         let until = self.now + time;
         for turn in 0.. {
@@ -154,7 +154,7 @@ impl Play {
         self.now = until;
     }
 
-    /// What STOPs did is undone: each is another one when it comes again.
+    /// Undoes the effect of all STOPs, so that each of them counts as new when it comes again.
     fn undo(&mut self) {
         self.undone += 1;
         self.endpoint.handle_undone(self.undone);
@@ -168,17 +168,17 @@ impl Play {
         }
     }
 
-    /// The state changes, and observers see it in another way than before.
+    /// Changes the state, and with it the way in which observers are notified.
     fn change(&mut self, how: u8) {
         self.state = self.state.wrapping_add(1);
         for (subject, _) in self.endpoint.subjects() {
             self.endpoint.handle_change(subject, answer(how, self.state).observed, self.now);
         }
-        // Between the change and what follows from it anything may be asked of it.
+        // The endpoint may be polled between a change and its notifications.
         let _ = self.endpoint.poll_timeout();
     }
 
-    /// Answers what is to be answered at once, and looks at everything that goes out.
+    /// Answers the requests that are to be answered at once, and checks every datagram sent.
     fn settle(&mut self) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             self.pressed += usize::from(is_urgent(&request));
@@ -208,7 +208,7 @@ impl Play {
         }
     }
 
-    /// Tables that grow with the requests are bounded by `STEPS` here; the others by what the limits say of two peers.
+    /// `STEPS` bounds the tables that grow with the requests; the limits for two peers bound the others.
     fn check_bounds(&self) {
         let counts = self.endpoint.counts();
         assert!(counts.open <= STEPS && counts.exchanges <= STEPS, "{counts:?}");
@@ -218,12 +218,12 @@ impl Play {
     }
 }
 
-/// What the application takes for a STOP.
+/// Whether the application treats a request as a STOP.
 fn is_urgent(request: &Request) -> bool {
     request.path == [STOP] && request.peer == address(HERE) && !request.method.is_safe()
 }
 
-/// Whether a datagram that the codec can read names it, and does not read on in an answer.
+/// Whether the codec can parse the datagram as a STOP that does not continue a block-wise answer.
 fn names_stop(datagram: &[u8]) -> bool {
     let Ok(packet) = Packet::from_bytes(datagram) else { return false };
     let path = packet.get_option(CoapOption::UriPath);
@@ -231,14 +231,14 @@ fn names_stop(datagram: &[u8]) -> bool {
     is_named && packet.get_option(CoapOption::Block2).is_none() && may_stop(HERE, datagram)
 }
 
-/// Whether a datagram may halt at all.
+/// Whether a datagram may cause a STOP at all.
 fn may_stop(peer: usize, datagram: &[u8]) -> bool {
     let [first, code, ..] = datagram else { return false };
     let is_request = first >> 6 == 1 && first >> 4 & 3 <= 1 && *code < 32;
     peer == HERE && is_request && *code != 1 && *code != 5
 }
 
-/// The next datagram: as long as the next bytes say, or as what is left.
+/// Takes the next datagram from the input; its length is in the next bytes, limited to the rest.
 fn datagram(high: u8, rest: &[u8]) -> Option<(&[u8], &[u8])> {
     let (low, rest) = rest.split_first()?;
     let length = (usize::from(high % 8) << 8 | usize::from(*low)).min(rest.len());
@@ -249,7 +249,7 @@ fn address(peer: usize) -> SocketAddr {
     SocketAddr::from(if peer == BEYOND { ([192, 0, 2, 7], 5683) } else { ([127, 0, 0, 1], 40_000) })
 }
 
-/// An answer of one of eight kinds.
+/// Answer of one of eight kinds.
 fn answer(how: u8, state: u8) -> Answer {
     let body = |length: usize| vec![state; length];
     let tagged = |length| Response { tag: ETag::new(&[b't', state]), ..Response::content(Format::JSON, body(length)) };

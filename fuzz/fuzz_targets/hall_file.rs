@@ -1,5 +1,6 @@
-//! Hall files and MovingAI maps: any text gives a hall in which a robot can stand, or a sentence for its author.
-//! How a file is found and read from disk is not fuzzed here.
+//! Hall files and MovingAI maps: any text parses as a hall in which a robot can stand, or is refused with a sentence
+//! for its author.
+//! Finding and reading files is not fuzzed here.
 #![no_main]
 
 mod halls;

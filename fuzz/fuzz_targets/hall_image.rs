@@ -1,4 +1,5 @@
-//! Images of halls, PGM and PNG: any bytes give a hall, or a sentence for their author, with pixels larger and smaller than a cell.
+//! Images of halls in PGM and PNG, with pixels larger and smaller than a cell: any bytes parse as a hall, or are
+//! refused with a sentence for their author.
 #![no_main]
 
 mod halls;

@@ -1,4 +1,4 @@
-//! Halls as the text of old clients: any text gives a hall, or a sentence for its author.
+//! Halls in the text format of old clients: any text parses as a hall, or is refused with a sentence for its author.
 #![no_main]
 
 mod halls;

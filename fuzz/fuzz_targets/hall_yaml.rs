@@ -1,4 +1,4 @@
-//! What a YAML file says of an image: any text gives a hall, or a sentence for its author.
+//! YAML files that describe an image: any text gives a hall, or is refused with a sentence for its author.
 #![no_main]
 
 mod halls;
@@ -6,7 +6,7 @@ mod halls;
 use hallsweep_fuzz::sim::Hall;
 use libfuzzer_sys::fuzz_target;
 
-/// Free, luggage as our own files have it, unknown, occupied.
+/// Pixels for free, luggage as in our own files, unknown, and occupied.
 const IMAGE: &[u8] = b"P5\n4 2\n255\n\xfe\x32\xcd\x00\xfe\xfe\xfe\xfe";
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,15 +1,17 @@
-//! What the targets that read halls have in common: any file gives a hall in which a robot can stand, or a sentence for its author.
+//! Common part of the targets that read halls: any file parses as a hall in which a robot can stand, or is refused
+//! with a sentence for its author.
 
 use hallsweep_fuzz::core::units::Cell;
 use hallsweep_fuzz::sim::{Export, Format, Hall, HallError, Truth};
 
-/// The longest sentence: it repeats a line of the file at most, never the file.
+/// Longest refusal in bytes; it quotes at most a line of the file.
 const SENTENCE: usize = 8192;
 
-/// Larger halls are parsed, but neither walked nor written again: that takes longer than it tells.
+/// Largest hall, in cells, that is also searched and written again; larger halls are only parsed, because more would
+/// take too long.
 const WALKED: i64 = 128 * 128;
 
-/// Looks at what became of a file; `files` are those that a sentence may be about.
+/// Checks the result of reading a file; `files` are the names that a refusal may begin with.
 pub fn check(files: &[&str], read: Result<Hall, HallError>) {
     match read {
         Ok(hall) => sound(hall),

@@ -1,6 +1,6 @@
-//! Bytes of an HTTP client: however they are cut, the same is heard; and as far as hyper takes them for requests, both see the same
-//! methods and targets in the same order, so that what is heard is neither a piece of a body nor a request too few. The first byte
-//! says how the rest is cut.
+//! Requests that the scanner finds in the bytes of an HTTP client: the result does not depend on how the bytes are
+//! cut. Where hyper accepts the bytes, both find the same methods and targets in the same order, so the scanner
+//! neither takes a piece of a body for a request nor misses a request. The first byte sets the length of the pieces.
 #![no_main]
 
 use std::cell::RefCell;
@@ -18,7 +18,7 @@ use std::pin::{Pin, pin};
 use std::task::{Context, Poll};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
-/// An answer without a body.
+/// Empty body of an answer.
 struct Nothing;
 
 impl Body for Nothing {
@@ -34,7 +34,7 @@ impl Body for Nothing {
     }
 }
 
-/// Method and target of each request that hyper takes and reads to its end, and of the one after them whose end it does not find.
+/// Method and target of each request that hyper accepts. The last one may have a body whose end hyper does not find.
 async fn taken(bytes: &[u8]) -> Vec<(String, String)> {
     let (mut client, server) = tokio::io::duplex(bytes.len() + 1);
     let requests = Rc::new(RefCell::new(Vec::new()));
@@ -54,7 +54,7 @@ async fn taken(bytes: &[u8]) -> Vec<(String, String)> {
     let mut http = http1::Builder::new();
     let connection = http.half_close(true).auto_date_header(false).serve_connection(TokioIo::new(server), service);
     let mut answers = Vec::new();
-    // How a connection ends is not asked here.
+    // The result of the connection itself does not matter here.
     let _ = tokio::join!(connection, client.read_to_end(&mut answers));
     requests.take()
 }

@@ -1,5 +1,6 @@
-//! The reader of the journal: any bytes give an entry or a sentence; what was read is printed so that it is read again as the
-//! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
+//! The parser of the journal: any bytes parse as an entry, or are refused with a sentence. An entry that was parsed,
+//! printed and parsed again is the same. No entry, however odd, prevents the program from computing the state or from
+//! resuming.
 #![no_main]
 
 use hallsweep_core::state::PersistentState;
@@ -10,7 +11,7 @@ use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_fuzz::core::units::{Now, Seq};
 use libfuzzer_sys::fuzz_target;
 
-/// The store numbers entries by SQLite's integers, which end here.
+/// Largest integer of SQLite, with which the store numbers entries.
 const LAST: Seq = Seq(i64::MAX as u64);
 
 fuzz_target!(|bytes: &[u8]| {
@@ -18,7 +19,7 @@ fuzz_target!(|bytes: &[u8]| {
     same(text, read_record, record);
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
     if let Ok(read) = read_line(text.as_bytes()) {
-        // Sentences are not as exact as what they are made of.
+        // Sentences lose some precision, so the printed lines are compared instead of the entries.
         let printed = line(&read);
         assert_eq!(read_line(printed.as_bytes()).map(|again| line(&again)), Ok(printed.clone()), "{printed}");
         let Line { entry, seq, .. } = read;
@@ -29,7 +30,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Reads; if it can be read, prints and reads again.
+/// Parses a text; if that succeeds, prints and parses it again and compares the results.
 fn same<T: PartialEq + std::fmt::Debug>(
     text: &str,
     read: impl Fn(&str) -> Result<T, Unparsed>,

@@ -1,5 +1,5 @@
-//! The line protocol: whatever comes over the wire, cut anywhere, both ends go on, keep within their bounds, and read back what they say
-//! themselves; and an order is answered once at most.
+//! The line protocol: with any bytes on the wire, cut anywhere, both ends continue and stay within their bounds, they
+//! parse what they send themselves, and an order is answered at most once.
 #![no_main]
 
 use std::time::Duration;
@@ -21,8 +21,8 @@ fuzz_target!(|bytes: &[u8]| {
     to_the_robot(bytes, cut);
 });
 
-/// Every good line says something that is written as it is read, or nothing. Bytes without a check are given one, so that the words are
-/// reached too.
+/// Every valid line parses as a message that is printed and parsed as the same, or as none. A checksum is added to
+/// each line, so that the parser of messages is reached too.
 fn read_back(bytes: &[u8]) {
     let mut reader = LineReader::default();
     let lines = bytes.split(|byte| *byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());

@@ -1,6 +1,6 @@
-//! A connection with a client that sends anything, in pieces of any size, takes what comes when it likes, and comes back now and then.
-//! Whatever it does: nothing breaks, what it gets are whole packets, what it is to acknowledge is bounded, and what others get of it are
-//! messages on topics that are some. Whether what reaches the client is right is tested elsewhere.
+//! A connection with a client that sends anything in pieces of any size, reads at any time, and reconnects at times.
+//! The properties: nothing panics; the client gets whole packets; the number of packets it must acknowledge is
+//! bounded; other clients get messages on valid topics. Other tests check whether the client gets the right messages.
 #![no_main]
 
 use std::sync::Arc;
@@ -26,7 +26,7 @@ fuzz_target!(|bytes: &[u8]| {
     play.end(Ended::Gone);
 });
 
-/// Hears everything, and forbids what begins with an `f`.
+/// Accepts every command, except that a payload beginning with `f` is forbidden and one beginning with `s` is urgent.
 struct TestListener;
 
 impl Listener for TestListener {
@@ -44,8 +44,8 @@ impl Listener for TestListener {
     }
 }
 
-/// As a robot's topics may be: commands on `h/d/command`, on names below it, and on those below `q`; the rest of `h/d` is the program's
-/// own.
+/// Rights like those on a robot's topics: commands on `h/d/command` and on the names below it and below `q`; only the
+/// program publishes on the rest of `h/d`.
 #[derive(Debug)]
 struct TestRights;
 
@@ -69,13 +69,13 @@ struct Play {
     connection: ClientConnection,
     broker: Arc<Broker>,
     tier: Tier,
-    /// How the client comes, each time.
+    /// CONNECT that the client sends each time.
     connect: Connect,
-    /// Reads everything, and takes it at once.
+    /// Another client that subscribes to all topics and reads at once.
     reader: ClientConnection,
     now: Duration,
     from_client: BytesMut,
-    /// Of what comes for the client, what was taken and is not a whole packet yet.
+    /// Bytes that the client has read and that are not a whole packet yet.
     taken: BytesMut,
     ended: Option<Ended>,
 }
@@ -107,7 +107,7 @@ impl Play {
         }
     }
 
-    /// One step, and what follows it in the input; `None` at its end.
+    /// Executes one step; returns the rest of the input, or `None` at its end.
     fn step<'a>(&mut self, input: &'a [u8]) -> Option<&'a [u8]> {
         let [what, how, rest @ ..] = input else { return None };
         let mut rest = rest;
@@ -137,7 +137,7 @@ impl Play {
         assert!(self.ended.is_some() || self.from_client.len() < 16 * CLIENT_PACKET, "what is there whole is taken");
     }
 
-    /// The connection breaks, and the client comes again.
+    /// Breaks the connection and reconnects the client.
     fn come_back(&mut self) {
         let new = |session| ClientConnection::new(terms(self.tier, self.connect.clone(), session), Arc::clone(&self.broker), self.now);
         let mut gone = std::mem::replace(&mut self.connection, new(Session::default()));
@@ -149,7 +149,7 @@ impl Play {
         self.taken.clear();
     }
 
-    /// Time goes on, and the client takes some of what is for it.
+    /// Advances the time; the client reads a part of the bytes sent to it.
     fn pass(&mut self, how: u8) {
         self.now += Duration::from_secs(u64::from(how));
         self.ended = self.connection.handle_timeout(self.now).err();
@@ -171,7 +171,7 @@ impl Play {
         drop(self.connection.into_session());
     }
 
-    /// Looks at everything that others get.
+    /// Checks everything that the other client gets.
     fn look(&mut self) {
         assert!(self.connection.to_client().len() < ANSWER_ROOM + 16 * CLIENT_PACKET);
         self.reader.handle_come(self.now);

@@ -1,5 +1,6 @@
-//! Messages of the original system: any bytes are a message that is printed and read again as the same, or a short sentence says
-//! why not; and what is asked for by them, too, is a command, nothing or a sentence. What the core makes of it is tested elsewhere.
+//! Messages of the original system: any bytes parse as a message that is printed and parsed as the same, or are
+//! refused with a short sentence. The request in a message is a command, nothing, or a refusal. Other tests check
+//! what the core does with it.
 #![no_main]
 
 use hallsweep_fuzz::core::command::Command;
@@ -7,7 +8,7 @@ use hallsweep_fuzz::doors::mqtt::qak::incoming::{QakRequest, asked, is_stop};
 use hallsweep_fuzz::doors::mqtt::qak::message::Message;
 use libfuzzer_sys::fuzz_target;
 
-/// The longest sentence, in bytes: it repeats little of the message.
+/// Longest refusal in bytes; it quotes little of the message.
 const SENTENCE: usize = 1024;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,4 +1,5 @@
-//! Scene files of the virtual robot's page: any bytes give a scene of which a hall is made, or a sentence with a line.
+//! Scene files of the virtual robot's page: any bytes parse as a scene that makes a hall, or are refused with a
+//! sentence and a line.
 #![no_main]
 
 mod halls;

@@ -1,5 +1,6 @@
-//! Files of behaviour trees: any text is refused with a place and a sentence, or is written back as the same document; and whatever
-//! can be built can be ticked, halted, and gone on with from its written state, with leaves that say all there is to say.
+//! Files of behaviour trees: any text is refused with a place and a sentence, or is printed as the same document. A
+//! tree that can be built can be ticked and halted, and resumed from its printed state, with leaves that return every
+//! status.
 #![no_main]
 
 use std::time::Duration;
@@ -7,7 +8,7 @@ use std::time::Duration;
 use hallsweep_fuzz::behaviour_trees::{Blackboard, Catalogue, Document, Findings, Mocks, Status, Tree, TreeError, TreeState, xml};
 use libfuzzer_sys::fuzz_target;
 
-/// The longest sentence: it repeats a few words of the file, never the file. The longest attribute is as long as the input.
+/// Longest refusal in bytes. It quotes a few words of the file, but a quoted attribute can be as long as the input.
 const SENTENCE: usize = 64 * 1024;
 
 fuzz_target!(|bytes: &[u8]| {

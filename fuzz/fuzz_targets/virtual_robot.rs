@@ -1,5 +1,6 @@
-//! The virtual robot in both dialects: whatever its server says, cut anywhere, with orders, halts, lost and new connections and time between,
-//! an order is answered once at most, nothing begins after a halt, nothing grows, and what is to be remembered can be read back.
+//! The virtual robot in both dialects. With any messages of its server, cut anywhere, between orders, halts, lost and
+//! new connections and pauses: an order is answered at most once, nothing begins after a halt, nothing grows without
+//! bound, and the printed memory parses again.
 #![no_main]
 
 use std::collections::BTreeSet;
@@ -14,7 +15,7 @@ use libfuzzer_sys::fuzz_target;
 
 const STEP: Duration = Duration::from_millis(330);
 
-/// What its servers say, so that not every message is to be found letter by letter.
+/// Typical messages of its servers, so that the fuzzer need not find every message letter by letter.
 const SAID: [&str; 15] = [
     r#";{"type":"webpage-ready","arg":{}};"#,
     r#";{"type":"collision","arg":{"objectName":"wallDown"}};"#,
@@ -70,7 +71,7 @@ struct Run {
     memory: String,
     now: Now,
     is_connected: bool,
-    /// Whether it was halted and was given no order since.
+    /// Whether the robot was halted and got no order since.
     is_halted: bool,
     given: u64,
     open: BTreeSet<OrderId>,
@@ -95,7 +96,7 @@ impl Run {
         }
     }
 
-    /// One thing happens; what is left of the bytes.
+    /// Executes one event; returns the rest of the input.
     fn happens<'b>(&mut self, what: u8, how: u8, after: &'b [u8]) -> &'b [u8] {
         match what % 10 {
             0 => self.connect(),
@@ -145,7 +146,7 @@ impl Run {
         self.driver.handle_order(Order { id, action, epoch: Epoch(0), deadline: Duration::from_secs(3) }, self.now);
     }
 
-    /// Lets so much time pass, and everything in it happen when it is due; some of it leads to more at once.
+    /// Advances the time and handles each event when it is due. An event may cause further events at the same time.
     fn pass(&mut self, time: Duration) {
         let (end, mut at_once) = (self.now.since_start + time, 0);
         while let Some(at) = self.driver.poll_timeout().filter(|at| *at <= end) {
@@ -164,7 +165,7 @@ impl Run {
         }
     }
 
-    /// Another program begins with what was written down.
+    /// Restarts the driver from its printed memory, as in another process.
     fn kill(&mut self) {
         self.driver = read_back(self.dialect, &self.memory);
         self.open.clear();

@@ -1,5 +1,5 @@
-// Everybody can use the pages: axe-core finds nothing against WCAG 2.2 AA, on every page and in every state, in both schemes of colours and
-// in both languages.
+// Accessibility of the pages: axe-core finds no fault against WCAG 2.2 AA on any page in any state, in both colour
+// schemes and both languages.
 
 import { readFileSync } from 'node:fs';
 import { appears, danger, look, must, numberOf, phase, safe, start, stop } from './person.mjs';
@@ -8,7 +8,7 @@ const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 const SCREENS = [[320, 640], [768, 1024], [1280, 800], [2560, 1440]];
 
-/** What axe finds in both languages. The page is looked at by somebody else in Italian, who sees the same state. */
+/** Violations that axe finds in both languages; the Italian page is another client in the same state. */
 async function check(page, where, found) {
   await checkOne(page, where, found);
   const context = await page.context().browser().newContext({ locale: 'it-IT' });
@@ -24,7 +24,7 @@ async function check(page, where, found) {
   await context.close();
 }
 
-/** What axe finds, on every screen and in both schemes. */
+/** Violations that axe finds, on every screen and in both colour schemes. */
 export async function checkOne(page, where, found) {
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });

@@ -1,19 +1,20 @@
-// What an operator must always be able to do: press STOP, be told the truth about it, and go on by keyboard from where he is.
+// What an operator must always be able to do: press STOP, see its true state, and continue by keyboard from the
+// current place.
 
 import { appears, button, danger, hits, look, must, numberOf, phase, safe, start, stop, until } from './person.mjs';
 
-/** Screens from the smallest on which one can zoom to a large one, upright and lying. */
+/** Screen sizes, portrait and landscape, from the smallest that can zoom to a large one. */
 const SCREENS = [[320, 568], [320, 256], [390, 844], [640, 360], [760, 900], [761, 600], [844, 390], [960, 540], [961, 700], [1024, 768], [1181, 640],
   [1280, 800], [1401, 900], [1920, 1080], [2560, 1440]];
 
-/** The pages there are while a piece waits. */
+/** Every page that exists while a piece waits. */
 const pages = (id) => ['/', '/missions', '/missions/1', '/missions/1?show=all', '/missions/1/moment', `/luggage/${id}`,
   `/api/v1/luggage/${id}/photo`, '/console/confirm/reset', `/console/confirm/danger/${id}`, '/api', '/missions/99', '/nowhere'];
 
 const stateOf = (url) => async () => (await fetch(`${url}/api/v1/state`)).json();
 const isHeld = (url) => async () => (await stateOf(url)()).mission.holds.includes('operator');
 
-/** A search that has come to a piece. */
+/** Starts a search and waits until it has found a piece; returns the id of the piece. */
 async function atAPiece(page, url, patience) {
   await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
   const state = stateOf(url);
@@ -29,7 +30,7 @@ async function onEveryScreen(page, where, extra = async () => {}) {
   }
 }
 
-/** On every page there is, on every screen, at any scroll. */
+/** STOP is reachable on every page, on every screen, at any scroll position. */
 export const reach = {
   tolerated: ['404'],
   async play({ page, url, picture, patience }) {
@@ -62,7 +63,7 @@ export const reach = {
     await picture('scrolled');
     await stop(page).click();
     await until(isHeld(url), 'a STOP from a page that is scrolled, with a question open', patience);
-    // Whoever pressed it sees that it holds, also where a piece that waits fills the screen.
+    // The operator sees "held by STOP" even where a waiting piece fills the screen.
     for (const [width, height] of [[320, 568], [390, 844], [844, 390]]) {
       await page.setViewportSize({ width, height });
       await page.evaluate(() => scrollTo(0, 0));
@@ -73,7 +74,7 @@ export const reach = {
   },
 };
 
-/** The same without scripts, where STOP is a plain form: on each page it halts. */
+/** Without scripts STOP is a plain form, which halts the robot from every page. */
 export const reachPlain = {
   browser: { javaScriptEnabled: false },
   tolerated: ['404'],
@@ -91,7 +92,9 @@ export const reachPlain = {
   },
 };
 
-/** Two fingers make a photo or a page larger than the screen: STOP stays on the part that is seen. On the hall they move closer in it. */
+/**
+ * Two fingers enlarge a photo or a page beyond the screen, and STOP stays on the visible part. On the map they zoom.
+ */
 export const magnified = {
   browser: { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
   async play({ page, url, picture, patience }) {
@@ -120,11 +123,14 @@ export const magnified = {
   },
 };
 
-/** What the browser itself says of a connection that is cut is no fault of the page. */
+/** Errors that the browser itself reports about a cut connection; they are no fault of the page. */
 const CUT = ['ERR_CONNECTION_REFUSED', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_CLOSED',
   'ERR_SOCKET_NOT_CONNECTED', 'ERR_FAILED'];
 
-/** A STOP whose connection is cut stays unconfirmed on the page however long that lasts, and is sent when the connection stands. */
+/**
+ * A STOP on a cut connection is shown as unconfirmed for as long as the cut lasts, and is sent when the connection
+ * works again.
+ */
 export const unconfirmed = {
   tolerated: [...CUT, '404', '503'],
   async play({ page, url, picture, patience, network }) {
@@ -172,7 +178,7 @@ export const unconfirmed = {
         await until(held, `on ${path} the STOP that was pressed while the connection was cut`, patience);
         await confirmed.waitFor();
         must(!(await warning.isVisible()), 'the warning outlived the confirmation');
-        // What follows is the person's: a STOP that is confirmed is not sent again.
+        // A confirmed STOP must not be sent again, because the operator may have pressed START since.
         const sent = tries;
         await go();
         await page.clock.fastForward(60_000);
@@ -180,7 +186,7 @@ export const unconfirmed = {
       }
     }
 
-    // A page that is loaded anew in between goes on with it.
+    // A page that is reloaded before the confirmation keeps trying to send the STOP.
     await page.goto(`${net.url}/`);
     await net.cut();
     await stop(page).click();
@@ -188,12 +194,13 @@ export const unconfirmed = {
     await page.reload().catch(() => {});
     must(!(await held()), 'a STOP got through a connection that is cut');
     await net.mend();
-    // The browser may still be at its own page about the cut connection.
+    // The browser may still show its own error page about the cut connection.
     await until(() => page.goto(`${net.url}/`).then(() => true, () => false), 'the page again', patience);
     await until(held, 'after a reload the STOP that was not confirmed', patience);
     await confirmed.waitFor();
 
-    // A second press is not confirmed by what was on its way before it: somebody may have pressed START between the two.
+    // An answer to an earlier attempt does not confirm a second press, because somebody may have pressed START
+    // between the two.
     await page.goto(`${url}/missions`);
     let answer;
     const second = new Promise((done) => (answer = done));
@@ -214,7 +221,7 @@ export const unconfirmed = {
     await confirmed.waitFor();
     await page.unroute('**/console/stop');
 
-    // However often it is pressed, a browser's few connections are not all taken by it.
+    // Many presses must not use up the few connections that a browser opens.
     const atOnce = await page.evaluate(() => {
       const real = globalThis.fetch;
       let tries = 0;
@@ -229,7 +236,7 @@ export const unconfirmed = {
     must(atOnce > 0 && atOnce < 6, `nine presses made ${atOnce} attempts at once`);
     await until(() => page.evaluate(() => sessionStorage.length === 0), 'all nine confirmed', patience);
 
-    // An answer that confirms nothing is none.
+    // An answer other than acceptance confirms nothing.
     await page.goto(`${url}/missions`);
     const answers = [{ status: 503, json: { detail: 'it is ending' } }, { json: { accepted: false, detail: 'not now' } }];
     const names = [];
@@ -248,14 +255,15 @@ export const unconfirmed = {
     const order = [await said('it is ending'), await said('not now'), await said('STOP is confirmed')];
     must(order[0] >= 0 && order[0] < order[1] && order[1] < order[2], `what was said of STOP came as ${order}`);
 
-    // All attempts of a press have one name, by which they are one entry on record, and another press has another.
+    // All attempts of a press have the same idempotency key and become one entry in the record; another press has
+    // another key.
     await stop(page).click();
     await until(() => names.length > 3, 'another press', patience);
     const [name, again, last, other] = names;
     must(name && name === again && name === last && name !== other, `the attempts were called ${names}`);
     await until(() => page.evaluate(() => sessionStorage.length === 0), 'the other press confirmed', patience);
 
-    // A page that is loaded anew before it is confirmed goes on with the same press.
+    // A page that is reloaded before the confirmation sends the same press.
     answers.push(...Array(99).fill({ status: 503, json: { detail: 'not yet' } }));
     names.length = 0;
     await stop(page).click();
@@ -266,7 +274,8 @@ export const unconfirmed = {
     must(names.length > 1 && new Set(names).size === 1, `the attempts before and after were called ${names}`);
     await page.unroute('**/console/stop');
 
-    // It does not wait for its turn when the connection is seen to stand: here no turn ever comes.
+    // STOP is sent as soon as the connection works again, without waiting for the next attempt. Here the timer of the
+    // next attempt never fires.
     await go();
     await page.addInitScript(() => {
       const real = globalThis.setTimeout;
@@ -284,8 +293,9 @@ export const unconfirmed = {
 };
 
 /**
- * The robot is drawn at its cell before the next update comes; it was 2 to 6 cells behind. Told by the browser's own time, that of the
- * frames it draws: an update that comes before a glide has had half of its time to be drawn, on a machine without time, says nothing.
+ * The robot is drawn at its cell before the next update comes; once it was 2 to 6 cells behind. The time is that of
+ * the frames that the browser draws. An update that comes before a glide has had half of its time is ignored, because
+ * on a slow machine it proves nothing.
  */
 export const drawn = {
   async play({ page, url, patience }) {
@@ -324,7 +334,7 @@ export const drawn = {
   },
 };
 
-/** What is cut in the bar, or lies over something else there. */
+/** Texts of the bar that are cut off or overlap something else. */
 const faultsOfBar = () => {
   const top = document.getElementById('top');
   const edge = top.getBoundingClientRect();
@@ -351,7 +361,10 @@ const faultsOfBar = () => {
   return texts.length > 5 ? [...new Set(wrong)] : [`only ${texts.length} texts`];
 };
 
-/** In the bar nothing is cut and nothing lies over anything else: in each language, at each width, whatever there is to say, and for a viewer. */
+/**
+ * In the bar no text is cut off or overlaps another: in each language, at each width, with any message, and for a
+ * viewer.
+ */
 export const barWhole = {
   async play({ page, url, picture, patience }) {
     const { OPERATOR, VIEWER } = process.env;
@@ -391,14 +404,14 @@ export const barWhole = {
   },
 };
 
-/** A mission by keyboard alone: the keyboard is where the next act is, or a few steps from it. */
+/** A mission by keyboard alone: the focus is on the next action or a few steps from it. */
 export const keyboard = {
   async play({ page, url, picture, patience }) {
     const here = () => page.evaluate(() => {
       const { innerText, tagName } = document.activeElement;
       return tagName === 'BODY' ? tagName : innerText || tagName;
     });
-    /** On STOP, or on the photo of a piece that has come up by then; not on what was answered. */
+    /** Waits until the focus is on STOP or on the photo of a new piece, not on the piece that was answered. */
     const isOnNext = async (answered, when) => {
       const next = () => page.evaluate(() => {
         const here = document.activeElement.closest('#stop, #inspect a.photo');
@@ -411,7 +424,7 @@ export const keyboard = {
       const end = Date.now() + patience;
       while (!pattern.test(await here())) must(Date.now() < end, `${when} the keyboard is on ${JSON.stringify(await here())}`);
     };
-    /** Presses Tab until this has the keyboard, at most so often. */
+    /** Presses Tab until the matching element has the focus, at most `most` times. */
     const tabTo = async (pattern, most) => {
       for (let steps = 0; !pattern.test(await here()); steps += 1) {
         must(steps < most, `${most} steps do not lead to ${pattern}, but to ${JSON.stringify(await here())}`);
@@ -443,10 +456,10 @@ export const keyboard = {
     await tabTo(/Yes: DANGER/, 1);
     await look(page);
     await page.keyboard.press('Enter');
-    // Where the robot is home by then, RETRIEVE is the next act.
+    // RETRIEVE gets the focus if the robot is already home.
     await isOn(/^STOP|^RETRIEVE/, 'after DANGER');
     await page.locator('#stop-button').focus();
-    // A key that is held down presses once, wherever it stops.
+    // A key that is held down presses once, whichever element has the focus.
     for (const key of ['Enter', 'Escape']) {
       let presses = 0;
       const count = (request) => (presses += request.url().endsWith('/console/stop') ? 1 : 0);
@@ -454,7 +467,7 @@ export const keyboard = {
       const answered = page.waitForResponse((response) => response.url().endsWith('/console/stop'));
       for (let times = 0; times < 4; times += 1) await page.keyboard.down(key);
       await page.keyboard.up(key);
-      // Until the page has read the answer: a press before that would try once more.
+      // Waits until the page has read the answer, because an earlier press would cause another attempt.
       await (await answered).finished();
       await page.evaluate(() => fetch('/healthz').then((answer) => answer.text()));
       must(presses === 1, `${key} was held down and pressed STOP ${presses} times`);

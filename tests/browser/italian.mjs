@@ -1,13 +1,14 @@
-// A whole mission in Italian, by keys. On every page that is come to no phrase of the English files is left, as far as these have no values in them
-// and are no mere words; the other rules of phrases hold elsewhere. The switch leads to English and back.
+// A whole mission in Italian, by keyboard. No visited page contains a phrase of the English files; phrases with
+// values in them and phrases shorter than `SHORTEST` are not searched for. The language switch works in both
+// directions. Other rules for phrases are tested elsewhere.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { appears, button, look, must, numberOf, phase, stop } from './person.mjs';
 
 const FOLDER = new URL('../../src/phrases/', import.meta.url);
-const SHORTEST = 12; // shorter phrases may be parts of words
+const SHORTEST = 12; // shorter phrases could be parts of other words
 
-/** The phrases of a language, by their ids, where they are one line without values. */
+/** Phrases of a language by id; only those of one line without values. */
 function phrases(language) {
   const folder = new URL(`${language}/`, FOLDER);
   const lines = readdirSync(folder).flatMap((file) => readFileSync(new URL(file, folder), 'utf8').split('\n'));
@@ -18,7 +19,7 @@ const [inEnglish, inItalian] = ['en', 'it'].map(phrases);
 const known = [...inItalian.values()].join('\n');
 const foreign = [...inEnglish].filter(([id, said]) => said.length >= SHORTEST && inItalian.get(id) !== said && !known.includes(said)).map(([, said]) => said);
 
-/** Everything on the page that is read or heard. */
+/** All text of the page that is shown or read aloud. */
 const words = (page) => page.evaluate(() => {
   const attributes = ['title', 'aria-label', 'alt', 'placeholder'].flatMap((name) => [...document.querySelectorAll(`[${name}]`)].map((one) => one.getAttribute(name)));
   return [document.title, document.body.textContent, ...attributes].join('\n').replace(/\s+/g, ' ');
@@ -60,7 +61,7 @@ export const italian = {
     if (await start.isEnabled()) await start.click();
     await appears(page, danger(page), { patience });
     await look(page);
-    // The key of a verdict is a letter of the language.
+    // The key of a verdict is the first letter of its word in the chosen language.
     await page.keyboard.press('d');
     must(!(await page.getByRole('dialog').isVisible()), 'D is no key here');
     await page.keyboard.press('p');
@@ -74,7 +75,7 @@ export const italian = {
     await button(page, /Conferma/).first().click();
     await page.getByText('confermato da').first().waitFor();
 
-    // What is refused is refused in Italian, at the button.
+    // A refusal at the button is in Italian.
     const refused = await page.evaluate(async () => {
       const headers = { accept: 'application/json', 'content-type': 'application/x-www-form-urlencoded' };
       const answers = await Promise.all([['safe', 'id=99'], ['move', 'move=w']].map(async ([act, body]) =>

@@ -1,16 +1,15 @@
-// A person in the laboratory: watches the Roomba and the pair with its parcels, stops the time, drags it, asks for other runs; on a phone
-// and without scripts, too.
+// A person in the laboratory: watches the Roomba and the pair with its parcels, stops the time, drags it, and
+// requests other runs, also on a phone and without scripts.
 
 import { button, fits, must, stop, until } from './person.mjs';
 
-/** The two panels of the page. */
 const roomba = (page) => page.locator('#roomba');
 const pallet = (page) => page.locator('#pallet');
 
-/** Seconds that a panel's player shows. */
+/** Seconds that the player of a panel shows. */
 const clock = async (panel) => parseFloat(await panel.locator('.player output').innerText());
 
-/** How many dots of a picture are drawn on. */
+/** Number of pixels of a picture that are drawn on. */
 const drawn = (panel, controller) => panel.locator(`figure[data-controller=${controller}] canvas`).evaluate((canvas) => {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   let count = 0;
@@ -96,10 +95,10 @@ export const laboratoryCalm = {
   },
 };
 
-/** The picture of the yard, dot by dot. */
+/** Picture of the yard as a data URL. */
 const yard = (panel) => panel.locator('canvas').evaluate((canvas) => canvas.toDataURL());
 
-/** How a node of the trees stands, by its name. */
+/** Node of a tree with this name, and its status. */
 const node = (panel, name) => panel.locator('.node').filter({ has: panel.page().locator(`b:text-is("${name}")`) }).first();
 const stands = async (panel, name) => (await node(panel, name).getAttribute('class')).replace('node ', '');
 

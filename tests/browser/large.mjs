@@ -1,10 +1,11 @@
-// Halls that are large: hundreds of pieces stay apart, a thousand cells a side are followed piece by piece, and two fingers lead closer.
+// Large halls: hundreds of pieces do not overlap, a hall of a thousand cells a side is updated in tiles, and two
+// fingers zoom in.
 
 import { fits, must, phase, start, stop, until } from './person.mjs';
 
 const SCREENS = [[320, 800], [390, 844], [844, 390], [768, 1024], [1280, 800], [2560, 1440]];
 
-/** Finds every piece safe that waits, until the hall is explored. */
+/** Gives the verdict safe to every piece until the hall is explored. */
 async function answer(url, patience) {
   const read = async (what) => (await fetch(`${url}/api/v1/${what}`)).json();
   for (let id = 1, end = Date.now() + 4 * patience; (await read('mission')).phase !== 'explored'; ) {
@@ -17,15 +18,15 @@ async function answer(url, patience) {
   return (await read('state')).luggage.length;
 }
 
-/** The marks of luggage that are drawn in the hall, as boxes on the screen, with how many pieces each stands for. */
+/** Screen boxes of the luggage marks in the hall, each with its number of pieces. */
 const marks = (page) => page.evaluate(() => [...document.querySelectorAll('#hall .piece')]
   .map((piece) => {
     const { left, top, right, bottom } = piece.querySelector('path, circle, rect, polygon').getBoundingClientRect();
     return { left, top, right, bottom, pieces: piece.dataset.piece ? 1 : Number(piece.querySelector('text').textContent) };
   })
-  .filter(({ left, right }) => right > left)); // what is not drawn has no size
+  .filter(({ left, right }) => right > left)); // a mark that is not drawn has no width
 
-/** None of them lies over another. */
+/** Fails if two marks overlap. */
 function mustBeApart(all, where) {
   must(all.length > 0, `${where}: no luggage is drawn`);
   const sorted = all.toSorted((a, b) => a.left - b.left);
@@ -78,7 +79,7 @@ export const warehouse = {
   },
 };
 
-/** What comes over the stream is as large as what changed, however large the hall is; and STOP is where it was. */
+/** The size of a message depends on the change and not on the size of the hall; STOP stays where it was. */
 export const thousand = {
   async play({ page, url, picture, patience }) {
     await page.addInitScript(() => {
@@ -111,7 +112,8 @@ export const thousand = {
     await page.reload();
     await until(async () => (await page.evaluate(() => globalThis.heard.length)) > 0, 'the whole', patience);
     const whole = await page.content().then((page) => page.length);
-    // The first holds all that stands. At this pace a change is hundreds of cells, and a tile of them is sent whole.
+    // The first message contains the whole state. At this speed a change covers hundreds of cells, and each changed
+    // tile is sent whole.
     const most = heard.slice(1).toSorted((a, b) => a - b)[Math.floor((heard.length - 1) * .95)];
     must(most < whole / 4, `of ${heard.length} changes one in twenty has more than ${most} characters, and the whole page has ${whole}`);
     console.log(`of ${heard.length} changes 19 in 20 have at most ${most} characters; the page has ${whole}`);
@@ -122,7 +124,7 @@ export const thousand = {
   },
 };
 
-/** Two fingers lead closer and back, about what lies between them; one moves the hall, and none of that sends the robot anywhere. */
+/** Two fingers zoom about the point between them, and one finger moves the map; neither sends the robot anywhere. */
 export const pinched = {
   browser: { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
   async play({ page, url, picture }) {
@@ -134,7 +136,7 @@ export const pinched = {
     const fingers = (type, ...places) => touch.send('Input.dispatchTouchEvent',
       { type, touchPoints: places.map(([dx, dy], id) => ({ x: x + dx, y: y + dy, id })) });
     const view = async () => (await hall.getAttribute('viewBox')).split(' ').map(Number);
-    /** Where the point between the fingers lies in the picture. */
+    /** Map coordinates of the point between the fingers. */
     const between = () => page.evaluate(([x, y]) => {
       const { x: column, y: row } = new DOMPoint(x, y).matrixTransform(document.getElementById('hall').getScreenCTM().inverse());
       return [column, row];

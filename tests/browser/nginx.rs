@@ -1,4 +1,5 @@
-//! A proxy before the program, under a prefix and nowhere else: nginx, with what the documentation tells people to write.
+//! nginx as a proxy before the program, which it serves only under a prefix, with the configuration of the
+//! documentation.
 
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -9,14 +10,13 @@ use std::thread::sleep;
 use crate::program::{Deadline, PATIENCE};
 use crate::{Data, GLANCE};
 
-/// Where Debian puts it.
+/// Path of Debian's package.
 pub(crate) const NGINX: &str = "/usr/sbin/nginx";
 
-/// Under which prefix the program is reached, and as which address the documentation names it.
+/// Prefix under which the program is served, and its address in the documentation.
 const PREFIX: &str = "/hall";
 const DOCUMENTED: &str = "http://127.0.0.1:8080/";
 
-/// A running proxy.
 pub(crate) struct Nginx {
     child: Child,
     port: u16,
@@ -25,7 +25,7 @@ pub(crate) struct Nginx {
 }
 
 impl Nginx {
-    /// Starts one before the program at this address.
+    /// Starts a proxy before the program at this address.
     pub(crate) fn before(program: &str, scenario: &str) -> Nginx {
         let data = Data::new(&format!("nginx-{scenario}"));
         let folder = PathBuf::from(&data.0);
@@ -60,12 +60,12 @@ impl Nginx {
         (Ipv4Addr::LOCALHOST, self.port).into()
     }
 
-    /// Where the program is reached through it.
+    /// Address of the program through the proxy.
     pub(crate) fn url(&self) -> String {
         format!("http://{}{PREFIX}", self.address())
     }
 
-    /// Fails if MQTT over WebSocket does not get through.
+    /// Panics unless MQTT over WebSocket passes through the proxy.
     pub(crate) fn carries_mqtt(&self) {
         let mut stream = TcpStream::connect(self.address()).expect("it is there");
         stream.set_read_timeout(Some(PATIENCE)).expect("a socket has a patience");
@@ -80,7 +80,7 @@ impl Nginx {
         assert_eq!(String::from_utf8_lossy(&status), "HTTP/1.1 101");
     }
 
-    /// Fails if anybody asked for anything outside the prefix.
+    /// Panics if anything outside the prefix was requested.
     pub(crate) fn was_asked_within_its_prefix(&self) {
         let log = self.wrote("access.log");
         let asked: Vec<&str> = log.lines().filter_map(|line| Some(line.split_once(' ')?.1)).collect();
@@ -102,7 +102,7 @@ impl Drop for Nginx {
     }
 }
 
-/// What the documentation tells people to write for a prefix.
+/// Configuration for a prefix in the documentation.
 fn documented() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/access.md");
     let text = std::fs::read_to_string(path).expect("it is there");

@@ -1,4 +1,4 @@
-// How a person finds things, waits for them, and looks at them. What is done with them stands in the scenarios.
+// How a person finds elements, waits for them, and looks at them. The scenarios contain the actions.
 
 export const button = (page, name) => page.getByRole('button', { name });
 export const stop = (page) => button(page, /^STOP/);
@@ -7,15 +7,17 @@ export const home = (page) => button(page, /BACK HOME/);
 export const safe = (page) => button(page, /SAFE #\d+/).first();
 export const danger = (page) => button(page, /DANGER #\d+/).first();
 
-/** A person looks before pressing; the page counts on it, and ignores what comes sooner after another piece has come up. */
+/**
+ * Waits as long as a person who looks before pressing. The page ignores a press that comes sooner after a new piece.
+ */
 export const look = (page) => page.waitForTimeout(700);
 
-/** Fails with these words unless it is so. */
+/** Fails with these words unless the condition is true. */
 export function must(isSo, words) {
   if (!isSo) throw new Error(words);
 }
 
-/** Waits until the phase reads like this; pages without scripts are loaded again and again, as a person would. */
+/** Waits until the phase matches the pattern. Pages without scripts are reloaded repeatedly, as a person would do. */
 export async function phase(page, pattern, { patience, reload = false }) {
   const shown = page.locator('#phase, .phase').filter({ hasText: pattern });
   for (const end = Date.now() + patience; ; ) {
@@ -29,7 +31,7 @@ export async function phase(page, pattern, { patience, reload = false }) {
   }
 }
 
-/** Waits for a button in the same way. */
+/** Waits for an element in the same way as `phase`. */
 export async function appears(page, locator, { patience, reload = false }) {
   for (const end = Date.now() + patience; ; ) {
     try {
@@ -42,19 +44,19 @@ export async function appears(page, locator, { patience, reload = false }) {
   }
 }
 
-/** Waits until it is so. */
+/** Waits until the condition is true. */
 export async function until(isSo, words, patience) {
   for (const end = Date.now() + patience; !(await isSo()); await new Promise(setImmediate)) {
     must(Date.now() < end, `never seen: ${words}`);
   }
 }
 
-/** The number in a button's name. */
+/** Number of the piece in a button's name. */
 export async function numberOf(locator) {
   return Number(/#(\d+)/.exec(await locator.innerText())[1]);
 }
 
-/** The photo of the piece that waits is shown, large and whole. */
+/** Checks that the photo of this piece is loaded in full size. */
 export async function photoIsShown(page, id) {
   const photo = page.locator(`img[src*="/luggage/${id}/photo"]`).first();
   await photo.waitFor();
@@ -63,7 +65,7 @@ export async function photoIsShown(page, id) {
   must(width >= 640, `the photo is ${width} pixels wide`);
 }
 
-/** Wherever the page is scrolled to, STOP is on the screen, whole and large, and nothing lies over any part of it. */
+/** Checks that STOP is fully visible and large at any scroll position, and that nothing covers it. */
 export async function hits(page, where) {
   const wrong = await page.evaluate(() => {
     const button = document.querySelector('#stop button');
@@ -88,7 +90,7 @@ export async function hits(page, where) {
   must(wrong === '', `${where} at ${width}×${height}: ${wrong}`);
 }
 
-/** The page fits the screen, and STOP is on it, large enough to be hit. */
+/** Checks that the page fits the screen and contains STOP, large enough to be hit. */
 export async function fits(page) {
   const { wide, high, need } = await page.evaluate(() => (
     { wide: innerWidth, high: innerHeight, need: document.documentElement.scrollWidth }));

@@ -1,7 +1,8 @@
-// Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
-// The scenarios are in scenarios.mjs, that in Italian in italian.mjs, those of large halls in large.mjs, that of the report in report.mjs, those about STOP and the keyboard in always.mjs, those of the laboratory, of the retrieval, of
-// the line of time, of the moment of the verdict and of the simulator in laboratory.mjs, retrieval.mjs, time.mjs, verdicts.mjs and
-// simulator.mjs; here a browser is opened, watched for what no page may do, and closed.
+// Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 means that a person would have been
+// content. This file opens the browser, watches it for faults that no page may have, and closes it. The scenarios are
+// in the files beside it: scenarios.mjs, always.mjs (STOP and the keyboard), verdicts.mjs (the moment of the
+// verdict), time.mjs (the timeline), italian.mjs, laboratory.mjs, large.mjs (large halls), report.mjs,
+// retrieval.mjs and simulator.mjs.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
@@ -25,19 +26,19 @@ const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
 
-/** Asks the test that started us for something and waits until it is done. */
+/** Asks the test that started this script for an action, and waits until it is done. */
 async function please(what) {
   console.log(`please ${what} the program`);
   await lines.next();
 }
 
-/** What the program answers over CoAP, as `2.05 TEXT`; the test that started us asks for us. */
+/** Answer of the program over CoAP as `2.05 TEXT`; the test that started this script sends the request. */
 async function coap(request) {
   console.log(`over CoAP: ${request}`);
   return (await lines.next()).value;
 }
 
-/** Notes everything a page of ours must never do. */
+/** Records everything that a page must never do. */
 function watch(page, faults, tolerated, places) {
   page.on('pageerror', (error) => faults.push(`an error in the page: ${error}`));
   page.on('console', (message) => {
@@ -58,7 +59,7 @@ const browser = await chromium.launch({
     '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'],
 });
 const faults = [];
-const places = [url]; // where the program is, a prefix included
+const places = [url]; // addresses that a page may request
 const relays = [];
 let page;
 let shot = 0;
@@ -70,12 +71,12 @@ try {
   await page.addInitScript(() => document.addEventListener('securitypolicyviolation',
     (event) => globalThis.hallsweepViolation(`${event.violatedDirective} ${event.blockedURI}`)));
   watch(page, faults, scenario.tolerated ?? [], places);
-  // The test that started us takes a long silence for hanging.
+  // Prints a line per loaded page, because the test that started this script treats a long silence as a hang.
   page.on('load', () => console.log(`${name}: on ${new URL(page.url()).pathname}`));
   const picture = async (what) => {
     const path = `${shots}/${name}-${++shot}-${what}.png`;
-    // On a busy machine Chromium now and then has no picture to give, once not within two minutes. Pictures are for whoever looks at
-    // them later: what holds of a page, the scenarios ask the page.
+    // On a busy machine Chromium sometimes fails to take a picture, once for two minutes. A missing picture is no
+    // failure: pictures are for people to look at later, and the scenarios check the page itself.
     const taken = () => page.screenshot({ path, timeout: 20_000 }).then(() => true);
     const late = (error) => {
       if (error.name !== 'TimeoutError') throw error;
@@ -84,7 +85,7 @@ try {
     const isThere = await taken().catch(taken).catch(late);
     console.log(`${name}: ${what}${isThere ? '' : ', of which there is no picture'}`);
   };
-  /** Another way to the program, which can be cut. */
+  /** Opens a relay to the program that can be cut. */
   const network = async () => {
     const one = await relay(url);
     relays.push(one);

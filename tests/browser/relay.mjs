@@ -1,8 +1,12 @@
-// The network between the browser and the program, which a scenario can cut and mend: a relay of bytes on a port of its own.
+// A relay on a separate port between the browser and the program, which a scenario can cut and restore like a
+// network.
 
 import { createServer, connect } from 'node:net';
 
-/** Relays to this program; `cut` refuses and ends everything, `hold` takes what comes and passes nothing on, `mend` ends both. */
+/**
+ * Relay to this program: `cut` closes all connections and refuses new ones, `hold` accepts data and forwards nothing,
+ * `mend` ends both.
+ */
 export async function relay(program) {
   const { hostname, port, pathname } = new URL(program);
   const open = new Set();

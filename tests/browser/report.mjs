@@ -1,10 +1,10 @@
-// The report of a mission: saved from its page, which stays where it is, opened as the file that it is, and printed.
+// The report of a mission: it is saved from its page, which does not change, then opened as a file and printed.
 
 import { readFileSync, writeFileSync } from 'node:fs';
 import { checkOne } from './access.mjs';
 import { appears, button, look, must, numberOf, phase, safe, start, stop } from './person.mjs';
 
-/** One piece safe, one dangerous; the robot comes home. */
+/** Runs a search with one safe and one dangerous piece, until the robot is home. */
 async function search(page, url, waiting) {
   await page.goto(url);
   await phase(page, /idle/i, waiting);
@@ -21,7 +21,7 @@ async function search(page, url, waiting) {
   await phase(page, /bomb located/i, waiting);
 }
 
-/** The file that a link gives; the page is the same afterwards, and STOP on it. */
+/** Saves the file of a link; the page must stay open with its STOP. */
 async function saved(page, name, to) {
   const before = page.url();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name, exact: true }).click()]);
@@ -30,7 +30,7 @@ async function saved(page, name, to) {
   must(page.url() === before && await stop(page).isVisible(), 'the page was left, and STOP with it');
 }
 
-/** The file by itself: all pictures are in it, nothing sticks out on paper or a phone, everybody can read it, and it prints. */
+/** Checks the file alone: it contains all pictures, fits on paper and on a phone, is accessible, and prints. */
 async function opened(page, path, file) {
   const context = await page.context().browser().newContext();
   const paper = await context.newPage();

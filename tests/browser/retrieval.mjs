@@ -1,12 +1,12 @@
-// A person has the dangerous bag fetched: presses RETRIEVE, stops the pair with the bag in its grip, acknowledges that it is lost, sees it
-// secured, and looks at the whole again; on a phone and without scripts, too.
+// A person has the dangerous bag fetched: presses RETRIEVE, stops the pair while it holds the bag, acknowledges that
+// the bag is lost, sees it secured, and looks at the whole run again, also on a phone and without scripts.
 
 import { appears, button, danger, fits, hits, look, must, phase, start, stop, until } from './person.mjs';
 
 const state = async (url) => (await fetch(`${url}/api/v1/state`)).json();
 const retrieve = (page) => button(page, /RETRIEVE/);
 
-/** Searches until the first piece is met, says danger, and waits for the robot to be home. */
+/** Searches until the first piece is found, gives the verdict danger, and waits until the robot is home. */
 async function locate(page, url, waiting) {
   await page.goto(url);
   must((await retrieve(page).count()) === 0 || await retrieve(page).isDisabled(), 'RETRIEVE is offered before there is anything to fetch');
@@ -20,7 +20,10 @@ async function locate(page, url, waiting) {
   await look(page);
 }
 
-/** The incident says what is halted and not that it goes on, and the button that goes on is in sight, whole, as the page lies. */
+/**
+ * Checks that the incident names what is halted, and that the button that resumes is fully visible without scrolling;
+ * then presses it.
+ */
 async function goesOnWith(page, name, words) {
   const incident = page.getByRole('region', { name: /Danger: a bomb in the hall/ });
   const act = incident.getByRole('button', { name });
@@ -38,11 +41,11 @@ async function goesOnWith(page, name, words) {
   await act.click();
 }
 
-/** Acknowledges the pair's call and presses START. */
+/** Acknowledges the alarm of the pair and presses START. */
 async function answer(page, url, waiting) {
   await appears(page, page.getByText(/lost the parcel/).first(), waiting);
   must((await state(url)).mission.holds.includes('alarm'), 'a lost parcel does not hold the pair');
-  // The danger's alarm is there, too; the newest is the pair's.
+  // The alarm of the dangerous piece is open too; the newest alarm is the pair's.
   const open = button(page, /acknowledge/i);
   while ((await open.count()) > 0) {
     const left = await open.count();
@@ -59,7 +62,7 @@ async function answer(page, url, waiting) {
   await start(page).click();
 }
 
-/** The bag is in the container: the page, the record and the robots say so. */
+/** Checks that the bag is in the container according to the page, the record and the robots. */
 async function secured(page, url, waiting) {
   await phase(page, /bag secured/i, waiting);
   const { luggage, robots, mission } = await state(url);
@@ -83,7 +86,7 @@ const fetched = {
     await picture('located');
     await retrieve(page).click();
 
-    // Three trees run, their nodes say how they stand, and the robots of the pair are on the map.
+    // Three trees run, their nodes show their status, and the robots of the pair are on the map.
     await page.locator('#trees .node.running.ticked').first().waitFor();
     must((await page.locator('#trees .tree').count()) === 3, 'not all three trees are shown');
     await until(async () => (await page.locator('#hall-carriers .carrier').count()) === 2, 'both robots on the map', patience);

@@ -1,9 +1,10 @@
-// What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
+// What people do at the console, and what they must see. Elements are found by role and visible name, as a person
+// finds them.
 
 import { execFileSync } from 'node:child_process';
 import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, safe, start, stop, until } from './person.mjs';
 
-/** A button can be pressed as the page stands, without scrolling, and STOP does not lie over it. */
+/** Checks that a button can be pressed without scrolling and that STOP does not cover it. */
 async function inReach(page, locator) {
   await page.evaluate(() => scrollTo(0, 0));
   const box = await locator.boundingBox();
@@ -14,7 +15,7 @@ async function inReach(page, locator) {
   must(box && box.y >= 0 && box.y + box.height <= bottom, `not in reach on ${high} pixels: ${JSON.stringify(box)}`);
 }
 
-/** A whole mission: one piece safe, the next dangerous, the robot home with the bomb located. */
+/** A whole mission: one piece is safe, the next is dangerous, and the robot is home with the bomb located. */
 async function mission({ page, url, picture, patience }, { reload = false, touch = false } = {}) {
   const waiting = { patience, reload };
   await page.goto(url);
@@ -56,7 +57,7 @@ async function mission({ page, url, picture, patience }, { reload = false, touch
   must(state.luggage.find(({ id }) => id === second).verdict === 'danger', 'the verdict is not on record');
 }
 
-/** DANGER asks once more: the first press has decided nothing, the second does. */
+/** DANGER asks for confirmation: the first press decides nothing, the second press decides. */
 async function confirmDanger(page, url, id) {
   const record = await (await fetch(`${url}/api/v1/luggage/${id}`)).json();
   must(record.verdict === 'pending', `one press was enough to decide: ${record.verdict}`);
@@ -82,7 +83,7 @@ const stopping = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
     await page.goto(url);
-    // A search order that was picked and never sent is not the one that is shown once it cannot be sent any more.
+    // A search order that was chosen but never sent is not shown once it can no longer be sent.
     const order = page.getByLabel('Search order', { exact: true });
     await order.selectOption('snail');
     await start(page).click();
@@ -100,7 +101,7 @@ const stopping = {
     await banner.waitFor({ state: 'hidden' });
     must((await state()).mission.holds.length === 0, 'START did not release the robot');
 
-    // What another client does is seen without a reload, and START then says why it would be refused.
+    // Changes by another client appear without a reload, and START then shows why it would be refused.
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"status":"tooHigh"}' });
     await page.waitForFunction(() => [...document.querySelectorAll('button')]
@@ -152,7 +153,7 @@ export const lost = {
     await please('kill');
     await banner.waitFor();
     await picture('lost');
-    // The browser is elsewhere: what it says of time is the program's zone, like everything else on the page.
+    // The page shows times in the program's time zone, although the browser is in another.
     const [, hours, minutes] = /state at (\d+):(\d+):\d+ \(UTC/.exec(await page.locator('#lost').innerText()) ?? [];
     const here = new Date();
     const apart = Math.abs(hours * 60 + Number(minutes) - here.getHours() * 60 - here.getMinutes());
@@ -167,7 +168,7 @@ export const lost = {
   },
 };
 
-/** The bar of other pages: it follows without a reload, and says so when nothing answers. */
+/** The bar of other pages is updated without a reload, and says when hallsweep does not answer. */
 export const elsewhere = {
   tolerated: ['404', 'ERR_CONNECTION_REFUSED', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],
   async play({ page, url, please, picture, patience }) {
@@ -195,7 +196,7 @@ export const elsewhere = {
   },
 };
 
-/** Where the things an operator presses stand; they must not move by themselves. */
+/** Places of the controls that an operator uses; they must not move by themselves. */
 const places = (page) => page.evaluate(() => Object.fromEntries(['stop-button', 'actions', 'temperature', 'celsius'].map((id) => {
   const { x, y, width } = document.getElementById(id).getBoundingClientRect();
   return [id, `${Math.round(x)},${Math.round(y)},${Math.round(width)}`];
@@ -224,7 +225,8 @@ export const steady = {
     await page.getByText(/^Held: stopped by the operator/).waitFor();
     await stays(before, 'after STOP');
 
-    // What is typed and chosen survives what other clients do, and a reading that is too high says what ends it.
+    // Typed and chosen values survive changes by other clients, and a temperature that is too high shows what ends
+    // the hold.
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"celsius":31.5}' });
     await page.getByText('An operator reported 31.5 °C').waitFor();
@@ -233,7 +235,7 @@ export const steady = {
   },
 };
 
-/** The robot moves home by itself while a question is open: STOP is one press away, and Escape is STOP. */
+/** The robot moves home while a question is open: STOP needs one press, and Escape presses STOP. */
 const question = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
@@ -241,7 +243,7 @@ const question = {
       for (const end = Date.now() + patience; ; await page.waitForTimeout(20)) {
         const { mission: { phase: now, holds }, robot } = await state();
         if (now === 'returningHome' && holds.length === 0 && robot.state !== 'stopped') return;
-        // On a machine without time it may have come home between two looks; STOP must be in reach there too.
+        // At full speed the robot may already be home between two checks; STOP must be reachable there too.
         if (now === 'atHome' && holds.length === 0) return;
         must(Date.now() < end, `the robot does not move home ${what}`);
       }
@@ -267,7 +269,7 @@ const question = {
     await stopped('one click on STOP');
     await fits(page);
     await picture('asked');
-    // Whoever drives on has seen the stop: what was pressed before that is refused as outdated.
+    // The operator resumes after seeing the stop. A command from before the stop is refused as outdated.
     await page.getByText('stopped by the operator').first().waitFor();
     await dialog.getByRole('button', { name: /No/ }).click();
     await dialog.waitFor({ state: 'hidden' });
@@ -307,7 +309,7 @@ export const hung = {
   },
 };
 
-/** What is said when nothing answers lies over neither STOP nor the photo, the verdict or a question, however the window is. */
+/** The message about a missing answer never covers STOP, the photo, the verdict or a question, at any window size. */
 export const said = {
   tolerated: ['ERR_'],
   async play({ page, url, please, picture, patience }) {
@@ -341,7 +343,7 @@ export const said = {
   },
 };
 
-/** An operator signs in by the ready link, a viewer by typing; whoever is not known is led to the page where one signs in. */
+/** An operator signs in by a link, a viewer by typing the token; an unknown client is sent to the sign-in page. */
 const signedIn = {
   tolerated: ['401', '403', 'ERR_INCOMPLETE_CHUNKED_ENCODING'],
   async play({ page, url, picture, patience }) {
@@ -365,7 +367,7 @@ const signedIn = {
     await page.getByText('START: you are signed in as a viewer.').waitFor();
     const notice = await page.getByText('You are signed in as a viewer: you see everything and may press STOP.').boundingBox();
     must(notice && notice.y + notice.height < page.viewportSize().height, 'a viewer is not told at once why the buttons are dead');
-    // To look closer, to look back, the list of keys and the language are everybody's.
+    // Zooming, the timeline, the list of keys and the language are available to everybody.
     const living = await page.locator('button:enabled:visible:not(.lens *, .transport *, .keys-open, .languages *)').allInnerTexts();
     must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
     await hits(page, 'the console of a viewer');
@@ -374,7 +376,7 @@ const signedIn = {
     await hits(page, 'the page where one signs in, for somebody who is signed in');
     await page.goto(url);
 
-    // What others do is seen, and the buttons stay dead when a piece arrives.
+    // Changes by others appear, and the buttons stay disabled when a piece arrives.
     const headers = { authorization: `Bearer ${OPERATOR}` };
     await fetch(`${url}/api/v1/commands/start`, { method: 'POST', headers });
     await danger(page).waitFor();
@@ -396,13 +398,13 @@ const signedIn = {
     await fits(page);
     await picture('operator');
 
-    // A key that is replaced leads its people back to the page where one signs in, without a press.
+    // After a key is replaced, its users get the sign-in page without pressing anything.
     execFileSync(PROGRAM, ['token', 'rotate', 'operator', '--data', DATA]);
     await page.waitForURL(/\/sign-in\?undone=watching$/);
     await page.getByText('You are not signed in any more').waitFor();
     await picture('shut-out');
 
-    // A STOP that was not given is not taken for one that was.
+    // The page does not treat a STOP that was not accepted as given.
     await page.goto(`${url}/sign-in?token=${VIEWER}`);
     await signIn.click();
     await page.waitForURL(`${url}/`);
@@ -414,7 +416,7 @@ const signedIn = {
     await page.waitForURL(/\/sign-in\?undone=stop$/);
     await page.getByText(/^STOP was not carried out/).waitFor();
 
-    // It is sent when somebody has signed in again.
+    // The STOP is sent when somebody has signed in again.
     const keys = execFileSync(PROGRAM, ['token', '--data', DATA]).toString();
     const tokenOf = (name) => keys.split(`${name} (`)[1].split('\n')[1].trim().split(/\s+/)[1];
     const again = { authorization: `Bearer ${tokenOf('operator')}` };

@@ -1,5 +1,5 @@
-// A person with the simulator in hand: stops its time, lets things fail, draws a hall by pointer or by keys and has it searched; on a phone and
-// without scripts, too.
+// A person with the simulator: stops its time, causes failures, draws a hall by pointer or by keys and has it
+// searched, also on a phone and without scripts.
 
 import { appears, button, fits, must, phase, safe, look, start, stop, until } from './person.mjs';
 
@@ -8,7 +8,7 @@ const text = (page) => page.locator('#toml').inputValue();
 const drawing = async (page) => (await text(page)).match(/"""\n([\s\S]*?)\n"""/)[1].split('\n');
 const choose = (page, name) => page.getByRole('radio', { name }).check({ force: true });
 
-/** Where the middle of a cell of the plan is on the screen. */
+/** Screen position of the centre of a cell of the plan. */
 async function middle(page, column, row, columns) {
   const plan = page.locator('#plan');
   await plan.scrollIntoViewIfNeeded();
@@ -24,7 +24,7 @@ async function drag(page, from, to, columns) {
   await page.mouse.up();
 }
 
-/** The hall is used, searched, and its one piece found safe. */
+/** Searches the hall and gives the verdict safe to its only piece. */
 async function searched(page, patience, reload = false) {
   await button(page, 'START the search').click();
   await page.waitForURL(/\/$/);
@@ -135,7 +135,10 @@ export const hallsOpened = {
   },
 };
 
-/** Nothing is said of a hall that has been changed since: while a text is typed, and while a line is drawn. */
+/**
+ * A hall that has changed is not called valid before its next check: while a text is typed, and while a line is
+ * drawn.
+ */
 export const hallsJudged = {
   tolerated: ['422'],
   async play({ page, url, picture, patience }) {
@@ -146,7 +149,7 @@ export const hallsJudged = {
     const judged = () => findings.innerText();
     await toml.focus();
     const sound = await toml.inputValue();
-    /** What stands there in the very moment after a change, however fast the check is. */
+    /** Text of the findings immediately after a change, however fast the check is. */
     const after = (value) => toml.evaluate((field, value) => {
       field.value = value;
       field.dispatchEvent(new Event('input', { bubbles: true }));
@@ -168,7 +171,7 @@ export const hallsJudged = {
   },
 };
 
-/** A hall is kept, opened again, replaced only when that is meant, and comes back from being discarded. */
+/** A hall is saved, opened again, replaced only on request, and restored after it was discarded. */
 const keeping = (tools) => ({
   tolerated: ['409'],
   async play({ page, url, picture }) {

@@ -1,14 +1,14 @@
-// The line of time and the lens: any moment is shown again as it was shown, nothing but STOP can be done there, and the hall is looked at
-// from as near as one likes.
+// The timeline and the lens: any moment is shown exactly as it was shown then, STOP is the only command there, and
+// the hall can be enlarged as far as one likes.
 
 import { appears, look, must, numberOf, phase, safe, start, stop, until } from './person.mjs';
 
 const MOMENTS = 10;
 
-/** What the page shows of everything that goes on record; with the robot where the picture has it. */
+/** Everything recorded that the page shows, with the robot where the picture draws it. */
 const shown = (page) => page.evaluate(() => {
   const layer = document.getElementById('hall-layer').cloneNode(true);
-  // The way it meant to go and its sonar are not on record.
+  // The planned way and the sonar are not recorded.
   for (const unrecorded of layer.querySelectorAll('.route, .ray')) unrecorded.remove();
   const words = (id) => document.getElementById(id).innerText.replace(/\s+/g, ' ').trim();
   const drawn = (id) => [...document.getElementById(id).children].map((child) => child.outerHTML).sort().join('');
@@ -35,11 +35,11 @@ function mustBeSame(now, then, where) {
   for (const [what, looks] of Object.entries(now)) must(then[what] === looks, `${where}: ${what} was\n${looks}\nand is shown as\n${then[what]}`);
 }
 
-/** Ten moments of a mission, however the robot stood in them, are shown later exactly as they were shown then. */
+/** Ten moments of a mission are shown later exactly as they were shown then, whether or not the robot was moving. */
 export const replayed = {
   async play({ page, url, picture, patience }) {
     const moments = [];
-    /** Remembers what is shown, once all of it is on record and nothing changes any more. */
+    /** Remembers what is shown, when all of it is recorded and nothing changes any more. */
     async function remember() {
       for (const end = Date.now() + patience; ; ) {
         const before = await last(url);
@@ -80,7 +80,7 @@ export const replayed = {
       await page.goto(`${url}/missions/1/moment?at=${seq}`);
       mustBeSame(looks, await shown(page), `entry ${seq}, opened by its address`);
     }
-    // The same without loading the page anew, forwards and backwards.
+    // The same moments without reloading the page, forwards and backwards.
     const order = [...moments.keys()].sort((a, b) => (a * 7) % MOMENTS - (b * 7) % MOMENTS);
     for (const place of order) {
       const [seq, looks] = moments[place];
@@ -96,7 +96,10 @@ export const replayed = {
   },
 };
 
-/** By pointer and by keys: dragged, stepped, played forwards and backwards; meanwhile what happens now is said, and STOP is STOP. */
+/**
+ * The timeline by pointer and by keys: dragged, stepped, and played forwards and backwards. Meanwhile the page
+ * announces what happens now, and STOP acts.
+ */
 export const past = {
   async play({ page, url, picture, patience }) {
     const track = page.getByRole('slider', { name: 'Moment of the mission' });
@@ -149,7 +152,7 @@ export const past = {
     await page.waitForFunction(() => document.getElementById('step-back').disabled);
     await page.getByRole('button', { name: 'Play backwards' }).and(page.locator('[aria-pressed=false]')).waitFor();
 
-    // What happens now is said there, and does not take the past away; STOP is now's.
+    // The page of a past moment announces what happens now and stays in the past; its STOP acts now.
     const id = (await (await fetch(`${url}/api/v1/state`)).json()).luggage[0].id;
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/luggage/${id}/verdict`, { method: 'POST', headers, body: '{"verdict":"safe"}' });
@@ -165,7 +168,7 @@ export const past = {
   },
 };
 
-/** Without scripts a mission is looked at again entry by entry. */
+/** Without scripts a mission is replayed entry by entry. */
 export const pastPlain = {
   browser: { javaScriptEnabled: false },
   async play({ page, url, picture, patience }) {
@@ -186,7 +189,7 @@ export const pastPlain = {
   },
 };
 
-/** Closer and wider by wheel, keys and buttons; a click on a free cell sends the robot there, when driving is allowed. */
+/** Zoom by wheel, keys and buttons; a click on a free cell sends the robot there when driving by hand is allowed. */
 export const lens = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();

@@ -1,5 +1,5 @@
-// The moment of the verdict: looking closely at the photo, notes, keys, the question beside the photo, the call for whoever looks
-// elsewhere, and the incident.
+// The moment of the verdict: close look at the photo, notes, keys, the question beside the photo, notifications to
+// people who look elsewhere, and the incident.
 
 import { appears, button, danger, fits, hits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
 
@@ -9,7 +9,7 @@ const record = async (url, id) => (await fetch(`${url}/api/v1/luggage/${id}`)).j
 const dialog = (page) => page.getByRole('dialog', { name: /dangerous\?/ });
 const note = (page) => page.getByRole('textbox', { name: /Note/ });
 
-/** The next piece that waits, by its number. */
+/** Number of the next piece that waits. */
 async function asked(page, patience, after = 0) {
   const next = button(page, after ? new RegExp(`SAFE #(?!${after}\\b)\\d+`) : /SAFE #\d+/).first();
   await appears(page, next, { patience });
@@ -18,10 +18,10 @@ async function asked(page, patience, after = 0) {
   return id;
 }
 
-/** How many times its size the photo is drawn. */
+/** Factor by which the photo is enlarged. */
 const scale = (page) => page.locator('#inspect .viewer img').evaluate((image) => new DOMMatrix(getComputedStyle(image).transform).a);
 
-/** The question and the photo have no point in common, and the photo is on the screen. */
+/** Checks that the question does not cover the photo, and that the photo is on the screen. */
 async function isBeside(page, when) {
   const [question, photo] = await Promise.all([dialog(page).boundingBox(), page.locator('#inspect .viewer img').boundingBox()]);
   const apart = question.x >= photo.x + photo.width || photo.x >= question.x + question.width
@@ -29,14 +29,14 @@ async function isBeside(page, when) {
   const { width, height } = page.viewportSize();
   must(apart, `${when} at ${width}×${height} the question lies over the photo: ${JSON.stringify([question, photo])}`);
   must(photo.y >= 0 && photo.y + photo.height <= height, `${when} the photo is not to be seen: ${JSON.stringify(photo)}`);
-  // While there is a question the photo itself takes no presses, and so is not found there.
+  // While a question is open the photo accepts no clicks, so `elementFromPoint` does not return the photo.
   const over = await page.evaluate(({ x, y, width, height }) => [0.1, 0.5, 0.9].some((part) =>
     document.elementFromPoint(x + width * part, y + height * part)?.closest('dialog, #top, #stop')), photo);
   must(!over, `${when} something lies over the photo`);
   await hits(page, when);
 }
 
-/** What is pressed in the moment in which another piece comes up is not sent. */
+/** A key that is pressed at the moment when another piece appears is not sent. */
 async function pressesOnChange(page) {
   await page.evaluate(() => {
     const inspect = document.getElementById('inspect');
@@ -44,7 +44,7 @@ async function pressesOnChange(page) {
     new MutationObserver(() => {
       if (!inspect.dataset.luggage) return;
       globalThis.changed += 1;
-      // Behind whatever the page itself does about it.
+      // Runs after the page's own observers.
       queueMicrotask(() => document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 's', bubbles: true, cancelable: true })));
     }).observe(document.getElementById('desk'), { subtree: true, attributeFilter: ['data-luggage'] });
   });
@@ -56,7 +56,6 @@ async function giveBoth({ page, url, picture, patience }) {
   const first = await asked(page, patience);
   const isPending = async (id, when) => must((await record(url, id)).verdict === 'pending', `${when} decided luggage #${id}`);
 
-  // Looking closely.
   const photo = page.locator('#inspect a.photo');
   await photo.focus();
   await page.keyboard.press('+');
@@ -73,7 +72,7 @@ async function giveBoth({ page, url, picture, patience }) {
   await until(async () => await scale(page) > 1.5, 'the wheel enlarging the photo', patience);
   await page.keyboard.press('0');
 
-  // Keys that are none: what is typed, and what has a modifier.
+  // Typed text and keys with a modifier are not commands.
   await note(page).fill('');
   await note(page).pressSequentially('sad <b>bag</b>? ');
   for (const key of ['Control+s', 'Alt+d', 'Meta+s', 'Shift+S']) {
@@ -126,7 +125,7 @@ async function giveBoth({ page, url, picture, patience }) {
   await page.keyboard.press('d');
   await dialog(page).waitFor();
   await isBeside(page, 'beside the large photo');
-  // The second click of a double click that was meant for DANGER.
+  // The second click of a double click on DANGER must not answer the question.
   await page.evaluate(() => document.getElementById('confirm-no').click());
   await page.evaluate(() => {
     document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'd', bubbles: true, cancelable: true }));
@@ -141,7 +140,7 @@ async function giveBoth({ page, url, picture, patience }) {
 }
 export const verdictKeys = { play: giveBoth };
 
-/** A question that somebody else has overtaken goes, and the page says what happened. */
+/** A question that another operator has answered closes, and the page says what happened. */
 export const overtaken = {
   async play({ page, url, picture, patience }) {
     await page.goto(url);
@@ -156,13 +155,13 @@ export const overtaken = {
       await page.getByText(new RegExp(`luggage #${id} was judged ${word} by operator at \\d+:\\d+:\\d+\\.`)).waitFor();
       must(await dialog(page).isHidden(), 'the question about a piece that was judged is open');
       await picture(verdict);
-      // Over a piece that another one follows the page still says it; then the next piece is judged.
+      // When another piece follows, the page still announces the verdict; then the next piece is judged.
       if (verdict === 'safe') await appears(page, button(page, new RegExp(`SAFE #(?!${id}\\b)\\d+`)).first(), { patience });
     }
   },
 };
 
-/** Nothing is pressed through what lies over the page, and Escape, which is STOP, takes it away. */
+/** Nothing can be pressed through a dialog that covers the page; Escape, which is STOP, closes the dialog. */
 export const covers = {
   async play({ page, url, picture, patience }) {
     const keys = page.getByRole('dialog', { name: 'Keys' });
@@ -222,7 +221,7 @@ export const verdictOnPhone = {
     await picture('beside');
     must((await record(url, id)).verdict === 'pending', 'the first press decided');
     await dialog(page).getByRole('button', { name: /No/ }).click();
-    // The page of the photo has buttons for whoever cannot pinch.
+    // The page of the photo has buttons for people who cannot pinch.
     await page.goto(`${url}/luggage/${id}`);
     await button(page, 'Larger').click();
     const large = await page.locator('.viewer img').evaluate((image) => new DOMMatrix(getComputedStyle(image).transform).a);
@@ -260,7 +259,7 @@ export const notePlain = {
 
 export const called = {
   async play({ page, url, picture, patience }) {
-    // A browser without windows shows no notifications, and is never out of view.
+    // A headless browser shows no notifications and is always visible, so both are replaced.
     await page.addInitScript(() => {
       globalThis.calls = [];
       globalThis.away = false;

@@ -1,4 +1,4 @@
-//! Somebody with a key at the published port of a container: looks, commands, and says what each piece is.
+//! Client with a key at the published port of a container: reads the state, sends commands, and gives verdicts.
 
 use std::io::Read;
 use std::net::SocketAddr;
@@ -15,7 +15,7 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    /// With the operator's key, as `hallsweep token` shows it in the container.
+    /// Client with the operator's key, which `hallsweep token` prints in the container.
     pub(crate) fn of(container: &Container<'_>) -> Client {
         let shown = until("there is a key", || {
             let shown = container.exec(&["hallsweep", "token"]);
@@ -31,7 +31,7 @@ impl Client {
         Client { address, token: token.to_owned(), agent }
     }
 
-    /// Status and body of a path, asked for under this name of the host.
+    /// Status and body of a GET with this Host header.
     pub(crate) fn look(&self, path: &str, host: Option<&str>) -> (u16, String) {
         let request = self.agent.get(format!("http://{}{path}", self.address));
         let request = request.header("authorization", format!("Bearer {}", self.token));
@@ -46,13 +46,13 @@ impl Client {
         serde_json::from_str(&body).expect("JSON")
     }
 
-    /// Commands, which must be accepted.
+    /// Sends a command, which must be accepted.
     pub(crate) fn post(&self, path: &str, body: &str) {
         let (status, said) = self.send(path, body);
         assert_eq!(status, 200, "{path}: {said}");
     }
 
-    /// Status and body of what is said to a command.
+    /// Status and body of the answer to a command.
     pub(crate) fn send(&self, path: &str, body: &str) -> (u16, String) {
         let request = self.agent.post(format!("http://{}/api/v1/{path}", self.address));
         let request =
@@ -61,7 +61,7 @@ impl Client {
         (answer.status().as_u16(), answer.body_mut().read_to_string().expect("the answer is whole"))
     }
 
-    /// Everything that changes, until the connection ends; it has begun.
+    /// Event stream, which has begun and lasts until the connection ends.
     pub(crate) fn events(&self) -> impl Read + use<> {
         let request = self.agent.get(format!("http://{}/api/v1/events", self.address));
         let request = request.header("authorization", format!("Bearer {}", self.token));
@@ -74,12 +74,12 @@ impl Client {
         until(wanted, || Some(self.state()).filter(|state| is_so(state)))
     }
 
-    /// Goes on until a piece waits for its verdict; its number.
+    /// Waits until a piece needs a verdict, and returns its number.
     pub(crate) fn until_asked(&self) -> u64 {
         pending(&self.until("a verdict is asked for", |state| pending(state).is_some())).expect("it was there just now")
     }
 
-    /// A whole mission from START on, in which everything is safe.
+    /// Runs a whole mission from START on; every piece gets the verdict safe.
     pub(crate) fn search_the_hall(&self) -> Value {
         self.post("commands/start", "");
         loop {
@@ -91,7 +91,7 @@ impl Client {
     }
 }
 
-/// How far the mission is, and what was found and said.
+/// Parts of the state that a restart must preserve: the phase of the mission, the luggage and the map.
 pub(crate) fn kept(state: &Value) -> Value {
     let mission = &state["mission"];
     serde_json::json!({

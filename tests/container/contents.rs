@@ -1,4 +1,4 @@
-//! What is in the image: little, nothing of how it was built, and the papers of everything that others wrote.
+//! Contents of the image: few files, nothing of the build, and the licences of all third-party code.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ const MOST_BYTES: u64 = 40_000_000;
 
 const MOST_COMPRESSED: usize = 15_000_000;
 
-/// The files of an image in a folder, which is gone with this.
+/// Files of an image in a folder, which is deleted with this value.
 struct Files(PathBuf);
 
 impl Files {
@@ -53,7 +53,7 @@ fn inspected(engine: &ContainerEngine, image: &str) -> Value {
     all[0].clone()
 }
 
-/// The third parties' crates that are in the program, as cargo resolves them.
+/// Third-party crates in the program, as cargo resolves them.
 fn crates() -> BTreeSet<(String, String)> {
     let tree =
         ["tree", "--locked", "--offline", "--package=hallsweep", "--prefix=none", "--edges=normal,no-proc-macro", "--format={p}"];

@@ -1,4 +1,4 @@
-//! The files that others deploy with: compose.yaml is brought up, and what Kubernetes is told is what Kubernetes knows.
+//! The files for deployment: compose.yaml is started, and the manifests are valid for Kubernetes.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -18,7 +18,8 @@ fn python(arguments: &[&str]) -> Command {
     command
 }
 
-/// Whether a package is installed as `.ci/run` does it; where it is not that is said, or fails where it must be there.
+/// Whether a Python package is installed as `.ci/run` installs it. A missing package is reported, or fails where it
+/// is required.
 fn is_here(package: &str) -> bool {
     let here = python(&["-c", &format!("import {package}")]).output().is_ok_and(|output| output.status.success());
     if !here {
@@ -55,7 +56,7 @@ fn what_kubernetes_is_told_is_what_it_knows_and_restricted() {
     std::fs::remove_file(wrong).expect("the folder is ours");
 }
 
-/// A project of compose, which is taken down with this.
+/// Compose project, which is taken down with this value.
 struct Composed<'a> {
     engine: &'a ContainerEngine,
     name: String,

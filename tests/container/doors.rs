@@ -1,4 +1,5 @@
-//! How the image is reached: the link of the first start, the address, the names, a whole mission, and a broker by TLS.
+//! How to reach the image: the link of the first start, addresses, host names, a whole mission, and a broker over
+//! TLS.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -6,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use crate::client::{Client, phase};
 use crate::engine::{ContainerEngine, ON_LOOPBACK, engine, left_out, text, until, unused};
 
-/// What takes from a container all that hallsweep does not need, as README.md has it.
+/// Options that remove everything that hallsweep does not need from a container, as in README.md.
 pub(crate) const HARDENED: &str = "--read-only --cap-drop all --security-opt no-new-privileges --memory 256m";
 
 pub(crate) fn hardened() -> Vec<&'static str> {
@@ -42,7 +43,8 @@ fn hardened_as_the_readme_says_it_prints_a_link_is_healthy_and_searches_a_whole_
     assert_eq!(container.end(&["stop"]), "0");
 }
 
-/// By the health check that the image brings. docker runs it by itself, podman when somebody's timer says so.
+/// Whether the health check of the image succeeds. docker runs the check by itself; podman leaves that to a timer, so
+/// the test runs it.
 fn is_healthy(engine: &ContainerEngine, name: &str) -> bool {
     if engine.is_docker() {
         return engine.run(&["inspect", "--format", "{{.State.Health.Status}}", name]) == "healthy";
@@ -95,7 +97,7 @@ impl Drop for Broker {
     }
 }
 
-/// A root of the system is one that stands in the file of the image; a site has its own put there.
+/// Only the certificates in the image's file are trusted; a site replaces that file to trust its own.
 #[test]
 fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
     let Some(engine) = engine() else { return };
@@ -121,7 +123,7 @@ fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
     let _broker = Broker(broker.spawn().expect("the broker starts"));
     until("the broker listens", || std::net::TcpStream::connect(("127.0.0.1", port)).ok());
 
-    // What the image believes without being told otherwise, and the test's own beside that.
+    // The certificates that the image trusts by default, and the test's own certificate.
     let copied = engine.serve(&[], &[]);
     let roots = folder.join("roots.pem");
     engine.run(&["cp", &format!("{}:/etc/ssl/certs/ca-certificates.crt", copied.name), roots.to_str().expect("text")]);
@@ -130,7 +132,8 @@ fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
     std::fs::write(&roots, believed + &std::fs::read_to_string(certificate).expect("text")).expect("text");
 
     let address = format!("--env=HALLSWEEP__MQTT__BROKER=mqtts://127.0.0.1:{port}");
-    // On this machine's own network, since the broker of a test listens on loopback alone; so the doors take ports that are free.
+    // Host network, because the test's broker listens on loopback alone; therefore HTTP uses a free port and CoAP is
+    // off.
     let here = ["--network=host", "--env=HALLSWEEP__HTTP__BIND=127.0.0.1:0", "--env=HALLSWEEP__COAP__BIND=none", &address];
     let stranger = engine.serve(&here, &[]);
     stranger.until_logged("UnknownIssuer");
@@ -142,7 +145,7 @@ fn a_broker_is_believed_by_the_roots_of_the_system_and_by_no_others() {
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
 
-/// As the containers of a pod do.
+/// Like the containers of a pod, which share one loopback.
 #[test]
 fn whoever_shares_the_loopback_of_the_container_finds_no_door_without_a_key() {
     let Some(engine) = engine() else { return };
@@ -154,7 +157,7 @@ fn whoever_shares_the_loopback_of_the_container_finds_no_door_without_a_key() {
     };
     let listening = beside("busybox netstat -tuln");
     assert!(listening.contains(":1883 ") && listening.contains(":8080 ") && !listening.contains(":5683"), "{listening}");
-    // CONNECT without a name; the answer is CONNACK 5, not authorised.
+    // CONNECT without a user name; the answer is CONNACK 5, not authorised.
     let connect = r"printf '\020\014\000\004MQTT\004\002\000\074\000\000' | busybox nc 127.0.0.1 1883 | busybox od -An -tx1";
     assert_eq!(beside(connect).trim(), "20 02 00 05");
 }

@@ -1,11 +1,11 @@
-//! How a container ends and what stands when it is started again: a mission goes on where it was, and nothing moves by itself.
+//! The end of a container and its next start: a mission continues where it was, and nothing moves by itself.
 
 use serde_json::Value;
 
 use crate::client::{Client, kept, phase};
 use crate::engine::{Container, ON_LOOPBACK, engine};
 
-/// In the middle of a mission: one piece judged, and another waiting.
+/// Runs a mission until one piece is judged and another waits.
 fn until_in_a_mission(container: &Container<'_>) -> Value {
     let client = Client::of(container);
     client.post("commands/start", "");
@@ -30,10 +30,10 @@ fn ended_by_sigterm_or_killed_in_mid_mission_it_stands_as_it_was_when_it_is_star
     let container = engine.serve(&options, &["--hall", "airport"]);
     let before = until_in_a_mission(&container);
 
-    // Somebody looks on; and the time is shorter than the usual one, after which an engine kills.
+    // An event stream is open, and the time limit is shorter than the engine's default of ten seconds.
     let mut events = Client::of(&container).events();
     assert_eq!(container.end(&["stop", "--time=8"]), "0");
-    // However it ended, it has.
+    // The stream has ended; the kind of its end does not matter.
     let _ = std::io::copy(&mut events, &mut std::io::sink());
     assert!(container.logs().contains("SIGTERM"), "{}", container.logs());
     container.start_again();

@@ -1,4 +1,4 @@
-//! The engine as its command line: containers and volumes that are gone when the test ends.
+//! The command line of the engine, with containers and volumes that are removed when the test ends.
 
 use std::io::Write;
 use std::net::SocketAddr;
@@ -8,47 +8,47 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How long anything is waited for: far longer than it takes.
+/// Time limit of every wait, much longer than any should take.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// docker or podman, and what it runs.
+/// docker or podman, and the images to run.
 pub(crate) struct ContainerEngine {
     program: String,
-    /// The image, and the one with a shell in it.
+    /// Names of the image and of its variant with a shell.
     pub(crate) image: String,
     pub(crate) debug: String,
 }
 
-/// A container, which is gone with this.
+/// Container, which is removed with this value.
 pub(crate) struct Container<'a> {
     engine: &'a ContainerEngine,
     pub(crate) name: String,
 }
 
-/// A volume of the engine, which is gone with this.
+/// Volume of the engine, which is removed with this value.
 pub(crate) struct Volume<'a> {
     engine: &'a ContainerEngine,
     pub(crate) name: String,
 }
 
-/// A port of this machine, which the engine chooses, for the console.
+/// Publishes the console on a local port that the engine chooses.
 pub(crate) const ON_LOOPBACK: &str = "--publish=127.0.0.1::8080";
 
-/// Says that a test is left out, and why; fails instead where everything must be there.
+/// Reports that a test is skipped because something is missing, or panics where it is required.
 pub(crate) fn left_out(missing: &str) {
     let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
     assert!(!required, "the tests of the image need {missing}");
     say(&format!("a test of the image is left out: it needs {missing}"));
 }
 
-/// Written past the test harness, which would keep it to itself.
+/// Written directly, because the test harness would capture the output.
 pub(crate) fn say(words: &str) {
     writeln!(std::io::stderr(), "{words}").expect("standard error is open");
 }
 
-/// The engine; `None` where there is none, which is said, or fails where it must be there.
+/// The engine. A missing engine is reported and gives `None`, or panics where it is required.
 pub(crate) fn engine() -> Option<ContainerEngine> {
     let told = |name: &str| std::env::var(name).ok();
     let found = told("HALLSWEEP_ENGINE").zip(told("HALLSWEEP_IMAGE")).zip(told("HALLSWEEP_IMAGE_DEBUG"));
@@ -59,7 +59,7 @@ pub(crate) fn engine() -> Option<ContainerEngine> {
     Some(ContainerEngine { program, image, debug })
 }
 
-/// Waits until something is there.
+/// Waits until `look` finds something.
 #[expect(clippy::disallowed_methods, reason = "a test bounds its own patience by the real clock")]
 pub(crate) fn until<T>(wanted: &str, look: impl Fn() -> Option<T>) -> T {
     let begun = Instant::now();
@@ -72,7 +72,7 @@ pub(crate) fn until<T>(wanted: &str, look: impl Fn() -> Option<T>) -> T {
     }
 }
 
-/// A name that no other test of this run has.
+/// Name that no other test of this run uses.
 pub(crate) fn unused(what: &str) -> String {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     format!("hallsweep-{what}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
@@ -87,7 +87,8 @@ impl ContainerEngine {
         self.program.ends_with("docker")
     }
 
-    /// Runs a command of the engine to its end, whatever that is. One that takes minutes is ended: `wait` waits for ever.
+    /// Runs a command of the engine to its end, whatever the result. A command that takes more than five minutes is
+    /// killed, because `wait` might never return.
     pub(crate) fn ask(&self, arguments: &[&str]) -> Output {
         Command::new("timeout")
             .arg("300")
@@ -98,21 +99,21 @@ impl ContainerEngine {
             .expect("the engine can be run")
     }
 
-    /// The same for one that must end well; what it prints.
+    /// Runs a command that must succeed, and returns its output.
     pub(crate) fn run(&self, arguments: &[&str]) -> String {
         let output = self.ask(arguments);
         assert!(output.status.success(), "{arguments:?}: {}{}", text(&output.stdout), text(&output.stderr));
         text(&output.stdout)
     }
 
-    /// Runs an image to its end, with these options of the engine and arguments of its own: its exit code, and all that it said. Its
-    /// log is read for that, since of what is soon over an engine does not always pass on all.
+    /// Runs an image to its end; returns the exit code and the output. The output is read from the log, because
+    /// engines sometimes lose the output of a short run.
     pub(crate) fn once(&self, image: &str, options: &[&str], arguments: &[&str]) -> (String, String) {
         let container = self.start(image, options, arguments);
         (self.run(&["wait", &container.name]), container.logs().trim().to_owned())
     }
 
-    /// A container of the image that serves.
+    /// Starts a container of the image that serves.
     pub(crate) fn serve(&self, options: &[&str], arguments: &[&str]) -> Container<'_> {
         self.start(&self.image, options, arguments)
     }
@@ -132,34 +133,34 @@ impl ContainerEngine {
 }
 
 impl Container<'_> {
-    /// Where this machine reaches a port of it.
+    /// Local address of a published port.
     pub(crate) fn published(&self, port: &str) -> SocketAddr {
         let said = self.engine.run(&["port", &self.name, port]);
         said.lines().next().and_then(|line| line.parse().ok()).unwrap_or_else(|| panic!("{port} is published: {said}"))
     }
 
-    /// Runs a command in it.
+    /// Runs a command in the container.
     pub(crate) fn exec(&self, command: &[&str]) -> Output {
         self.engine.ask(&[&["exec", &self.name], command].concat())
     }
 
-    /// What it has written, on both ways.
+    /// Standard output and standard error of the container.
     pub(crate) fn logs(&self) -> String {
         let output = self.engine.ask(&["logs", &self.name]);
         format!("{}\n{}", text(&output.stdout), text(&output.stderr))
     }
 
-    /// Waits for words in its log, and returns all that is there by then.
+    /// Waits for these words in the log, and returns the log.
     pub(crate) fn until_logged(&self, words: &str) -> String {
         until(words, || Some(self.logs()).filter(|logs| logs.contains(words)))
     }
 
-    /// Waits until it serves.
+    /// Waits until the health check succeeds.
     pub(crate) fn until_healthy(&self) {
         until("it is healthy", || self.exec(&["hallsweep", "healthcheck"]).status.success().then_some(()));
     }
 
-    /// Its end by a command of the engine, as `stop`; its exit code.
+    /// Ends the container with a command of the engine such as `stop`; returns the exit code.
     pub(crate) fn end(&self, how: &[&str]) -> String {
         self.engine.run(&[how, &[&self.name]].concat());
         self.engine.run(&["wait", &self.name])
@@ -180,12 +181,12 @@ impl Drop for Container<'_> {
 }
 
 impl Volume<'_> {
-    /// As an option of the engine: where the image keeps everything.
+    /// Option of the engine that mounts the volume at the image's data folder.
     pub(crate) fn at_data(&self) -> String {
         format!("--volume={}:/data", self.name)
     }
 
-    /// Where this machine finds it; `None`, with a word, where that is not for us to touch.
+    /// Folder of the volume on this machine; `None` after a note when the test may not access it.
     pub(crate) fn folder(&self) -> Option<PathBuf> {
         let folder = PathBuf::from(self.engine.run(&["volume", "inspect", "--format", "{{.Mountpoint}}", &self.name]));
         let is_ours = rustix::process::geteuid().is_root() && folder.is_dir();

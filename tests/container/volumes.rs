@@ -1,5 +1,5 @@
-//! Volumes as those who run containers make them: of any user, given to a group at each start, with one mode for all files, and of
-//! an earlier version.
+//! Volumes as container platforms create them: for any user, given to a group at each start, with one mode for all
+//! files, and of an earlier version.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::client::{Client, kept};
 use crate::engine::{ContainerEngine, ON_LOOPBACK, Volume, engine, left_out, text, unused};
 
-/// Every file and folder of a volume, itself too.
+/// Every file and folder of a volume, including the volume itself.
 fn everything(folder: &Path) -> Vec<PathBuf> {
     let mut found = vec![folder.to_owned()];
     for entry in fs::read_dir(folder).expect("it can be read").map(|entry| entry.expect("it can be read").path()) {
@@ -20,8 +20,8 @@ fn everything(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// What a cluster does with a volume before each start (`fsGroup`): everything is the group's, which may do what the owner may, and
-/// hands itself on in folders.
+/// Change that a cluster makes to a volume before each start (`fsGroup`): everything belongs to the group, which gets
+/// the owner's rights, and new files in folders inherit the group.
 fn give_to(group: u32, folder: &Path) {
     for path in everything(folder) {
         chown(&path, None, Some(group)).expect("a test of volumes is root's");
@@ -31,14 +31,14 @@ fn give_to(group: u32, folder: &Path) {
     }
 }
 
-/// The keys that there are, as the command shows them.
+/// Keys as `hallsweep token` prints them.
 fn keys_of(engine: &ContainerEngine, options: &[&str]) -> String {
     let (code, shown) = engine.once(&engine.image, options, &["token"]);
     assert_eq!(code, "0", "{shown}");
     shown
 }
 
-/// Serves, is asked for its state with the key, and ends.
+/// Starts the program, reads its state with the key, ends it, and returns its log.
 fn serves(engine: &ContainerEngine, volume: &Volume<'_>, options: &[&str]) -> String {
     let container = engine.serve(&[options, &[ON_LOOPBACK, &volume.at_data()]].concat(), &[]);
     let state = Client::of(&container).state();
@@ -60,7 +60,7 @@ fn any_user_of_the_group_0_serves_from_a_volume_and_others_read_nothing() {
     let volume = engine.volume();
     let Some(folder) = volume.folder() else { return };
     let mut keys = Vec::new();
-    // As OpenShift gives them: another project, another number.
+    // OpenShift gives each project another user number.
     for user in ["--user=1000650000:0", "--user=1000660000:0", "--user=65532:0"] {
         serves(&engine, &volume, &[user, "--cap-drop=all"]);
         keys.push(keys_of(&engine, &[user, &volume.at_data()]));
@@ -89,20 +89,20 @@ fn a_volume_that_is_given_to_a_group_at_each_start_keeps_its_keys_and_missions()
     keys.dedup();
     assert_eq!(keys.len(), 1);
     assert_eq!(readable_by_others(&folder), Vec::<PathBuf>::new());
-    // The mode that was never anybody's intention is still refused, and the robot held.
+    // A mode that nobody intended is still refused, and the robot is held.
     fs::set_permissions(folder.join("access.toml"), fs::Permissions::from_mode(0o664)).expect("the folder is ours");
     let (code, said) = engine.once(&engine.image, &[&pod[..], &[&volume.at_data()]].concat(), &["token"]);
     assert!(code == "1" && said.contains("chmod 600"), "{code}: {said}");
 }
 
-/// A folder seen through a driver that gives every file one mode, whatever is asked for.
+/// Folder seen through a driver that gives every file the same mode, whatever mode was set.
 struct OneMode {
     behind: PathBuf,
     seen: PathBuf,
 }
 
 impl OneMode {
-    /// With what the driver does besides; `None`, with a word, where that cannot be had.
+    /// Mounts the folder with these further options; `None` after a note when that is impossible.
     fn with(more: &[&str]) -> Option<OneMode> {
         let [behind, seen] = ["behind", "seen"].map(|what| std::env::temp_dir().join(unused(what)));
         fs::create_dir(&behind).and_then(|()| fs::create_dir(&seen)).expect("there is room");
@@ -128,7 +128,7 @@ impl Drop for OneMode {
 #[test]
 fn a_volume_that_forces_a_mode_on_every_file_is_used_with_a_word() {
     let Some(engine) = engine() else { return };
-    // One where modes may be asked for and are not given; one where they may not even be asked for, and all is somebody else's.
+    // One driver ignores changes of modes; the other refuses them, and all files belong to another user.
     let ours = ["--force-user=65532", "--chmod-ignore", "--chown-ignore"];
     let others = ["--force-user=4321", "--force-group=4321", "--chmod-deny", "--chown-deny"];
     for rules in [&ours[..], &others[..]] {
@@ -149,11 +149,11 @@ fn a_volume_that_forces_a_mode_on_every_file_is_used_with_a_word() {
     }
 }
 
-/// A folder of this machine in the place of a volume, which is gone with this.
+/// Folder of the host in place of a volume, deleted with this value.
 struct HostFolder(PathBuf);
 
 impl HostFolder {
-    /// For this user alone; `None`, with a word, where folders cannot be given to others.
+    /// Folder for this user alone; `None` after a note when the test may not change owners.
     fn of(user: u32) -> Option<HostFolder> {
         let folder = HostFolder(std::env::temp_dir().join(unused("folder")));
         fs::create_dir(&folder.0).expect("there is room");
@@ -229,7 +229,7 @@ fn a_volume_of_an_earlier_version_stands_as_it_was_and_goes_on() {
     client.search_the_hall();
     assert_eq!(container.end(&["stop"]), "0");
 
-    // As the very first image left its volumes: for a user of its own, and nobody else.
+    // The first image left its volumes readable for one fixed user alone.
     for path in everything(&folder) {
         chown(&path, Some(999), Some(999)).unwrap();
         let mode = fs::metadata(&path).unwrap().mode();
@@ -248,7 +248,7 @@ fn a_backup_of_the_volume_comes_up_as_another_container() {
     let before = Client::of(&first).search_the_hall();
     let keys = text(&first.exec(&["hallsweep", "token"]).stdout);
     first.end(&["stop"]);
-    // As docs/container.md has it, with the tar of the shell that the debuggable image has.
+    // As in docs/container.md, with `tar` of the debug image's busybox.
     let backup = std::env::temp_dir().join(unused("backup"));
     fs::create_dir(&backup).unwrap();
     let at_backup = format!("--volume={}:/backup", backup.display());

@@ -1,4 +1,4 @@
-//! What was seen, by kind, as lines of text; and how it is held against what was seen before. It knows nothing of the program.
+//! Recorded texts by kind, and their comparison with earlier records. This module does not depend on the program.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
@@ -6,36 +6,36 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-/// What is longer is written as its digest, where not everything is written out.
+/// Length in bytes above which a text may be replaced by its digest.
 const SHORT: usize = 160;
 
-/// How much is written out.
+/// Rule for what is written out in full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Size {
-    /// Something long so often under each title, and as its digest from then on.
+    /// A long text is written out this many times per title, then as its digest.
     Long(usize),
-    /// Something long while this many bytes of its kind last, and only if it takes no more than a quarter of them; and what is `folded`
-    /// as one digest a kind.
+    /// Long texts of a kind are written out until they take this many bytes together; a text longer than a quarter of
+    /// that is written as its digest. Folded texts become one digest per kind.
     Short(usize),
 }
 
-/// What was seen.
+/// Recorded texts.
 pub(crate) struct Book {
     kinds: BTreeMap<&'static str, String>,
-    /// The digest of what was last shown under a title.
+    /// Digest of the text last shown under each title.
     shown: HashMap<(&'static str, String), Vec<u8>>,
-    /// How often something long was written out under a title.
+    /// Number of long texts written out under each title.
     written_out: HashMap<(&'static str, String), usize>,
-    /// How many bytes of something long were written out of a kind.
+    /// Bytes of long texts written out of each kind.
     spent: HashMap<&'static str, usize>,
-    /// What is folded just now.
+    /// Texts folded so far; `None` when folding is off.
     folded: Option<BTreeMap<&'static str, Folded>>,
-    /// Where we are, as `seed 1 · revision 12`.
+    /// Current place, such as `seed 1 · revision 12`.
     pub(crate) place: String,
     size: Size,
 }
 
-/// Many things as one digest.
+/// Many texts as one digest.
 #[derive(Default)]
 struct Folded {
     things: usize,
@@ -43,7 +43,6 @@ struct Folded {
 }
 
 impl Book {
-    /// An empty one of this size.
     pub(crate) fn new(size: Size) -> Book {
         Book {
             kinds: BTreeMap::new(),
@@ -56,14 +55,14 @@ impl Book {
         }
     }
 
-    /// Where little is written out, what is written from now on is only told by one digest a kind.
+    /// From now on, folds the texts into one digest per kind, if the size is `Short`.
     pub(crate) fn fold(&mut self) {
         if matches!(self.size, Size::Short(_)) {
             self.folded = Some(BTreeMap::new());
         }
     }
 
-    /// And no more.
+    /// Ends folding and writes the digests.
     pub(crate) fn unfold(&mut self) {
         for (kind, Folded { things, digest }) in self.folded.take().into_iter().flatten() {
             let digest = hex(&digest.finalize()[..12]);
@@ -72,12 +71,12 @@ impl Book {
         }
     }
 
-    /// A new mission begins: everything is new.
+    /// Treats every text as new, for a new mission.
     pub(crate) fn forget(&mut self) {
         self.shown.clear();
     }
 
-    /// Writes what is shown there, unless it is what was shown there before.
+    /// Writes a text, unless it equals the text last shown under this title.
     pub(crate) fn show(&mut self, kind: &'static str, title: &str, body: &[u8]) {
         let digest = Sha256::digest(body).to_vec();
         if self.shown.insert((kind, title.to_owned()), digest.clone()) != Some(digest) {
@@ -85,7 +84,7 @@ impl Book {
         }
     }
 
-    /// Writes what was said there.
+    /// Writes a text under a title.
     pub(crate) fn write(&mut self, kind: &'static str, title: &str, body: &[u8]) {
         if let Some(folded) = &mut self.folded {
             let folded = folded.entry(kind).or_default();
@@ -120,17 +119,17 @@ impl Book {
         }
     }
 
-    /// Writes one line more under what was written last.
+    /// Appends a line to the texts of a kind.
     pub(crate) fn write_on(&mut self, kind: &'static str, line: &str) {
         writeln!(self.kinds.entry(kind).or_default(), "{line}").expect("a text takes everything");
     }
 
-    /// The kinds that were written.
+    /// Kinds and their texts.
     pub(crate) fn kinds(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.kinds.iter().map(|(kind, page)| (*kind, page.as_str()))
     }
 
-    /// Writes a file a kind into this folder.
+    /// Writes one file per kind into this folder.
     pub(crate) fn save(&self, folder: &Path) {
         std::fs::create_dir_all(folder).expect("the folder can be made");
         for (kind, page) in self.kinds() {
@@ -138,23 +137,22 @@ impl Book {
         }
     }
 
-    /// What differs from the files in this folder, in words: the first line of each kind.
+    /// First line of each kind that differs from the files in this folder, described in words.
     pub(crate) fn differences(&self, folder: &Path) -> Vec<String> {
         self.kinds().filter_map(|(kind, page)| difference(&file(folder, kind), page)).collect()
     }
 }
 
-/// Bytes in short.
+/// Length and shortened digest of some bytes.
 pub(crate) fn digest(bytes: &[u8]) -> String {
     format!("{} bytes, sha256 {}", bytes.len(), hex(&Sha256::digest(bytes)[..12]))
 }
 
-/// Bytes in hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Text as it is, anything else in hexadecimal digits.
+/// Text unchanged; other bytes in hexadecimal.
 pub(crate) fn readable(body: &[u8]) -> String {
     let is_text = |text: &&str| text.chars().all(|letter| !letter.is_control() || matches!(letter, '\n' | '\r' | '\t'));
     std::str::from_utf8(body).ok().filter(is_text).map_or_else(|| format!("0x{}", hex(body)), |text| text.replace('\r', "␍"))

@@ -1,5 +1,5 @@
-//! The CoAP door as its clients see it, before its answers are cut into blocks: code, options and payload of everything it shows,
-//! in each format that discovery says it has.
+//! The CoAP door as its clients see it, before answers are cut into blocks: code, options and payload of every
+//! resource, in each format that discovery lists.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::doors::{
 };
 use super::test_app::TestApp;
 
-/// Every format of this door, one that it has not among them.
+/// Every format of this door, and one that the door does not have.
 const FORMATS: [Format; 9] = [
     Format::TEXT,
     Format::LINKS,
@@ -22,19 +22,19 @@ const FORMATS: [Format; 9] = [
     Format(9999),
 ];
 
-/// A door, asked without sockets.
+/// A door that is called without sockets.
 pub(crate) struct Coap {
     resources: Resources,
 }
 
 impl Coap {
-    /// A door of this app, at which old clients may drive or not.
+    /// Creates a door of this app; `manual_driving` sets whether old clients may drive.
     pub(crate) fn new(app: &TestApp, manual_driving: bool) -> Coap {
         let archive = ArchiveReader::new(app.memory.archive());
         Coap { resources: Resources::new(app.handle.clone(), archive, manual_driving) }
     }
 
-    /// Sends a request and waits for its answer; what an observer would be told stands behind it.
+    /// Sends a request and returns its answer, followed by what an observer would get.
     pub(crate) async fn ask(&self, request: &CoapRequest) -> (bool, String) {
         let answer = match self.resources.answer(request) {
             Reply::Now(answer) => answer,
@@ -49,7 +49,7 @@ impl Coap {
         (first.code.is_success(), shown(&first) + &watched)
     }
 
-    /// Looks at everything that shows a state, in each of its formats; at single pieces only when it is `worth` it.
+    /// Records every resource that shows a state, in each of its formats; single pieces only if `is_worth` is set.
     pub(crate) async fn look(&self, book: &mut Book, state: &Snapshot, is_worth: bool) {
         self.resources.handle_change();
         for (path, formats) in self.discovered() {
@@ -81,7 +81,7 @@ impl Coap {
         }
     }
 
-    /// Every path that discovery lists, with its formats; and those of single pieces.
+    /// Every path that discovery lists, with its formats, and the paths of single pieces.
     fn discovered(&self) -> Vec<(String, Vec<Format>)> {
         let Reply::Now(answer) = self.resources.answer(&request(Method::Get, "/.well-known/core", None, "")) else {
             panic!("discovery is answered at once");
@@ -99,7 +99,7 @@ impl Coap {
         listed.filter(|(path, _): &(String, Vec<Format>)| !path.starts_with("/luggage/")).chain([core, piece, photo]).collect()
     }
 
-    /// What does not depend on the state, what is not there, and what others may not.
+    /// Records what does not depend on the state, unknown paths, and what a remote client may not do.
     pub(crate) async fn look_round(&self, book: &mut Book) {
         for path in ["/robot", "/map", "/temperature", "/resourcemodel", "/luggage/999", "/.well-known/core", "/nowhere", "/"] {
             for accept in FORMATS {
@@ -130,7 +130,7 @@ impl Coap {
     }
 }
 
-/// A request from this machine, of a path with its query.
+/// Request from this machine; `path` may contain a query.
 pub(crate) fn request(method: Method, path: &str, format: Option<Format>, payload: impl AsRef<[u8]>) -> CoapRequest {
     let (path, query) = path.split_once('?').unwrap_or((path, ""));
     CoapRequest {
@@ -145,7 +145,7 @@ pub(crate) fn request(method: Method, path: &str, format: Option<Format>, payloa
     }
 }
 
-/// Code, options and payload.
+/// Code, options and payload as text.
 fn shown(response: &CoapResponse) -> String {
     let tag = response.tag.map(|tag| format!(" · tag {}", super::book::hex(tag.bytes())));
     let format = response.format.map(|format| format!(" · format {}", format.0));

@@ -1,4 +1,5 @@
-//! Every name of the program that the recorder uses, in one place: where modules move or are renamed, only this file follows.
+//! Every name of the program that the recorder uses, in one place: when modules are moved or renamed, only this file
+//! changes.
 
 pub(crate) use coap_endpoint::{Code, Conditions, Format, Method, Request as CoapRequest, Response as CoapResponse};
 pub(crate) use hallsweep::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};

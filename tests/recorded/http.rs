@@ -1,5 +1,5 @@
-//! The HTTP door as its clients see it: every answer whole, with its status and headers. The date is left out; what stands in a
-//! session's cookie, and the time of the machine's clock, are masked.
+//! The HTTP door as its clients see it: whole answers with status and headers. The date is left out; session
+//! cookies and times of the machine's clock are masked.
 
 use std::net::Ipv4Addr;
 
@@ -14,13 +14,13 @@ use super::book::{Book, hex, readable};
 use super::doors::{Access, ArchiveReader, Hosts, HttpDoor, Participant, Snapshot, coming_from, router};
 use super::test_app::TestApp;
 
-/// All simulated missions are before this, in milliseconds since 1970; a later time is that of the machine's clock.
+/// End of all simulated times, in milliseconds since 1970; a later time comes from the machine's clock.
 const SIMULATED: u64 = 1_780_000_000_000;
 
-/// Behind these a page says what the machine's clock shows, and how long ago something was by it.
+/// Beginnings of elements that contain the machine's time or an age computed from it, and the end of each beginning.
 const HANDS: [(&str, &str); 2] = [("this page shows what was so at ", ">"), ("data-since=", ">")];
 
-/// The headers that are on every answer.
+/// Security headers, which every answer has.
 const SECURITY: [&str; 6] = [
     "content-security-policy",
     "cross-origin-opener-policy",
@@ -30,23 +30,21 @@ const SECURITY: [&str; 6] = [
     "x-frame-options",
 ];
 
-/// What a browser accepts.
+/// Accept header of a browser.
 pub(crate) const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-/// A door, asked without sockets.
+/// A door that is called without sockets.
 pub(crate) struct Http {
     router: Router,
 }
 
-/// An answer.
 pub(crate) struct Answered {
     pub(crate) status: u16,
-    /// Status, headers, and body.
+    /// Status, headers and body.
     pub(crate) text: Vec<u8>,
 }
 
 impl Http {
-    /// A door of this app.
     pub(crate) fn new(app: &TestApp, access: Access) -> Http {
         let archive = ArchiveReader::new(app.memory.archive());
         let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(Some(0.5));
@@ -55,7 +53,7 @@ impl Http {
         Http { router: router(&door, Hosts::new(false, &[])) }
     }
 
-    /// Asks for something, from this machine.
+    /// Sends a request from this machine.
     pub(crate) async fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Answered {
         let response = self.response(method, path, headers, body).await;
         let status = response.status().as_u16();
@@ -64,7 +62,7 @@ impl Http {
         let body = if is_stream { first(response).await } else { whole(response).await };
         let masked = masked(&body);
         if masked != body {
-            // How long the time is that was masked is nobody's business either.
+            // The length depends on the masked times, so it is left out too.
             head = head.lines().filter(|line| !line.starts_with("content-length:")).map(|line| format!("{line}\n")).collect();
         }
         let text = [head.as_bytes(), readable(&masked).as_bytes()].concat();
@@ -90,7 +88,7 @@ impl Http {
         book.show(kind, &format!("GET {path}{said}"), &answered.text);
     }
 
-    /// Looks at everything that shows a state; at what is slow only when it is `worth` it.
+    /// Records every page that shows a state; slow pages only if `is_worth` is set.
     pub(crate) async fn look(&self, book: &mut Book, state: &Snapshot, is_worth: bool) {
         for path in ["/healthz", "/api/v1/state", "/api/v1/robots", "/api/v1/map", "/api/v1/luggage"] {
             self.show(book, "http", path, &[]).await;
@@ -131,7 +129,7 @@ impl Http {
         }
     }
 
-    /// What does not depend on the state, and what is not there.
+    /// Records what does not depend on the state, and unknown paths.
     pub(crate) async fn look_round(&self, book: &mut Book) {
         let assets =
             ["console.css", "console.js", "stop.js", "vendor/idiomorph.js", "icon.svg"].map(|name| format!("/static/{name}"));
@@ -162,7 +160,8 @@ impl Http {
         book.show("http", "POST /console/start from another origin", &answered.text);
     }
 
-    /// What somebody sees who must show a key: nothing, then the page to sign in, then what their role allows.
+    /// Records what a client without a key sees: without signing in, the sign-in page, and then what each role may
+    /// see.
     pub(crate) async fn sign_in(&self, book: &mut Book, tokens: &[(&str, &str)]) {
         for path in ["/", "/missions", "/api/v1/state", "/sign-in", "/sign-in?next=/missions", "/sign-in?undone=stop", "/healthz"]
         {
@@ -190,7 +189,7 @@ impl Http {
     }
 }
 
-/// Status and headers but the date, by their names; those of security as their digest.
+/// Status and headers without the date, sorted by name; the security headers as their digest.
 fn head(response: &Response<Body>) -> String {
     let security = response.headers().iter().filter(|(name, _)| SECURITY.contains(&name.as_str()));
     let mut security: Vec<String> = security.map(|(name, value)| format!("{name}: {value:?}")).collect();
@@ -206,7 +205,7 @@ fn head(response: &Response<Body>) -> String {
     format!("{}\n{}\n{} headers of security {security}\n\n", response.status(), lines.join("\n"), SECURITY.len())
 }
 
-/// A session is drawn by chance.
+/// Masks the session, which is random.
 fn cookie_masked(value: &str) -> String {
     match value.split_once('=').and_then(|(name, rest)| Some((name, rest.split_once("; Max-Age=")?))) {
         Some((name, (session, rest))) if !session.is_empty() => format!("{name}=‹session›; Max-Age={rest}"),
@@ -214,7 +213,7 @@ fn cookie_masked(value: &str) -> String {
     }
 }
 
-/// The bytes with every time of the machine's clock, which is a number of 13 digits after the simulated ones, replaced.
+/// Masks every time of the machine's clock: a number of 13 digits that is later than the simulated times.
 fn masked(body: &[u8]) -> Vec<u8> {
     let Ok(text) = std::str::from_utf8(body) else { return body.to_vec() };
     let mut masked = String::with_capacity(text.len());
@@ -233,7 +232,7 @@ fn masked(body: &[u8]) -> Vec<u8> {
     HANDS.iter().fold(masked, |text, (before, after)| between_masked(&text, before, after)).into_bytes()
 }
 
-/// The text with whatever stands between an element's beginning, which ends with `>`, and the next `<` replaced.
+/// Replaces the text between an element's beginning (`before` up to `ends`) and the next `<`.
 fn between_masked(text: &str, before: &str, ends: &str) -> String {
     let mut parts = text.split(before);
     let mut masked = parts.next().unwrap_or_default().to_owned();
@@ -249,7 +248,6 @@ async fn whole(response: Response<Body>) -> Vec<u8> {
     to_bytes(response.into_body(), usize::MAX).await.expect("the body ends").to_vec()
 }
 
-/// The first event of a stream.
 async fn first(response: Response<Body>) -> Vec<u8> {
     let mut stream = response.into_body().into_data_stream();
     let chunk = stream.next().await.expect("a stream begins with something");

@@ -1,5 +1,6 @@
-//! The MQTT door as its clients see it: every publication with its topic, its payload and whether it is kept, in their order, and
-//! what becomes of messages that command. All are published with QoS 1, which is the connection's business and not seen here.
+//! The MQTT door as its clients see it: every publication in order, with its topic, its payload and its retain
+//! flag, and the result of every command message. The QoS of publications is always 1 and not recorded, because the
+//! connection handles it.
 
 use tokio::sync::mpsc;
 
@@ -10,13 +11,13 @@ use super::doors::{
 };
 use super::test_app::TestApp;
 
-/// What all our topics begin with.
+/// Prefix of all topics of hallsweep.
 pub(crate) const BASE: &str = "hallsweep/discovery";
 
-/// The topics of old clients.
+/// Prefix of the topics of old clients.
 pub(crate) const OLD: &str = "unibo/qak";
 
-/// A door without its sockets.
+/// A door without sockets.
 pub(crate) struct Mqtt {
     feed: ChangeFeed,
     plain_feed: ChangeFeed,
@@ -25,14 +26,14 @@ pub(crate) struct Mqtt {
 }
 
 impl Mqtt {
-    /// A door of this app, at which old clients may drive or not.
+    /// Creates a door of this app; `manual_driving` sets whether old clients may drive.
     pub(crate) fn new(app: &TestApp, manual_driving: bool) -> Mqtt {
         let (give, answers) = mpsc::channel(ANSWERS);
         let commands = Commands::new(app.handle.clone(), topics(), manual_driving, give);
         Mqtt { feed: ChangeFeed::new(topics(), true), plain_feed: ChangeFeed::new(topics(), false), commands, answers }
     }
 
-    /// Everything that goes out for this state.
+    /// Records everything that is published for this state.
     pub(crate) fn look(&mut self, book: &mut Book, app: &TestApp, state: &std::sync::Arc<Snapshot>) {
         let now = app.inside().run.now().since_start;
         self.feed.handle_state(std::sync::Arc::clone(state));
@@ -56,7 +57,7 @@ impl Mqtt {
         }
     }
 
-    /// The connection is a new one, and Home Assistant has started.
+    /// Simulates a new connection and a start of Home Assistant.
     pub(crate) fn renew(&mut self, book: &mut Book) {
         book.write("mqtt", "a new connection", b"");
         self.feed.renew(2);
@@ -64,11 +65,11 @@ impl Mqtt {
         self.feed.handle_birth();
     }
 
-    /// Says something, and collects what is published about it.
+    /// Sends a message and returns its result and the publications about it.
     pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], publisher: &Publisher) -> (Taken, Vec<String>) {
         let taken =
             self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to: None }, publisher);
-        // Everything is on this thread: loop and results get their turns.
+        // Everything runs on this thread, so the main loop and the results must get their turns.
         for _ in 0..24 {
             tokio::task::yield_now().await;
         }
@@ -80,22 +81,21 @@ impl Mqtt {
     }
 }
 
-/// Somebody on this machine.
+/// Publisher on this machine.
 pub(crate) fn here() -> Publisher {
     Publisher::Known { caller: Caller::Here, from: "127.0.0.1".into() }
 }
 
-/// Somebody at somebody else's broker.
+/// Unknown publisher at another broker.
 pub(crate) fn unknown() -> Publisher {
     Publisher::Unknown { broker: "broker.example".into() }
 }
 
-/// Somebody with this key.
+/// Publisher with this key.
 pub(crate) fn with_key(keyring: &Keyring, token: &str) -> Publisher {
     Publisher::Known { caller: Caller::Known(keyring.check(token).expect("the key is there")), from: "192.0.2.7".into() }
 }
 
-/// Access by these keys.
 pub(crate) fn by_keys(keyring: &Keyring) -> Access {
     Access::Keys(keyring.clone())
 }

@@ -1,5 +1,5 @@
-//! Missions that are played before all doors at once: an operator who brings them to their end, and between, commands drawn by the
-//! seed from the table of all there are. After whatever happens everything is looked at that a door shows.
+//! Missions that are played at all doors at once. An operator brings them to their end; between, the seed draws
+//! commands from the table of all commands. After each event, everything that a door shows is recorded.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,21 +17,21 @@ use super::table::{Form, filled, forms};
 use super::test_app::TestApp;
 use super::wire;
 
-/// What is played.
+/// Description of one play.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Play {
     pub(crate) hall: &'static str,
     pub(crate) seed: u64,
-    /// So many things are done, or waited for.
+    /// Number of actions and waits.
     pub(crate) steps: usize,
-    /// One in so many of them is a command from the table; 0 for none.
+    /// One in this many steps is a command from the table; 0 means none.
     pub(crate) one_in: u64,
-    /// All commands of the table are given at the beginning, and before the first piece.
+    /// Whether all commands of the table are given, at the beginning and again at the first piece.
     pub(crate) with_table: bool,
     pub(crate) camera: Camera,
 }
 
-/// A mission under way, and all doors to it.
+/// A mission and all doors to it.
 pub(crate) struct Player {
     pub(crate) app: TestApp,
     http: Http,
@@ -41,11 +41,11 @@ pub(crate) struct Player {
     dice: RandomStream,
     seen: Option<Arc<Snapshot>>,
     forms: Vec<Form>,
-    /// How often each command was accepted and refused.
+    /// Number of acceptances and of refusals of each command.
     outcomes: BTreeMap<String, [usize; 2]>,
 }
 
-/// Plays one, and writes down what was seen.
+/// Plays a mission and records it.
 pub(crate) async fn play(book: &mut Book, of: Play) -> BTreeMap<String, [usize; 2]> {
     book.forget();
     let hall = Arc::new(Hall::named_or_file(of.hall).expect("the hall comes with the program"));
@@ -62,7 +62,7 @@ pub(crate) async fn play(book: &mut Book, of: Play) -> BTreeMap<String, [usize; 
     player.outcomes
 }
 
-/// What does not depend on a mission: wrong ways, keys, and every refusal at every door.
+/// Records what does not depend on a mission: unknown paths, keys, and every refusal at every door.
 pub(crate) async fn at_the_doors(book: &mut Book) {
     book.place = "at the doors".to_owned();
     let hall = Arc::new(Hall::named_or_file("seed").expect("the hall comes with the program"));
@@ -97,7 +97,7 @@ pub(crate) async fn at_the_doors(book: &mut Book) {
     }
 }
 
-/// One command with a name of its own, again, and another command with the same name.
+/// Gives a command with an idempotency key, repeats it, and gives another command with the same key.
 async fn repeats(book: &mut Book) {
     let hall = Arc::new(Hall::named_or_file("seed").expect("the hall comes with the program"));
     let mut player = Player::new(TestApp::new(&hall, SimSettings::new(1, Camera::Stub), false), RandomStream::new(1, "repeats"));
@@ -149,7 +149,7 @@ async fn keys(book: &mut Book, app: &TestApp) {
     }
 }
 
-/// What became of a message, in words that no renaming changes.
+/// Result of a message, in words that do not change when code is renamed.
 fn outcome(taken: Taken, said: &[String]) -> String {
     let taken = match taken {
         Taken::NotACommand => "not a command",
@@ -159,7 +159,7 @@ fn outcome(taken: Taken, said: &[String]) -> String {
     format!("{taken}\n{}", said.join("\n"))
 }
 
-/// A command that was given.
+/// Answer to a command.
 pub(crate) struct Given {
     pub(crate) kind: &'static str,
     pub(crate) title: String,
@@ -168,7 +168,6 @@ pub(crate) struct Given {
 }
 
 impl Player {
-    /// All doors to this app.
     pub(crate) fn new(app: TestApp, dice: RandomStream) -> Player {
         Player {
             http: Http::new(&app, Access::Open),
@@ -210,7 +209,7 @@ impl Player {
         }
     }
 
-    /// Every command of the table in turn, at this one state and those that come of it.
+    /// Gives every command of the table in turn; the first at this state, each further one at the state that follows.
     async fn whole_table(&mut self, book: &mut Book, of: Play) {
         for form in self.forms.clone() {
             self.give(book, &form).await;
@@ -226,7 +225,7 @@ impl Player {
         self.forms[place].clone()
     }
 
-    /// What the operator does now; nothing while the robot is at work.
+    /// Next command of the operator; `None` while the robot works.
     fn operator(&mut self) -> Option<Form> {
         let state = self.app.state();
         let mission = &state.mission;
@@ -253,7 +252,7 @@ impl Player {
         (may_start && self.dice.below(3) == 0).then(|| self.command("start", ""))
     }
 
-    /// What is to be tried where nothing goes on by itself.
+    /// Command that may help when nothing happens by itself any more.
     fn way_out(&mut self) -> Form {
         let heats = [r#"{"status":"ok"}"#, r#"{"celsius":20}"#, r#"{"celsius":20,"sensor":"roof"}"#];
         match self.dice.below(6) {
@@ -264,7 +263,7 @@ impl Player {
         }
     }
 
-    /// A command at a door that is drawn.
+    /// Command at a random door.
     fn command(&mut self, name: &str, body: &str) -> Form {
         let door = self.dice.below(4);
         let path = match name {
@@ -290,18 +289,17 @@ impl Player {
         }
     }
 
-    /// Gives a command, and writes down how it was answered.
+    /// Gives a command and records the answer.
     async fn give(&mut self, book: &mut Book, form: &Form) {
         let Given { kind, title, is_accepted, said } = self.answer(form).await;
         self.outcomes.entry(format!("{kind} {title}")).or_default()[usize::from(!is_accepted)] += 1;
         book.write(kind, &title, &said);
     }
 
-    /// Gives a command.
     pub(crate) async fn answer(&mut self, form: &Form) -> Given {
         let state = self.app.state();
         let of = |text: &str| filled(text, &state);
-        // Nobody is told that he says too much at once.
+        // Keeps below the doors' rate limits.
         tokio::time::sleep(Duration::from_secs(2)).await;
         let (kind, title, is_accepted, said) = match form {
             Form::Http(method, path, accept, content, body) => {
@@ -333,7 +331,7 @@ impl Player {
         book.place = format!("{} {} · revision {}", of.hall, of.seed, self.app.state().revision);
     }
 
-    /// Looks at everything, if anything has changed.
+    /// Records the state if it has changed.
     async fn look(&mut self, book: &mut Book, of: Play) {
         let state = self.app.state();
         if self.seen.as_ref().is_some_and(|seen| seen.revision == state.revision) {
@@ -352,7 +350,7 @@ impl Player {
         book.unfold();
     }
 
-    /// Looks at everything there is in this state.
+    /// Records everything that is shown in this state.
     pub(crate) async fn look_at_all(&mut self, book: &mut Book) {
         book.fold();
         self.look_at(book, None, &self.app.state(), true).await;

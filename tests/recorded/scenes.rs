@@ -1,5 +1,5 @@
-//! Every command of the table in every scene: a state that is made anew for each, so that every command is accepted somewhere and
-//! refused somewhere else.
+//! Every command of the table in every scene. Each command gets a new state, so that every command is accepted in one
+//! scene and refused in another.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::play::Player;
 use super::table::forms;
 use super::test_app::TestApp;
 
-/// A state to be in.
+/// State in which the commands are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scene {
     Idle,
@@ -69,7 +69,7 @@ impl Scene {
         }
     }
 
-    /// An app in this state.
+    /// Creates an app in this state.
     fn app(self) -> TestApp {
         let rows: &[&str] = if self == Scene::Explored { &["S..", "..."] } else { &["S...", ".T..", "...."] };
         let hall = Arc::new(Hall::from_rows("scene", rows).expect("a sound hall"));
@@ -99,7 +99,7 @@ impl Scene {
         app
     }
 
-    /// How far the bag is fetched.
+    /// Continues the retrieval to the stage of the scene.
     fn fetch(self, app: &TestApp) {
         if self == Scene::BombLocated {
             return;
@@ -115,7 +115,7 @@ impl Scene {
         app.until(|state| state.mission.phase == PhaseName::BagSecured);
     }
 
-    /// What keeps a robot from searching on.
+    /// Causes what stops the search in the scene.
     fn halt(self, app: &TestApp) {
         if self == Scene::Stopped {
             given(app, Command::Stop);
@@ -137,13 +137,13 @@ impl Scene {
     }
 }
 
-/// Until the operator is asked.
+/// Continues until a piece is inspected.
 fn inspected(app: &TestApp) {
     app.until(|state| state.mission.inspected.is_some());
     some(app, 3);
 }
 
-/// Lets so many things happen, if there are so many.
+/// Handles this number of events, or fewer if there are no more.
 fn some(app: &TestApp, things: usize) {
     for _ in 0..things {
         app.advance();
@@ -154,8 +154,8 @@ fn given(app: &TestApp, command: Command) {
     assert!(app.give(command.clone()), "{command:?} in phase {}", app.state().mission.phase.name());
 }
 
-/// Gives every command in every scene. Where not everything is `in_full`, the answer is written where it is accepted first, or else
-/// where it was given first, and all of them as a digest.
+/// Gives every command in every scene. If `in_full` is not set, only one answer of each command is written: the first
+/// accepted one, or the first of all. A digest covers all answers.
 pub(crate) async fn play(book: &mut Book, in_full: bool) -> Vec<String> {
     for scene in ALL {
         book.forget();

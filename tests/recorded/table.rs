@@ -1,5 +1,5 @@
-//! Every command as clients write it, right and wrong, at every door. `$pending`, `$alarm`, `$epoch`, `$revision`, `$x` and `$y` stand for what
-//! there is at the moment.
+//! Every command as clients write it, right and wrong, at every door. `$pending`, `$alarm`, `$epoch`, `$revision`,
+//! `$x` and `$y` stand for current values.
 
 use super::doors::{Format, Method, Snapshot};
 use super::mqtt::{BASE, OLD};
@@ -7,15 +7,15 @@ use super::mqtt::{BASE, OLD};
 /// One message to one door.
 #[derive(Clone, Debug)]
 pub(crate) enum Form {
-    /// Method, path, what is accepted, the kind of the body, and the body.
+    /// Method, path, Accept, Content-Type, and body.
     Http(&'static str, String, Option<&'static str>, Option<&'static str>, String),
-    /// Method, path, whether body and answer are CBOR, and the body as JSON.
+    /// Method, path, format of body and answer, and the body as JSON.
     Coap(Method, String, Option<Format>, String),
     /// Topic and payload.
     Mqtt(String, String),
 }
 
-/// A command of the interfaces: its name, HTTP's method and path, CoAP's path, and bodies.
+/// Command of the interfaces: name, HTTP method and path, CoAP path, and bodies.
 type Row = (&'static str, &'static str, &'static str, &'static str, &'static [&'static str]);
 
 const EPOCHS: &[&str] = &["", "{}", r#"{"epoch":$epoch}"#, r#"{"epoch":0}"#, r#"{"epoch":"x"}"#, "{", "[]"];
@@ -87,7 +87,7 @@ const DEGREES: &[&str] = &[
 
 const VERDICTS: &[&str] = &[r#"{"verdict":"safe"}"#, r#"{"verdict":"danger"}"#, r#"{"verdict":"maybe"}"#, "{}", "", "safe"];
 
-/// The letters and words of old consoles, at their paths of HTTP and as a payload of CoAP.
+/// Letters and words of old consoles, which are paths over HTTP and payloads over CoAP.
 const OLD_PATHS: [&str; 16] = [
     "w",
     "s",
@@ -109,7 +109,7 @@ const OLD_PATHS: [&str; 16] = [
 const OLD_WORDS: [&str; 16] =
     ["w", "s", "a", "l", "d", "r", "h", "z", "x", "safe", "danger", "\"w\"", "W", "", "stop", "{\"move\":\"w\"}"];
 
-/// What the console's forms send.
+/// Forms that the console sends.
 const FORMS: [(&str, &str); 19] = [
     ("start", "epoch=$epoch"),
     ("start", "epoch=0"),
@@ -132,7 +132,7 @@ const FORMS: [(&str, &str); 19] = [
     ("temperature", "celsius=warm"),
 ];
 
-/// What old clients publish: MSGID and CONTENT.
+/// Messages of old clients: MSGID and CONTENT.
 const MESSAGES: [(&str, &str); 30] = [
     ("startCmd", "startCmd"),
     ("startCmd", "stopCmd"),
@@ -169,7 +169,6 @@ const MESSAGES: [(&str, &str); 30] = [
 const JSON: &str = "application/json";
 const URLENCODED: &str = "application/x-www-form-urlencoded";
 
-/// All of them.
 pub(crate) fn forms() -> Vec<Form> {
     [interfaces(), old_words(), console(), bare()].concat()
 }
@@ -194,7 +193,7 @@ fn interfaces() -> Vec<Form> {
     forms
 }
 
-/// A body for MQTT, where the number of a thing stands in it and not in a path.
+/// Body for MQTT, which contains the number that HTTP has in the path.
 fn numbered(path: &str, body: &str) -> String {
     let number = path.split('/').find(|part| part.starts_with('$') || *part == "999").unwrap_or_default();
     let name = if path.contains("/alarms/") { "alarm" } else { "luggage" };
@@ -236,7 +235,7 @@ fn console() -> Vec<Form> {
     FORMS.into_iter().flat_map(|filled_in| both.map(|accept| form(filled_in, accept))).collect()
 }
 
-/// Bare words of MQTT, and topics that are nobody's.
+/// Bare words over MQTT, and unknown topics.
 fn bare() -> Vec<Form> {
     let words = ["start", "stop", "backHome", "retrieve", "reset", "goto", "dance", "", " Stop! "];
     let topics = ["command/start/result", "state/robot", "command", "nothing"];
@@ -245,7 +244,7 @@ fn bare() -> Vec<Form> {
     words.into_iter().chain(topics).collect()
 }
 
-/// A text with what there is at the moment in it.
+/// Replaces the placeholders with current values.
 pub(crate) fn filled(text: &str, state: &Snapshot) -> String {
     let pending = state.pending().or(state.luggage.last()).map_or(1, |piece| piece.id.0);
     let alarm = state.alarms.iter().find(|alarm| alarm.acknowledged.is_none()).or(state.alarms.first());

@@ -1,5 +1,5 @@
-//! The program without its sockets: core and simulator in simulated time, a store in memory, and a loop that answers what comes
-//! by a handle, as the doors use it.
+//! The program without sockets: core and simulator in simulated time, a store in memory, and a main loop that answers
+//! requests through a handle, as the doors use it.
 
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
@@ -11,10 +11,10 @@ use super::doors::{
     Settings, SimSettings, Slip, Snapshot, Store, Strategy,
 };
 
-/// The name of the sensor that some missions have.
+/// Name of the sensor in missions that have one.
 pub(crate) const SENSOR: &str = "roof";
 
-/// A mission under way, and the way to it. Cheap to clone.
+/// A mission and the handle to it; cheap to clone.
 #[derive(Clone)]
 pub(crate) struct TestApp {
     pub(crate) hall: Arc<Hall>,
@@ -23,10 +23,10 @@ pub(crate) struct TestApp {
     inside: Arc<Mutex<Inside>>,
 }
 
-/// What the loop works on.
+/// State of the main loop.
 pub(crate) struct Inside {
     pub(crate) run: Run,
-    /// With what every command is refused.
+    /// Refusal that every command gets, if set.
     pub(crate) refuse: Option<Refused>,
     memory: MemoryStore,
     kept: usize,
@@ -34,13 +34,13 @@ pub(crate) struct Inside {
 }
 
 impl TestApp {
-    /// A robot at home. Must be called inside a runtime.
+    /// App with a robot at home. Must be called inside a runtime.
     pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> TestApp {
         let run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::Snail);
         TestApp::of(hall, run, with_sensor)
     }
 
-    /// The same, and a pair before the entrance whose parcel slips once.
+    /// App that also has a pair before the entrance; its parcel slips once.
     pub(crate) fn with_pair(hall: &Arc<Hall>, sim: SimSettings) -> TestApp {
         let mut pair = PairSettings { way_out: true, ..PairSettings::new(1, Place::ENTRANCE) };
         pair.mishaps.slips = vec![Slip { parcel: 1, after_steps: 1 }];
@@ -66,17 +66,16 @@ impl TestApp {
         TestApp { hall: Arc::clone(hall), handle, memory, inside }
     }
 
-    /// What the loop works on. Not to be held while something is waited for.
+    /// Locks the state of the main loop. The guard must not be held across an await.
     pub(crate) fn inside(&self) -> MutexGuard<'_, Inside> {
         self.inside.lock().expect("nobody panicked here")
     }
 
-    /// The state now.
     pub(crate) fn state(&self) -> Arc<Snapshot> {
         self.inside().run.state()
     }
 
-    /// Gives a command past the doors; whether it was accepted.
+    /// Gives a command directly to the core; returns whether it was accepted.
     pub(crate) fn give(&self, command: Command) -> bool {
         let mut inside = self.inside();
         let is_accepted = inside.run.give(command).is_ok();
@@ -84,14 +83,14 @@ impl TestApp {
         is_accepted
     }
 
-    /// Lets something happen that the simulator does not do by itself.
+    /// Handles an event that the simulator does not cause.
     pub(crate) fn happen(&self, event: Event) {
         let mut inside = self.inside();
         inside.run.happen(event);
         inside.publish();
     }
 
-    /// Lets things happen until it came to that; the doors see the end.
+    /// Handles events until `is_there` is true, then publishes the state to the doors.
     pub(crate) fn until(&self, is_there: impl Fn(&Snapshot) -> bool) {
         let mut inside = self.inside();
         while !is_there(&inside.run.state()) {
@@ -100,7 +99,7 @@ impl TestApp {
         inside.publish();
     }
 
-    /// Lets the next thing happen that takes time; false when there is none.
+    /// Handles the next timed event; false when there is none.
     pub(crate) fn advance(&self) -> bool {
         let mut inside = self.inside();
         let went_on = inside.run.advance();
@@ -136,12 +135,12 @@ impl Inside {
                 self.publish();
                 let _ = answer.map(|answer| answer.send(Err(refused)));
             }
-            // Nothing of this is simulated in the sense of a door.
+            // No simulator takes these requests here.
             Envelope::Simulated(..) | Envelope::PutDown(..) => {}
         }
     }
 
-    /// Keeps what is new on record, and shows the state to the doors.
+    /// Stores new entries and publishes the state to the doors.
     fn publish(&mut self) {
         let entries = self.run.journal[self.kept..].to_vec();
         if !entries.is_empty() {

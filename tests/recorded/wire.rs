@@ -1,4 +1,4 @@
-//! What the shapes of the wire make of a state, of the difference of two, of a refusal, and of an entry of the journal.
+//! JSON, CBOR and text forms of states, changes, refusals and entries of the journal.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::doors::{
     StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
 };
 
-/// Everything that can be made of a state, and of what changed since the one before.
+/// Records every form of a state, and of its changes since the one before.
 pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapshot) {
     shape(book, "state", &StateJson::from(newer));
     if let Some(older) = older {
@@ -37,7 +37,7 @@ pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapsh
     words(book, newer);
 }
 
-/// The plain texts, and those of old clients.
+/// Plain texts, also those of old clients.
 fn words(book: &mut Book, newer: &Snapshot) {
     let mut say = |title: &str, words: String| book.show("text", title, words.as_bytes());
     say("mission", text::mission(&newer.mission));
@@ -62,7 +62,7 @@ fn shape(book: &mut Book, title: &str, shape: &impl Serialize) {
     book.show("cbor", title, &cbor::written(shape));
 }
 
-/// Every entry of a journal, in JSON and in words.
+/// Records every entry of a journal in JSON and in words.
 pub(crate) fn entries(book: &mut Book, entries: &[Entry]) {
     let mut mission = None;
     let mut kinds = BTreeSet::new();
@@ -87,7 +87,7 @@ fn begun(entry: &Entry) -> Option<MissionId> {
     if let Fact::MissionBegan(mission, _) = &entry.fact { Some(*mission) } else { None }
 }
 
-/// Every refusal there is, each with its fixed word.
+/// Every refusal, each with its fixed code.
 pub(crate) fn refusals() -> Vec<Refused> {
     let piece = LuggageId(3);
     let refused = vec![
@@ -114,7 +114,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::NoRetrievalRobot,
         Refused::FetcherUnreached(RobotId::new("srm1").expect("a sound name")),
         Refused::FetcherAbroad(RobotId::new("srm2").expect("a sound name")),
-        // In the words of an earlier version.
+        // A refusal in the words of an earlier version.
         Refused::InWords(Refusal {
             code: "faultStands",
             kind: RefusalKind::Conflict,
@@ -135,7 +135,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
     all
 }
 
-/// Problems made of every refusal, in JSON and CBOR.
+/// Records the problem details of every refusal in JSON and CBOR.
 pub(crate) fn problems(book: &mut Book) {
     for refused in refusals() {
         let (kind, detail) = (ProblemKind::from(refused.kind()), refused.to_string());

@@ -1,5 +1,5 @@
-//! Who gets in: keys beyond loopback, their file, their command, sessions, viewers and operators, names of hosts. The door is
-//! bound to every address and reached over loopback only.
+//! Access control: keys beyond loopback, the key file, `hallsweep token`, sessions, the viewer and operator
+//! roles, and host names. The program binds to every address, but the tests reach it over loopback only.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -12,13 +12,13 @@ use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-/// A data folder that is gone when the test ends.
+/// Data folder that is removed when the test ends.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     pub(crate) fn new(name: &str) -> Folder {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("access-{name}-{}", std::process::id()));
-        // There is none yet, unless a test before it was interrupted.
+        // A leftover exists only if an earlier run was interrupted.
         let _ = std::fs::remove_dir_all(&path);
         Folder(path)
     }
@@ -37,26 +37,26 @@ impl Folder {
         command
     }
 
-    /// A program that others could reach.
+    /// Starts the program on an address that other machines could reach.
     fn serve(&self) -> Program {
         Program::started(&mut self.command(&["serve", "--http", "0.0.0.0:0", "--hall", "empty-8x8", "--speed", "4"]))
     }
 
-    /// What `hallsweep token` prints.
+    /// Output of `hallsweep token`.
     pub(crate) fn token(&self, arguments: &[&str]) -> String {
         let output = self.command(&[&["token"], arguments].concat()).output().expect("the program starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// The token of a key, as `hallsweep token` shows it.
+    /// Token of the named key, read from the output of `hallsweep token`.
     pub(crate) fn token_of(&self, name: &str) -> String {
         let shown = self.token(&[]);
         let key = shown.split(&format!("{name} (")).nth(1).expect("the key is shown");
         key.lines().nth(1).and_then(|line| line.split_whitespace().nth(1)).expect("its token is shown").to_owned()
     }
 
-    /// What `hallsweep token` says when it refuses.
+    /// Error message with which `hallsweep token` refuses these arguments.
     fn refused(&self, arguments: &[&str]) -> String {
         let output = self.command(&[&["token"], arguments].concat()).output().expect("the program starts");
         assert_eq!(output.status.code(), Some(1), "{output:?}");
@@ -66,12 +66,12 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Left behind it harms nobody.
+        // A leftover folder is harmless.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// A program with two keys, an operator's and a viewer's by the name of `lobby`, over a journal.
+/// A program with a journal and two keys: one of an operator, and one of a viewer named `lobby`.
 pub(crate) struct Site {
     pub(crate) program: Program,
     pub(crate) operator: String,
@@ -80,12 +80,13 @@ pub(crate) struct Site {
 }
 
 impl Site {
-    /// Keys are asked for where these settings say so, as `HTTP__REQUIRE_TOKEN`; the other doors are open to this machine.
+    /// Enables the named settings, such as `HTTP__REQUIRE_TOKEN`, which make an interface ask for keys. The other
+    /// interfaces stay open to this machine.
     pub(crate) fn new(name: &str, asks: &[&str]) -> Site {
         Site::in_hall(name, asks, "empty-8x8", "4")
     }
 
-    /// The same in this hall, at this speed.
+    /// Like `new`, but with the given hall and speed.
     pub(crate) fn in_hall(name: &str, asks: &[&str], hall: &str, speed: &str) -> Site {
         let folder = Folder::new(name);
         folder.token(&["add", "lobby", "--role", "viewer"]);
@@ -100,24 +101,24 @@ fn bearer(token: &str) -> String {
     format!("Bearer {token}")
 }
 
-/// Looks at the state, as whoever has this token.
+/// Status of a read of the state with this token.
 fn looks(program: &Program, token: &str) -> u16 {
     program.read("/api/v1/state", &[("authorization", &bearer(token))]).status
 }
 
-/// Gives a command of the API, as whoever has this token.
+/// Sends a command of the API with this token.
 fn commands(program: &Program, token: &str, command: &str) -> Answer {
     program.post_with(&format!("/api/v1/commands/{command}"), &[("authorization", &bearer(token))], "")
 }
 
-/// Signs in, and returns the cookie.
+/// Signs in and returns the session cookie.
 pub(crate) fn sign_in(program: &Program, token: &str) -> String {
     let answer = program.post_with("/sign-in", &[FORM, BROWSER], &format!("token={token}&next=/"));
     assert_eq!((answer.status, answer.header("location")), (303, "./"));
     answer.header("set-cookie").split(';').next().expect("a cookie").to_owned()
 }
 
-/// Waits until a look is answered so: a changed key counts within a moment.
+/// Waits until a read of the state has this status, because a changed key takes effect only after a moment.
 fn until_looks(program: &Program, token: &str, status: u16) {
     let deadline = crate::program::Deadline::within(Duration::from_secs(60));
     while looks(program, token) != status {
@@ -197,7 +198,8 @@ fn a_session_outlives_the_program() {
     let cookie = sign_in(&program, &folder.token_of("operator"));
     drop(program);
     let again = folder.serve();
-    // Browsers know nothing of ports, so the cookie is named after it; this time it is another one.
+    // Cookies are not separated by port, so the port is part of the cookie's name. The restarted program has another
+    // port.
     let (_, session) = cookie.split_once('=').expect("a name and a value");
     let cookie = format!("hallsweep-{}={session}", again.address().port());
     assert_eq!(again.read("/api/v1/state", &[("cookie", &cookie)]).status, 200);
@@ -324,7 +326,8 @@ fn beyond_loopback_addresses_and_listed_names_are_known_and_no_others() {
     assert_eq!(named.read("/healthz", &[("host", "rebound.example")]).status, 421);
 }
 
-/// Safety A3. That the delay grows, and that nobody with a key waits, is measured beside `sign_in` on a clock that does not run.
+/// Safety A3. `sign_in` has its own tests, on a simulated clock, of the growing delay and of the rule that a holder
+/// of a key never waits.
 #[test]
 fn a_wrong_key_is_refused_in_words_and_locks_nobody_out() {
     let folder = Folder::new("wrong");
@@ -338,7 +341,8 @@ fn a_wrong_key_is_refused_in_words_and_locks_nobody_out() {
     commands(&program, &token, "stop").accepted();
 }
 
-/// Safety A6: what a stranger asks for is in the log with its address, and not in the journal, which it must not be able to fill.
+/// Safety A6: a request without a key is logged with its address. It is not written to the journal, which strangers
+/// must not be able to fill.
 #[test]
 fn what_strangers_ask_for_is_in_the_log_alone() {
     let folder = crate::kill::Folder::new("strangers");
@@ -349,7 +353,7 @@ fn what_strangers_ask_for_is_in_the_log_alone() {
     let program = Program::started(command.stderr(std::fs::File::create(&log).expect("a file for the log")));
     assert_eq!(program.command("start").status, 401);
     let written = || std::fs::read_to_string(&log).expect("it is there");
-    // A thread of its own writes the log.
+    // The log is written by a separate thread.
     let until = |words: &str| {
         let deadline = Deadline::within(PATIENCE);
         while !written().contains(words) {
@@ -382,7 +386,7 @@ fn of_keys_that_are_changed_at_once_none_is_lost_and_who_locks_the_folder_keeps_
     for number in 0..8 {
         assert!(shown.contains(&format!("key-{number} (viewer)")), "{shown}");
     }
-    // Anybody who may look into the folder can do this, and a key must be taken away all the same.
+    // Anybody who may read the folder can hold this lock, and removing a key must work all the same.
     let held = std::fs::File::open(&folder.0).expect("the folder is there");
     held.lock().expect("nobody else has it");
     folder.token(&["remove", "key-3"]);

@@ -1,4 +1,5 @@
-//! Old missions in archives: written out by a command or at a start, held against the journal, reported, and served again.
+//! Archives of old missions: written by a command or at a start, checked against the journal, reported, and served
+//! again.
 
 use std::io::Read;
 use std::net::TcpListener;
@@ -11,7 +12,7 @@ use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 use crate::third_party::{left_out, patiently, python, runs};
 
-/// A mission that finds one bomb, and is put away.
+/// Runs a mission that finds one bomb, and puts the mission away.
 fn a_mission(program: &Program) {
     program.command("start").accepted();
     let piece = program.until_asked();
@@ -34,7 +35,7 @@ fn report(data: &str, mission: &str) -> Vec<u8> {
     output.stdout
 }
 
-/// By a program that shares no line with ours.
+/// Checks the chain of digests with `chain.py`, which shares no code with the program.
 fn chain_holds(journals: &[&Path]) {
     if !runs(python().arg("--version")) && !left_out("journal", "python3") {
         return;
@@ -46,7 +47,7 @@ fn chain_holds(journals: &[&Path]) {
     }
 }
 
-/// Runs `hallsweep journal` with these words on an archive or a folder; whether all was well, and what was said.
+/// Runs `hallsweep journal` on an archive or a folder. Returns whether the command succeeded, and its output.
 fn journal_of(data: &Path, words: &[&str]) -> (bool, String) {
     let output = hallsweep(&[&["journal", "--data", text(data)], words].concat()).output().expect("the program starts");
     (output.status.success(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
@@ -130,7 +131,7 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     assert_eq!(program.read("/missions/1/moment?at=20", &[]).status, 200, "and is played again");
 }
 
-/// Neither the second nor what is made of it has the first.
+/// The second archive, and the folder unpacked from it, do not contain the first mission.
 #[test]
 fn of_two_archives_in_a_row_both_become_folders_that_are_sound_and_served() {
     let (folder, beside) = (Folder::new("archives-row"), Folder::new("archives-row-beside"));
@@ -168,7 +169,8 @@ fn of_two_archives_in_a_row_both_become_folders_that_are_sound_and_served() {
     }
 }
 
-/// Where it dies nothing of the name is there, and it can be done again.
+/// Kills `journal unpack` at each of its renames. A killed run must leave nothing under the final name, and must be
+/// repeatable.
 fn unpack_killed_on_its_way(archive: &Path, data: &Path) {
     for rename in 1..10 {
         let inject = format!("inject=rename,renameat,renameat2:signal=SIGKILL:when={rename}");
@@ -185,7 +187,8 @@ fn unpack_killed_on_its_way(archive: &Path, data: &Path) {
     panic!("it never came to its end");
 }
 
-/// Runs a command under `strace` with these arguments; whether it was killed, nothing where there is no `strace`.
+/// Runs a command under `strace` with these arguments. Returns whether the command was killed, or `None` if `strace`
+/// is missing.
 fn killed_at(command: &Command, arguments: &[&str]) -> Option<bool> {
     let mut strace = Command::new("strace");
     if !runs(strace.args(["-f", "true"])) && !left_out("journal", "strace") {
@@ -199,7 +202,7 @@ fn killed_at(command: &Command, arguments: &[&str]) -> Option<bool> {
     Some(!status.success())
 }
 
-/// The journal of an earlier version, whose first mission was put away years before anybody reads this.
+/// Uses the journal of an earlier version, whose first mission was put away long before any run of this test.
 #[test]
 fn at_a_start_missions_that_have_been_kept_long_enough_go_into_an_archive() {
     let folder = crate::earlier::copy("archives-keep");
@@ -226,7 +229,7 @@ fn at_a_start_missions_that_have_been_kept_long_enough_go_into_an_archive() {
     assert!(!report(text(&archives[0]), "1").is_empty());
 }
 
-/// Two missions, the first of which was put away long ago.
+/// A folder with two missions, the first of which was put away long ago.
 fn with_an_old_mission(name: &str) -> (Folder, impl Fn(&str, &str) -> Command) {
     let folder = crate::earlier::copy(name);
     let data = folder.text().to_owned();
@@ -246,7 +249,7 @@ fn archives(folder: &Folder) -> Vec<(PathBuf, Vec<u8>)> {
     there.map(path).map(|path| (path.clone(), std::fs::read(path).expect("it can be read"))).collect()
 }
 
-/// Safety S1: what is not open yet promises nothing, and no STOP waits for an archive.
+/// Safety S1: a program that has not opened its ports yet has promised nothing, so no STOP waits for an archive.
 #[test]
 fn old_missions_are_written_out_before_a_door_is_open() {
     let (folder, serve) = with_an_old_mission("archives-first");
@@ -260,7 +263,7 @@ fn old_missions_are_written_out_before_a_door_is_open() {
     assert!(well, "{said}");
 }
 
-/// Killed when the archive is written and the journal is to say so: at the first byte of that.
+/// Kills the program after the archive is written, at the first write of the matching journal entry.
 #[test]
 fn killed_between_the_archive_and_the_journal_a_start_takes_the_archive_that_is_there() {
     let (folder, serve) = with_an_old_mission("archives-killed");
@@ -282,7 +285,7 @@ fn killed_between_the_archive_and_the_journal_a_start_takes_the_archive_that_is_
     assert!(well, "{said}");
 }
 
-/// Whoever reads slowly lets an archiving come between the parts of a report.
+/// A slow reader allows an archiving run to happen between two parts of a report.
 #[test]
 fn a_report_whose_mission_is_written_out_meanwhile_does_not_end_as_if_it_were_whole() {
     let (folder, beside) = (Folder::new("archives-meanwhile"), Folder::new("archives-meanwhile-beside"));

@@ -1,5 +1,6 @@
-//! Somebody sets the machine's clock while the program runs: who is signed in may stop the robot all the same, and every duration that is
-//! shown is the one that passed. The clock is set by libfaketime, under the real program; the monotonic clock stays true.
+//! Changes of the machine's clock while the program runs: a signed-in user can still stop the robot, and every
+//! displayed duration is the real one. `libfaketime` sets the clock under the real program; the monotonic clock is
+//! not changed.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -15,16 +16,17 @@ use crate::journal::holds;
 use crate::program::{Answer, Deadline, PATIENCE, Program};
 use crate::third_party::left_out;
 
-/// Where Debian has the library, on whatever processor.
+/// Folder below which Debian installs `libfaketime`, whatever the processor.
 const LIBRARIES: &str = "/usr/lib";
 
-/// By how many seconds the clock is set: back by ten minutes and by an hour, forward by a shift and by a month.
+/// Clock changes in seconds: back by ten minutes and by an hour, forward by a shift of 13 hours and by 30 days.
 const SETS: [i64; 4] = [-600, -3600, 13 * 3600, 30 * 86_400];
 
-/// What passes after the clock was set, so that a duration without it is told from one with it.
+/// Time that passes after each clock change, so that a duration that includes this time differs from one that does
+/// not.
 const A_WHILE: Duration = Duration::from_secs(4);
 
-/// A folder of keys and of a journal, and a clock that can be set.
+/// A folder of keys with a journal, and a clock that can be set.
 struct Site {
     folder: Folder,
     library: PathBuf,
@@ -48,14 +50,14 @@ impl Site {
         Some(site)
     }
 
-    /// The clock is so many seconds ahead of the true one from now on.
+    /// Sets the clock to this many seconds ahead of the real time.
     fn set(&self, seconds: i64) {
         let new = self.clock.with_extension("new");
         std::fs::write(&new, format!("{seconds:+}")).expect("it can be written");
         std::fs::rename(&new, &self.clock).expect("it can be put in place");
     }
 
-    /// A robot that searches an empty hall for longer than a test takes.
+    /// Command for a robot that needs longer to search its empty hall than any test takes.
     fn command(&self) -> Command {
         self.command_in("empty-8x8", "0.25")
     }
@@ -72,12 +74,11 @@ impl Site {
 
 impl Drop for Site {
     fn drop(&mut self) {
-        // Left behind it harms nobody.
+        // A leftover file is harmless.
         let _ = std::fs::remove_file(&self.clock);
     }
 }
 
-/// A browser that is signed in.
 struct Browser<'p> {
     program: &'p Program,
     cookie: String,
@@ -104,7 +105,7 @@ impl Browser<'_> {
         }
     }
 
-    /// The console's stream.
+    /// Opens the console's event stream.
     fn watch(&self) -> BufReader<TcpStream> {
         let mut stream = TcpStream::connect(self.program.address()).expect("the program listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a time-out can be set");
@@ -113,7 +114,7 @@ impl Browser<'_> {
         BufReader::new(stream)
     }
 
-    /// What the report of the first mission says under this name.
+    /// Value of the field with this name in the report of the first mission.
     fn report(&self, name: &str) -> Option<String> {
         let page = self.read("/missions/1/report?language=en").text();
         let (_, rest) = page.split_once(&format!("<dt>{name}</dt><dd>"))?;
@@ -125,7 +126,7 @@ fn is_held(state: &Value) -> bool {
     holds(state, "operator")
 }
 
-/// `1:02:03` or `2:03`, in seconds.
+/// Converts `1:02:03` or `2:03` to seconds.
 fn seconds(shown: &str) -> u64 {
     shown.split(':').fold(0, |seconds, part| 60 * seconds + part.parse::<u64>().expect("a number"))
 }
@@ -135,7 +136,7 @@ fn now() -> Instant {
     Instant::now()
 }
 
-/// Whether this is about what passed since then, as the pages show it: whole seconds.
+/// Whether the displayed number of whole seconds lies between `least` and the time since `since`.
 fn has_passed(shown: u64, least: Duration, since: Instant) -> bool {
     (least.as_secs()..=now().duration_since(since).as_secs() + 1).contains(&shown)
 }
@@ -172,9 +173,9 @@ fn under_a_clock_that_is_set_by(set: i64) {
     assert_eq!(by_key.status, 200, "{set}");
     let refused = now();
     wrong();
-    // The fourth is held back by two seconds, unless the first three are forgotten.
+    // The fourth wrong key is delayed by two seconds, unless the first three were forgotten.
     assert!(refused.elapsed() >= Duration::from_secs(2), "{set}: wrong keys were forgotten");
-    // What happened after the clock was set has come by the stream that was open before.
+    // Events after the clock change arrive on the stream that was opened before the change.
     let mut line = String::new();
     while !line.contains("STOP, by operator") {
         line.clear();
@@ -201,7 +202,7 @@ fn how_long_a_piece_waits_and_a_mission_lasts_is_what_passed_however_the_clock_i
     for set in SETS {
         site.set(set);
         sleep(A_WHILE);
-        // Both are kept up where nothing happens but that the clock is set.
+        // Both durations are updated even if the clock change is the only event.
         let page = browser.read("/").text();
         let shown = |before: &str, after: &str| {
             let (_, rest) = page.split_once(before).unwrap_or_else(|| panic!("{before} in {page}"));
@@ -231,7 +232,7 @@ fn in_a_later_run_the_clock_says_whether_a_session_is_over_and_a_clock_set_back_
     let began = now();
     browser.command("start").accepted();
     sleep(A_WHILE);
-    // This is on record when it is answered.
+    // The answer to this command arrives only after the journal has stored the command.
     browser.command("start").accepted();
     drop(program);
     for (set, status) in [(11 * 3600, 200), (13 * 3600, 401), (-3600, 401), (0, 200)] {
@@ -250,7 +251,7 @@ fn in_a_later_run_the_clock_says_whether_a_session_is_over_and_a_clock_set_back_
 #[test]
 fn two_runs_that_begin_in_the_same_millisecond_have_revisions_of_their_own() {
     let Some(site) = Site::new("twice") else { return };
-    // This form makes the clock stand.
+    // In this format `libfaketime` stops the clock.
     std::fs::write(&site.clock, "2026-01-01 00:00:00").expect("it can be written");
     let run = || {
         let program = Program::started(&mut site.command());

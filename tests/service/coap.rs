@@ -1,5 +1,6 @@
-//! The CoAP door of the real program beside its other doors: what is done at one is seen at the other, and how it is opened. Real
-//! clients are in `coap_clients`, and what the protocol asks for is tested beside the endpoint.
+//! The CoAP interface of the real program beside the other interfaces: a change made at one is visible at the
+//! others, and the settings decide how the port is opened. Real clients are tested in `coap_clients`, and the
+//! protocol is tested beside the endpoint.
 
 use std::net::UdpSocket;
 use std::time::Duration;
@@ -13,10 +14,10 @@ use client::{Coap, Reply};
 
 use crate::program::{Deadline, Program, hallsweep, run};
 
-/// How long a state is waited for.
+/// Longest wait for a state.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Observes a resource from now on; news is looked at until it is as wanted.
+/// Observes a resource, and reads notifications until one matches.
 struct Observer {
     client: Coap,
     latest: Reply,
@@ -49,12 +50,12 @@ fn holds(mission: &str) -> bool {
     json(mission)["holds"].as_array().is_some_and(|holds| holds.iter().any(|hold| hold == "operator"))
 }
 
-/// The page as a browser gets it.
+/// The console page as a browser receives it.
 fn page(program: &Program) -> String {
     program.read("/", &[]).text()
 }
 
-/// Sprint 3 of the original: START and STOP on the page change the resource.
+/// Sprint 3 of the original system: START and STOP on the page change the resource.
 #[test]
 fn what_is_pressed_on_the_page_is_seen_over_coap() {
     let program = Program::serve("empty-8x8", "1");

@@ -1,4 +1,4 @@
-//! Commands of the API: accepted with a revision, refused with a reason; STOP in the middle of everything.
+//! Commands of the API: accepted with a revision or refused with a reason, and STOP in the middle of other commands.
 
 use crate::program::Program;
 

@@ -1,4 +1,5 @@
-//! Safety R5: whatever file of the data folder is damaged, the console comes up, says which file and what to do, and nothing moves.
+//! Safety R5: whichever file of the data folder is damaged, the console starts, names the file and the remedy, and no
+//! robot moves.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,10 +14,10 @@ use crate::journal::{holds, serve};
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 
-/// The hall of the settings, and the one in which the robots are, as somebody chose while the program ran.
+/// The hall of the settings, and the hall that was chosen while the program ran and in which the robots are.
 pub(crate) const HALLS: [&str; 2] = ["empty-8x8", "airport"];
 
-/// The program with a second robot, and with missions that are put into archives after a day.
+/// Command for the program with a second robot, which archives missions after a day.
 pub(crate) fn command(folder: &Folder, hall: &str) -> Command {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", hall, "--speed", "max", "--data", folder.text()]);
     command.env("HALLSWEEP__ROBOTS__PORTER__KIND", "sim").env("HALLSWEEP__STORE__KEEP_DAYS", "1");
@@ -38,14 +39,14 @@ pub(crate) static KILLED: LazyLock<Folder> = LazyLock::new(|| {
     program.command("start").accepted();
     program.until_asked();
     program.command("stop").accepted();
-    // A STOP is answered before it is on record; what comes after it is answered when both are.
+    // A STOP is answered before the journal stores it. The next command is answered when both are stored.
     program.put("/api/v1/temperature", "{\"status\":\"ok\"}").accepted();
     program.killer()();
     drop(program);
     folder
 });
 
-/// A folder after an orderly end: all of the journal is in one file.
+/// A folder after an orderly end: one file contains the whole journal.
 pub(crate) static ENDED: LazyLock<Folder> = LazyLock::new(|| {
     let folder = copy(&KILLED);
     let (well, said) = crate::journal::journal(&folder, &["rebuild"]);
@@ -53,7 +54,7 @@ pub(crate) static ENDED: LazyLock<Folder> = LazyLock::new(|| {
     folder
 });
 
-/// What is done to a file, or put in its place.
+/// A change to a file, or a replacement of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Damage {
     CutShort,
@@ -73,7 +74,7 @@ pub(crate) const ALL: [Damage; 9] = [CutShort, Emptied, OneWrongByte, Zeros, Gar
 
 impl Damage {
     pub(crate) fn apply(self, path: &Path) {
-        // A pipe that stands there already would be waited for.
+        // Only a regular file is read: reading from a pipe would block.
         let is_file = fs::symlink_metadata(path).is_ok_and(|there| there.is_file());
         let mut bytes = if is_file { fs::read(path).expect("the folder is this test's own") } else { Vec::new() };
         remove(path);
@@ -111,13 +112,12 @@ fn remove(path: &Path) {
     }
 }
 
-/// What stands at a path: what it is, and what is in it.
+/// Type and content of the file at a path.
 pub(crate) fn seen(path: &Path) -> Option<(fs::FileType, Vec<u8>)> {
     let there = fs::symlink_metadata(path).ok()?.file_type();
     Some((there, if there.is_file() { fs::read(path).expect("it can be read") } else { Vec::new() }))
 }
 
-/// A copy of what was kept.
 pub(crate) fn copy(kept: &Folder) -> Folder {
     static NUMBER: AtomicUsize = AtomicUsize::new(0);
     let folder = Folder::new(&format!("damage-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
@@ -126,29 +126,29 @@ pub(crate) fn copy(kept: &Folder) -> Folder {
     folder
 }
 
-/// What follows from a damage.
+/// Consequence of a damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Follows {
-    /// The robots are held, and the file is named; it is left as it is.
+    /// The robots are held, and the message names the file. The file stays as it is.
     Held,
-    /// The robots are held, since the journal is not what it was.
+    /// The robots are held, because the journal has changed.
     HeldByTheJournal,
-    /// The robot is held as by a STOP, and what was there stands in another file.
+    /// The robot is held as by a STOP, and the damaged content is moved to another file.
     AsByAStop,
     /// The console's log names the file, and nothing is held.
     Said,
-    /// It is of no consequence: nobody reads it, or it is made again.
+    /// No consequence: the file is not read, or it is made again.
     Nothing,
 }
 
 use Follows::{AsByAStop, Held, HeldByTheJournal, Nothing, Said};
 
-/// A name in the program's own table, a file of that name, and what follows when that is damaged.
+/// A name in the program's own table, a file of that name, and the consequence of a damage.
 type Row = (&'static str, &'static str, fn(Damage) -> Follows);
 
 const TABLE: [Row; 25] = [
     ("journal.db", "journal.db", held),
-    // That entries are gone is noticed, and not why.
+    // After a cut the journal has lost entries, but the cause cannot be seen.
     ("journal.db-wal", "journal.db-wal", |damage| if matches!(damage, CutShort | Emptied) { HeldByTheJournal } else { Held }),
     ("journal.db-shm", "journal.db-shm", held_by_no_file),
     (
@@ -157,7 +157,7 @@ const TABLE: [Row; 25] = [
         |damage| if damage.leaves_no_file() || damage == Garbage { Held } else { Nothing },
     ),
     ("journal.lock", "journal.lock", held_by_no_file),
-    // A power cut leaves it empty, or with nothing in it.
+    // A power cut can leave this file empty or filled with zeros.
     ("journal.head", "journal.head", |damage| if matches!(damage, Emptied | Zeros) { Nothing } else { Held }),
     ("journal.lost", "journal.lost", |damage| if damage == Emptied { Nothing } else { Held }),
     ("stops", "stops", |damage| if damage.leaves_no_file() { Held } else { AsByAStop }),
@@ -180,7 +180,7 @@ const TABLE: [Row; 25] = [
     ("*.new", "simulated-hall.new", nothing),
 ];
 
-/// Names that tests of their own are about.
+/// Names that have tests of their own.
 const APART: [(&str, &str); 7] = [
     ("access.toml", "damaged_keys_let_nobody_in_and_hold_the_robot"),
     ("archives/*.hallsweep", "what_stands_in_the_place_of_an_archive_is_named_and_the_missions_stay"),
@@ -199,7 +199,7 @@ const fn nothing(_: Damage) -> Follows {
     Nothing
 }
 
-/// What stands in it is not read.
+/// The content of such a file is not read.
 fn held_by_no_file(damage: Damage) -> Follows {
     if damage.leaves_no_file() { Held } else { Nothing }
 }
@@ -237,7 +237,7 @@ fn whatever_file_is_damaged_the_console_names_it_holds_the_robots_and_goes_on_wh
 
 fn try_damaged(file: &str, damage: Damage, follows: Follows) {
     let what = format!("{file}: {damage:?}");
-    // Only a kill leaves the files beside the journal.
+    // The files beside the journal exist only after a kill.
     let folder = copy(if file.starts_with("journal.db-") { &KILLED } else { &ENDED });
     let path = folder.path().join(file);
     damage.apply(&path);
@@ -248,7 +248,7 @@ fn try_damaged(file: &str, damage: Damage, follows: Follows) {
     match follows {
         Held | HeldByTheJournal => {
             let state = check_held(&program, &what, if follows == Held { file } else { "journal.db" });
-            // A robot that may be anywhere is not there.
+            // A robot whose position is unknown is not linked.
             let is_lost = ["simulated-robot.txt", "simulated-hall.toml"].contains(&file);
             assert!(holds(&state, "robotLink") || !is_lost, "{what}: {state:#}");
             check_shown(&state, file);
@@ -276,7 +276,7 @@ fn try_damaged(file: &str, damage: Damage, follows: Follows) {
     }
 }
 
-/// Does what the words of the hold say, and starts again: then all is well.
+/// Follows the advice in the message of the hold and starts again. No hold may remain.
 fn check_advice(folder: &Folder, what: &str, held: &Value, damaged: &Path) {
     const TOGETHER: &str = "journal.db, journal.db-wal, journal.db-shm, journal.head and the folder photos away together";
     let words = held["mission"]["storeFailure"].as_str().expect("it says why");
@@ -291,7 +291,7 @@ fn check_advice(folder: &Folder, what: &str, held: &Value, damaged: &Path) {
     }
     let mut program = Program::started(&mut command(folder, HALLS[0]));
     if damaged.ends_with("simulated-hall.toml") {
-        // The mission is in the hall that was chosen.
+        // The mission belongs to the hall that was chosen while the program ran.
         let words = check_held(&program, what, "simulated-robot.txt")["mission"]["storeFailure"].to_string();
         assert!(words.contains("start hallsweep again with --hall airport"), "{what}: {words}");
         end(program);
@@ -301,13 +301,13 @@ fn check_advice(folder: &Folder, what: &str, held: &Value, damaged: &Path) {
     check_goes(&program, what);
 }
 
-/// Nothing keeps the robot from moving but a piece that waits for its verdict, and START.
+/// Fails unless the mission continues after a verdict, if one is pending, and START.
 pub(crate) fn check_goes(program: &Program, what: &str) {
     let state = program.until(what, |state| !holds(state, "robotLink"));
     if let Some(piece) = state["luggage"].as_array().and_then(|all| all.iter().find(|piece| piece["verdict"] == "pending")) {
         let path = format!("/api/v1/luggage/{}", piece["id"]);
         if piece["photo"]["state"] == "failed" {
-            // There is no *safe* without a photo.
+            // A piece without a photo cannot be called safe.
             program.post(&format!("{path}/verdict"), "{\"verdict\":\"danger\"}").accepted();
             return;
         }
@@ -321,7 +321,7 @@ pub(crate) fn end(program: Program) {
     drop(program);
 }
 
-/// The console is there, the robot is held, STOP works, and START is refused.
+/// Fails unless the console works, the robot is held, STOP works, and START is refused.
 fn check_held(program: &Program, what: &str, file: &str) -> Value {
     let state = program.json("state");
     let words = state["mission"]["storeFailure"].as_str().unwrap_or_default().to_owned();
@@ -335,7 +335,7 @@ fn check_held(program: &Program, what: &str, file: &str) -> Value {
     state
 }
 
-/// What stands is shown as long as the journal itself can be read.
+/// The state of the mission is shown as long as the journal itself can be read.
 fn check_shown(state: &Value, damaged: &str) {
     if !damaged.starts_with("journal.db") {
         let pending = state["luggage"][0]["verdict"] == "pending";
@@ -344,7 +344,7 @@ fn check_shown(state: &Value, damaged: &str) {
     }
 }
 
-/// Safety V2: a picture that is not what it was is none, and nobody waits at a pipe.
+/// Safety V2: a damaged photo counts as no photo, and a pipe in its place blocks nobody.
 #[test]
 fn a_damaged_photo_is_to_be_taken_again() {
     for (damage, is_shelf) in ALL.into_iter().flat_map(|damage| [(damage, false), (damage, true)]) {
@@ -369,7 +369,8 @@ fn photo(folder: &Path) -> PathBuf {
     first(&first(folder))
 }
 
-/// Safety A1, R5: keys that cannot be read let nobody in, and nothing moves that nobody could stop; the mended file lets people in.
+/// Safety A1, R5: if the keys cannot be read, nobody gets access, and no robot moves, because nobody could stop it.
+/// Once the file is mended, the keys work again.
 #[test]
 fn damaged_keys_let_nobody_in_and_hold_the_robot() {
     const KEYED: &str = "HALLSWEEP__HTTP__REQUIRE_TOKEN";
@@ -420,7 +421,7 @@ fn damaged_keys_let_nobody_in_and_hold_the_robot() {
     }
 }
 
-/// Whoever looks into a folder that was there already finds files for their owner alone, or for the group where the folder is its.
+/// New files in an existing folder are private to their owner, or open to the group if the folder is.
 #[test]
 fn every_file_is_private_or_the_groups_where_the_folder_is() {
     use std::os::unix::fs::PermissionsExt;

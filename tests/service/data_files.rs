@@ -1,4 +1,5 @@
-//! Safety R5: the program's own table of its files is whole, and what becomes of those that are read or written again while it runs.
+//! Safety R5: the program's own table of its files is complete. Other tests damage files that the program reads or
+//! writes again while it runs.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -12,10 +13,10 @@ use crate::journal::holds;
 use crate::kill::Folder;
 use crate::program::{Deadline, PATIENCE, Program, hallsweep};
 
-/// The page on which people look for a file that they find.
+/// The page that lists every file of the data folder.
 const PAGE: &str = include_str!("../../docs/journal.md");
 
-/// Whether a path is one of this name. `*` stands for anything within one folder.
+/// Whether a path matches this name. `*` matches within one path component.
 fn is_of(name: &str, path: &str) -> bool {
     let part = |(wanted, part): (&str, &str)| match wanted.split_once('*') {
         Some((before, after)) => part.len() > before.len() + after.len() && part.starts_with(before) && part.ends_with(after),
@@ -24,7 +25,7 @@ fn is_of(name: &str, path: &str) -> bool {
     name.split('/').count() == path.split('/').count() && name.split('/').zip(path.split('/')).all(part)
 }
 
-/// All files and folders in a folder, by their paths in it.
+/// All files and folders below a folder, as relative paths.
 fn listed(folder: &Path) -> BTreeSet<String> {
     let (mut paths, mut open) = (BTreeSet::new(), vec![folder.to_owned()]);
     while let Some(next) = open.pop() {
@@ -39,7 +40,7 @@ fn listed(folder: &Path) -> BTreeSet<String> {
     paths
 }
 
-/// An old mission that a start has put into an archive.
+/// Command that archives missions older than `days` at its start. 0 keeps all missions in the journal.
 fn archived(name: &str, days: &str) -> Command {
     let mut serve =
         hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", name]);
@@ -49,7 +50,7 @@ fn archived(name: &str, days: &str) -> Command {
 
 #[test]
 fn whatever_the_program_keeps_in_its_folder_is_in_its_own_table_and_in_the_documents() {
-    /// They are there for a moment alone, or after a kill.
+    /// Files that exist only for a moment, or after a kill.
     const BRIEF: [&str; 7] = [
         "*.new",
         "archives/*.unfinished",
@@ -84,7 +85,7 @@ fn the_page_of_the_journal_lists_every_name_and_no_other() {
     assert_eq!(rows.len(), known.len());
 }
 
-/// What a kill, or somebody, left in the place of a file that is still to be whole.
+/// A kill, or another person, can leave anything at the path of an unfinished file.
 #[test]
 fn nothing_in_the_place_of_an_unfinished_file_keeps_one_from_being_written() {
     for damage in [Damage::Garbage, Damage::APipe, Damage::ADevice, Damage::ALinkToNowhere] {
@@ -114,7 +115,7 @@ fn a_kept_hall_that_is_damaged_is_named_when_somebody_asks_for_it() {
     let folder = copy(&KILLED);
     let file = folder.path().join("halls/mine.toml");
     let program = Program::started(&mut command(&folder, HALLS[0]));
-    // What is left of half a hall file may be one.
+    // The first half of a hall file may be a valid hall file, so this damage is left out.
     for damage in ALL.into_iter().filter(|damage| *damage != Damage::CutShort) {
         damage.apply(&file);
         let before = seen(&file);
@@ -126,7 +127,8 @@ fn a_kept_hall_that_is_damaged_is_named_when_somebody_asks_for_it() {
     }
 }
 
-/// A file that belongs to somebody else, as after a backup was put back by another user. What it says is not known.
+/// A file that the user may not read, such as one from a backup that another user restored. Its content is unknown to
+/// the program.
 #[test]
 fn what_the_user_may_not_read_is_named_with_what_to_do_and_holds_the_robots_where_it_matters() {
     use std::os::unix::fs::PermissionsExt;
@@ -173,7 +175,7 @@ fn what_the_user_may_not_read_is_named_with_what_to_do_and_holds_the_robots_wher
     }
 }
 
-/// The same program without the rights by which root reads what is closed to it.
+/// The same command without the capabilities by which root reads files that are closed to it.
 fn unprivileged(command: &Command) -> Command {
     let mut bare = Command::new(command.get_program());
     if rustix::process::geteuid().is_root() {
@@ -190,7 +192,7 @@ fn unprivileged(command: &Command) -> Command {
     bare
 }
 
-/// Safety S1: who could press STOP can press it still, and the log says which file it is.
+/// Safety S1: everybody who could press STOP can still press it, and the log names the file.
 #[test]
 fn keys_that_are_damaged_while_it_runs_shut_nobody_out() {
     let folder = Folder::new("data-files-keys");
@@ -214,7 +216,7 @@ fn keys_that_are_damaged_while_it_runs_shut_nobody_out() {
     let _ = fs::remove_file(log);
 }
 
-/// The journal is not made shorter by what nobody has.
+/// Missions are removed from the journal only when a usable archive holds them.
 #[test]
 fn what_stands_in_the_place_of_an_archive_is_named_and_the_missions_stay() {
     let made = crate::earlier::copy("data-files-archive");
@@ -239,7 +241,7 @@ fn what_stands_in_the_place_of_an_archive_is_named_and_the_missions_stay() {
 
 #[test]
 fn the_damaged_memory_of_a_robot_outside_holds_it() {
-    // Nobody is there.
+    // Nothing listens at this address.
     const ROBOT: &str = "virtual-tcp=127.0.0.1:9";
     let serve = |folder: &Folder| {
         Program::started(&mut hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", ROBOT, "--data", folder.text()]))
@@ -273,7 +275,7 @@ fn the_damaged_memory_of_a_robot_outside_holds_it() {
     });
 }
 
-/// The robots are in a hall that nobody has any more: the way out that the words say.
+/// The robots are in a hall that no longer exists. The test follows the advice in the message.
 #[test]
 fn a_mission_in_a_hall_that_is_gone_can_be_put_away() {
     let folder = copy(&KILLED);

@@ -1,4 +1,4 @@
-//! The limit of file descriptors of the test's own process, which plays crowds of clients.
+//! Limit of open file descriptors of the test process, which plays crowds of clients.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 

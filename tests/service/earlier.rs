@@ -1,4 +1,4 @@
-//! Safety R1: a data folder that an earlier version left opens, shows what that version showed, and goes on.
+//! Safety R1: the data folder of an earlier version opens, shows what that version showed, and can be continued.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,12 +9,12 @@ use crate::journal::journal;
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 
-/// What was kept of the earlier version.
+/// Path of a stored file of the earlier version.
 fn kept(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/service/earlier").join(name)
 }
 
-/// A copy of its data folder.
+/// Copy of the data folder of version 0.1.0.
 pub(crate) fn copy(name: &str) -> Folder {
     copy_of("data", name)
 }
@@ -26,7 +26,7 @@ fn copy_of(data: &str, name: &str) -> Folder {
     folder
 }
 
-/// Without the revisions and the run, which are each start's own.
+/// Removes the revisions and the run, which differ at each start.
 fn without_revisions(value: &Value) -> Value {
     match value {
         Value::Object(fields) => {
@@ -38,7 +38,7 @@ fn without_revisions(value: &Value) -> Value {
     }
 }
 
-/// Whether all that `then` says is said by `now`, which may say more.
+/// Whether `now` contains everything in `then`. `now` may contain more.
 fn says_as_much(now: &Value, then: &Value) -> bool {
     match (now, then) {
         (Value::Object(now), Value::Object(then)) => {
@@ -90,7 +90,7 @@ fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
     assert!(well, "{said}");
 }
 
-/// Whatever a report says was said to somebody who may ask again, years later.
+/// The reader of a report may ask for its confirmation years later.
 #[test]
 fn reports_of_every_edition_are_confirmed() {
     let folder = copy_of("reported/data", "earlier-reported");
@@ -101,7 +101,8 @@ fn reports_of_every_edition_are_confirmed() {
     }
 }
 
-/// The last journal in which what was asked, refused and caused stands in sentences: these say what they said, and codes follow on them.
+/// The journal is of the last version that stored requests, refusals and causes as sentences. The sentences stay as
+/// they are, and new entries use codes.
 #[test]
 fn sentences_of_an_earlier_version_say_what_they_said() {
     let folder = copy_of("sentences/data", "earlier-sentences");
@@ -130,7 +131,7 @@ fn sentences_of_an_earlier_version_say_what_they_said() {
     program.command("stop").accepted();
     let torn = program.post_with("/api/v1/commands/goto", &[("content-type", "application/json")], "{");
     assert!(torn.problem(400).contains("the body is not JSON"));
-    // As it was answered before the program was started again.
+    // The answer is the same as before the restart.
     let again = program.post_with("/api/v1/commands/reset", &[("idempotency-key", "k-1")], "");
     assert!(again.problem(422).contains("the id k-1 was used before"));
     drop(program);

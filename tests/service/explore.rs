@@ -1,4 +1,4 @@
-//! Missions on the command line: the figures, and that the same seed is the same run.
+//! `hallsweep explore`: the figures of a run, and equal runs for equal seeds.
 
 use serde_json::Value;
 
@@ -99,7 +99,7 @@ fn every_strategy_goal_and_sensing_searches_the_whole_hall() {
             let run = explore(&[&asked[..], &["--goal", goal, "--sensing", sensing]].concat());
             assert_eq!((&run["complete"], &run["home"]), (&true.into(), &true.into()), "{strategy} {goal} {sensing}: {run}");
             assert_eq!(run["strategy"], strategy);
-            // By sonar a robot bumps into nothing, but for what it faces before its first move.
+            // With sonar a robot bumps at most into the cell that it faces before its first move.
             assert!(sensing == "bump" || run["bumps"].as_u64() <= Some(1), "{strategy}: {run}");
         }
     }
@@ -133,7 +133,7 @@ fn a_hall_that_is_read_is_not_written_over_by_the_log() {
     std::fs::remove_file(hall).expect("it is ours");
 }
 
-/// Both for one release.
+/// Both old names stay for one release.
 #[test]
 fn evaluate_and_tune_answer_with_the_command_of_the_program_that_they_belong_to_now() {
     for (typed, command) in [
@@ -148,7 +148,7 @@ fn evaluate_and_tune_answer_with_the_command_of_the_program_that_they_belong_to_
     }
 }
 
-/// A pocket in the north-west corner, a hall with a piece, and a closed room with another.
+/// A pocket in the north-west corner, a hall with a piece, and a closed room with another piece.
 const POCKETS: &str = "type octile\nheight 4\nwidth 8\nmap\n.@.....@\n@@..T..@\n@@@@@@@@\n.T@@@@@@\n";
 
 #[test]

@@ -1,5 +1,5 @@
-//! A system that lets the program have few files and connections open: whoever crowds a door, a STOP gets in at every one, the
-//! program lives, and when the crowd is gone everything is as before.
+//! A program with a low limit of open files and connections: during a crowd at any interface a STOP still works at
+//! every interface, the program survives, and it works normally after the crowd has gone.
 
 use std::io::Write;
 use std::net::{SocketAddr, TcpStream};
@@ -16,16 +16,16 @@ use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::{PUBACK, connect, publish};
 use crate::program::{Deadline, PATIENCE, Program, hallsweep};
 
-/// So many the system lets it have; no door alone has so few places where there is room for all.
+/// Limit of descriptors of the program. HTTP or MQTT alone normally accepts at least this many connections.
 const DESCRIPTORS: &str = "256";
 
-/// So many come to each door.
+/// Connections in each crowd.
 const CROWD: usize = 400;
 
-/// So many STOPs come to each door meanwhile, each from a newcomer.
+/// Number of rounds in which each interface gets one STOP, from a new client, during the crowd.
 const STOPS: u64 = 10;
 
-/// How often it is looked at whether one has halted.
+/// Interval between two checks whether a STOP has halted.
 const GLANCE: Duration = Duration::from_millis(5);
 
 fn program() -> Program {
@@ -42,11 +42,11 @@ fn program() -> Program {
     Program::started(&mut limited)
 }
 
-/// So many connections there, each of which says this and stays.
+/// Opens `CROWD` connections, each of which sends these bytes and stays open.
 fn crowd(at: SocketAddr, says: &[u8]) -> Vec<TcpStream> {
     let come = |_| {
         let mut stream = TcpStream::connect(at).expect("the system takes it");
-        // It may have been cut for another already.
+        // The program may already have closed this connection in favour of another.
         let _ = stream.write_all(says);
         stream
     };
@@ -73,7 +73,7 @@ fn strangers(program: &Program) -> Vec<TcpStream> {
     crowd(program.mqtt(), b"")
 }
 
-/// What is read by the one door that needs no descriptor for whoever asks.
+/// Epoch read over CoAP, which needs no descriptor per client.
 fn epoch(program: &Program) -> u64 {
     let reply = Coap::at(program.coap()).ask("GET", "mission", "").expect("the door answers");
     let mission: Value = serde_json::from_str(&reply.text).expect("JSON");

@@ -1,4 +1,4 @@
-//! What can be looked at, and how it is written: JSON, text, pictures, pages, tags, compression.
+//! Readable resources and their formats: JSON, text, images, pages, ETags and compression.
 
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ fn what_has_not_changed_is_not_sent_again() {
     let program = Program::serve("empty-8x8", "max");
     for resource in ["state", "map", "luggage"] {
         let path = format!("/api/v1/{resource}");
-        // The hall's thermometer may change the state between the two questions; then the tag changes too.
+        // The hall's thermometer may change the state between the two requests. In that case the ETag changes too.
         let unchanged = (0..20).any(|_| {
             let tag = program.read(&path, &[]).header("etag").to_owned();
             assert!(!tag.is_empty(), "{resource} has no tag");

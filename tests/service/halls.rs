@@ -1,5 +1,6 @@
-//! Halls in files of every format, on the command line and over HTTP: converted, searched, explored and fetched; what is lost is
-//! said, what is there is not overwritten, and whatever is wrong is said with its file and leaves nothing behind.
+//! Halls in files of every format, on the command line and over HTTP: converted, searched, explored and downloaded. A
+//! lossy conversion says so, an existing file is not overwritten, and an error names its file and leaves nothing
+//! behind.
 
 use std::path::PathBuf;
 use std::process::Output;
@@ -8,7 +9,7 @@ use serde_json::Value;
 
 use crate::program::{Program, run};
 
-/// A folder of its own for one test, gone with it.
+/// Folder of one test, removed when the test ends.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -50,7 +51,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Converts, and gives the line that is printed.
+/// Converts a hall and returns the printed line.
 fn convert(from: &str, to: &str, more: &[&str]) -> String {
     let output = run(&[&["hall", "convert", from, to], more].concat());
     assert!(output.status.success(), "{from}: {}", said(&output));
@@ -125,7 +126,7 @@ fn a_cell_of_an_image_is_as_long_as_it_is_asked_for() {
         "{line}"
     );
     assert_eq!(folder.read("quarter.txt"), b"|1, 1, 1, 1, \n|r, 1, 1, X, \n", "world (0, 0) is in the south-west");
-    // The image may lie anywhere.
+    // The image may be in another folder than the YAML file.
     let text = String::from_utf8(folder.read("m.yaml")).expect("UTF-8").replace("m.pgm", &folder.path("m.pgm"));
     std::fs::create_dir(folder.path("far")).expect("the folder is ours");
     let far = folder.write("far/away.yml", text);
@@ -160,7 +161,7 @@ fn what_is_there_is_not_overwritten_unless_it_is_forced() {
         convert("airport", &folder.path(to), &["--force"]);
         assert_ne!(folder.read(there), b"mine");
     }
-    // A hall may take its own place.
+    // A hall may be converted onto itself.
     convert(&folder.path("m.toml"), &folder.path("m.toml"), &["--force"]);
     assert_eq!(explored(&folder.path("m.toml"))["cells"], 138);
     assert_eq!(folder.names(), ["m.toml", "n.pgm", "n.yaml", "o.pgm", "o.yaml"]);

@@ -1,4 +1,4 @@
-//! STOP by HTTP against everything that may be wrong with it, and against whoever takes the places: the real program, raw bytes.
+//! STOP over HTTP, as raw bytes to the real program: malformed requests, and crowds that occupy the connections.
 
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream};
@@ -10,18 +10,18 @@ use crate::program::Program;
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
-/// A request that never comes to its end.
+/// Headers and a body that never becomes complete.
 const HALF: &str = "Host: localhost\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{";
 
 pub(crate) fn connected(program: &Program, says: &str) -> TcpStream {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a time-out can be set");
-    // It may have been cut for another already, which is its own matter.
+    // The program may already have closed this connection in favour of another.
     let _ = stream.write_all(says.as_bytes());
     stream
 }
 
-/// The status of the answer; empty when there is none.
+/// Status of the answer. Empty if there is no answer.
 pub(crate) fn status(stream: &mut TcpStream) -> String {
     let mut begin = [0; 12];
     stream.read_exact(&mut begin).map_or_else(|_| String::new(), |()| String::from_utf8_lossy(&begin[9..]).into_owned())
@@ -35,7 +35,7 @@ fn epoch(program: &Program) -> u64 {
     program.json("state")["mission"]["epoch"].as_u64().expect("an epoch")
 }
 
-/// Waits until so many more stops have halted, and fails when there are more.
+/// Waits until this many more stops have halted, and fails if there are more.
 fn check_halts(program: &Program, before: u64, stops: u64) {
     let state = program.until("every stop has halted", |state| state["mission"]["epoch"].as_u64() >= Some(before + stops));
     assert_eq!(state["mission"]["epoch"], before + stops, "one press is one stop");
@@ -109,7 +109,7 @@ fn nothing_that_is_excepted_halts() {
     for (headers, expect) in [
         ("Origin: http://elsewhere.example\r\n", "403"),
         ("Sec-Fetch-Site: cross-site\r\n", "403"),
-        // Beside that of the STOP itself.
+        // A second Host header, beside the one of the STOP itself.
         ("Host: rebound.example\r\n", "400"),
     ] {
         for route in ROUTES {
@@ -125,7 +125,7 @@ fn nothing_that_is_excepted_halts() {
 /// Safety S9.
 #[test]
 fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
-    // As many sockets as the system lets one process have; where it is fewer, the crowd is smaller.
+    // The crowd is smaller on a system that allows a process fewer sockets.
     let most = descriptors::raised(4096);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(2000);
     let program = Program::serve("empty-8x8", "max");
@@ -165,7 +165,7 @@ fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
     drop(crowd);
 }
 
-/// Safety S8, S9: 512 may wait, a few of which are the test's own questions.
+/// Safety S8, S9: 512 connections may wait; a few of them are the test's own requests.
 #[test]
 fn five_hundred_that_have_not_said_all_yet_stay_and_the_stop_of_each_halts() {
     let most = descriptors::raised(4096);
@@ -188,7 +188,7 @@ fn five_hundred_that_have_not_said_all_yet_stay_and_the_stop_of_each_halts() {
     check_halts(&program, before, 500);
 }
 
-/// A connection from this address of this machine.
+/// Connects from this local address.
 fn from_address(from: SocketAddr, to: SocketAddr) -> TcpStream {
     let socket = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None).expect("a socket");
     socket.bind(&from.into()).expect("every address of 127.0.0.0/8 is this machine's");

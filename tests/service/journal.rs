@@ -1,5 +1,5 @@
-//! `hallsweep journal`: what a mission left on record is printed, exported, checked and mended, beside the running program or
-//! after it.
+//! `hallsweep journal`: the record of a mission is printed, exported, checked and repaired, while the program runs or
+//! after it has ended.
 
 use std::path::Path;
 
@@ -12,21 +12,21 @@ use crate::mqtt_attacks::packets::connect;
 use crate::program::{Program, hallsweep};
 use crate::third_party::{left_out, python, runs};
 
-/// Runs `hallsweep journal` with these words on a folder; whether all was well, and what was said.
+/// Runs `hallsweep journal` on a folder. Returns whether the command succeeded, and its output.
 pub(crate) fn journal(folder: &Folder, words: &[&str]) -> (bool, String) {
     let output = hallsweep(&[&["journal", "--data", folder.text()], words].concat()).output().expect("the program starts");
     let said = [output.stdout, output.stderr].concat();
     (output.status.success(), String::from_utf8(said).expect("it speaks UTF-8"))
 }
 
-/// The journal as JSON.
+/// Entries of the journal, as JSON.
 pub(crate) fn exported(folder: &Folder) -> Vec<Value> {
     let (well, text) = journal(folder, &["export"]);
     assert!(well, "{text}");
     text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"))).collect()
 }
 
-/// Serves the airport from this folder, and waits for its robot.
+/// Starts the program in the airport with this folder, and waits until its robot is linked.
 pub(crate) fn serve(folder: &Folder) -> Program {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
     let program = Program::with(&arguments);
@@ -34,7 +34,7 @@ pub(crate) fn serve(folder: &Folder) -> Program {
     program
 }
 
-/// Whether this hold stands.
+/// Whether this hold is set.
 pub(crate) fn holds(state: &Value, hold: &str) -> bool {
     let holds = state["mission"]["holds"].as_array().expect("the holds are a list");
     holds.iter().any(|held| held == hold)
@@ -76,8 +76,8 @@ fn what_was_noted_with_a_verdict_is_never_markup_and_outlives_the_program() {
     assert!(well, "{said}");
 }
 
-/// Safety S1, A6: by every door where a command can have a name, accepted or refused. What makes no sense is no use of a name, and a
-/// STOP halts each time.
+/// Safety S1, A6: at every interface that supports command ids, for accepted and refused commands. A malformed
+/// command does not use up its id, and a STOP halts each time.
 #[test]
 fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
     let folder = Folder::new("journal-repeats");
@@ -116,7 +116,7 @@ fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
         by_mqtt("stop", "mqtt-stop", "{}");
     }
     assert_eq!(program.json("state")["mission"]["epoch"], 6);
-    // It is answered when it is on record, and so is what came before.
+    // The answer to this command arrives only after the journal has stored it and all earlier commands.
     program.put("/api/v1/temperature", "{\"celsius\":20}").accepted();
     let lines = exported(&folder);
     let mut entries = of_kind(&lines, "command");
@@ -179,7 +179,7 @@ fn a_check_that_finds_something_says_so_and_fails() {
     assert!(!well && said.contains("is missing") && said.contains("backup"), "{said}");
 }
 
-/// By a program that shares no line with ours.
+/// The check is a program that shares no code with ours.
 #[test]
 fn the_chain_of_digests_is_what_the_documentation_says_that_it_is() {
     if !runs(python().arg("--version")) && !left_out("journal", "python3") {

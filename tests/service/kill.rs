@@ -1,5 +1,6 @@
-//! Safety R1, V3, A6: the real program killed −9 at random moments, over and over, on one folder. Nothing that was acknowledged is
-//! missing, nothing is there twice, nothing moves before a START. `HALLSWEEP_KILLS=1000` makes the longer run.
+//! Safety R1, V3, A6: the real program is killed with SIGKILL at random moments, many times, on one folder. Nothing
+//! that was acknowledged is missing, nothing is stored twice, and nothing moves before a START.
+//! `HALLSWEEP_KILLS=1000` makes a longer run.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,13 +13,13 @@ use serde_json::{Value, json};
 
 use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 
-/// How often the program is killed unless `HALLSWEEP_KILLS` says otherwise.
+/// Number of kills, unless `HALLSWEEP_KILLS` says otherwise.
 const KILLS: u64 = 200;
 
-/// What an operator does who only wants to get on: START, and verdicts.
+/// Choice of `act` that lets the mission progress: START, and verdicts.
 const SEARCH: u64 = 0;
 
-/// Of the pieces seen so far so many are looked up after each start; all of them at the end.
+/// Number of the latest pieces that are checked after each start.
 const LOOKED_UP: usize = 12;
 
 #[test]
@@ -50,7 +51,7 @@ fn killed_at_any_moment_it_has_everything_that_was_acknowledged_and_nothing_twic
     bring_to_the_end(&serve(&folder, &mut RandomStream::new(0, "end")));
 }
 
-/// A folder that goes with the test.
+/// Folder that is removed when the test ends.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
@@ -76,20 +77,20 @@ impl Drop for Folder {
     }
 }
 
-/// What the operator was told, and must find again.
+/// Everything that was acknowledged to the operator, and must still be there after a restart.
 #[derive(Default)]
 struct Ledger {
     verdicts: BTreeMap<u64, String>,
     luggage: BTreeMap<u64, Value>,
     photos: BTreeMap<u64, Vec<u8>>,
-    /// The ids of accepted commands, and the command.
+    /// Ids of accepted commands, each with its command.
     keys: BTreeMap<String, String>,
-    /// The ids of refused ones.
+    /// Ids of refused commands, each with its command.
     refused: BTreeMap<String, String>,
-    /// How often a command was accepted.
+    /// Number of accepted commands.
     accepted: Arc<AtomicU64>,
     mission: u64,
-    /// What stood when the program was killed at rest.
+    /// State at the kill, if the program was at rest by then.
     rest: Option<Value>,
 }
 
@@ -103,7 +104,8 @@ impl Ledger {
         )
     }
 
-    /// Works at random until the program is gone: some moment after so many commands were accepted, however long that takes.
+    /// Sends random commands until the program is gone. The kill comes at a random moment after a random number of
+    /// accepted commands, however long those take.
     fn work_until_killed(&mut self, program: &Program, dice: &mut RandomStream, life: u64) {
         let (least, moment) = (dice.below(6), Duration::from_millis(dice.below(60)));
         let kill = program.killer();
@@ -127,7 +129,8 @@ impl Ledger {
         self.rest = None;
     }
 
-    /// Works at random, in every third life until a verdict is acknowledged, presses STOP, and looks once more at everything when nothing changes any more.
+    /// Sends random commands, then STOP, and records the state when it no longer changes. In every third life the
+    /// commands continue until a verdict is acknowledged.
     fn work_and_rest(&mut self, program: &Program, dice: &mut RandomStream, life: u64) {
         for n in 0..dice.below(12) {
             self.work(program, dice, &format!("{life}-{n}")).expect("the program is running");
@@ -149,14 +152,14 @@ impl Ledger {
             }
             state = again;
         }
-        // A STOP is answered before it is on record; whatever comes after it is answered when both are.
+        // A STOP is answered before the journal stores it. The next command is answered when both are stored.
         program.put("/api/v1/temperature", "{\"status\":\"ok\"}").accepted();
         let state = program.json("state");
         self.look(&state);
         self.rest = Some(state);
     }
 
-    /// One thing an operator does, at random; `None` when the program is gone.
+    /// Does one random action of an operator. Returns `None` if the program is gone.
     fn work(&mut self, program: &Program, dice: &mut RandomStream, key: &str) -> Option<()> {
         let what = dice.below(12);
         self.act(program, dice, key, what)
@@ -194,7 +197,7 @@ impl Ledger {
         Some(())
     }
 
-    /// Remembers how a command was answered.
+    /// Records the answer to a command.
     fn note(&mut self, answer: &Answer, key: &str, what: &str) {
         if answer.status == 200 {
             self.keys.insert(key.to_owned(), what.to_owned());
@@ -276,7 +279,8 @@ impl Ledger {
         }
     }
 
-    /// The journal itself: no gap, every acknowledged command once and as it was answered, one verdict a piece.
+    /// Checks the journal: no gap, every acknowledged command exactly once with its answer, and one verdict per
+    /// piece.
     fn audit(&self, folder: &Folder) {
         let check = hallsweep(&["journal", "check", "--data", folder.text()]).output().expect("it runs");
         assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stdout));
@@ -303,7 +307,7 @@ impl Ledger {
     }
 }
 
-/// Safety R1: what stood at rest stands after the start.
+/// Safety R1: the state at rest is the same after the start.
 fn compare(before: &Value, after: &Value, life: u64) {
     for pointer in ["/map/rows", "/map/origin", "/luggage", "/robot/position", "/robot/heading", "/robot/led", "/alarms"] {
         assert_eq!(before.pointer(pointer), after.pointer(pointer), "life {life}: {pointer}");
@@ -323,7 +327,7 @@ fn serve(folder: &Folder, dice: &mut RandomStream) -> Program {
     Program::with(&["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", speed, "--data", folder.text()])
 }
 
-/// Killed while it starts.
+/// Starts the program and kills it during its start.
 fn die_unborn(folder: &Folder, dice: &mut RandomStream) {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--data", folder.text()];
     let mut child = hallsweep(&arguments).stdout(std::process::Stdio::null()).spawn().expect("the program starts");
@@ -332,7 +336,7 @@ fn die_unborn(folder: &Folder, dice: &mut RandomStream) {
     child.wait().expect("the child is ours");
 }
 
-/// After everything a mission can still be brought to its end.
+/// Fails unless the mission can still be completed.
 fn bring_to_the_end(program: &Program) {
     let over = |state: &Value| ["explored", "bombLocated"].iter().any(|phase| state["mission"]["phase"] == *phase);
     loop {

@@ -1,5 +1,5 @@
-//! Safety S4: of a START and a STOP that come on one connection the later counts, though a STOP is heard before its turn has come and
-//! both come in one piece.
+//! Safety S4: of a START and a STOP on one connection the later one counts, even though the program recognises a STOP
+//! before its turn and both commands arrive in one segment.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -11,14 +11,14 @@ use crate::program::Program;
 
 const COMMAND: &str = "hallsweep/discovery/command";
 
-/// So often: what is heard first and what is carried out first is chance.
+/// Number of repetitions, because the order of recognition and execution depends on chance.
 const ROUNDS: usize = 10;
 
 fn program() -> Program {
     Program::with(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"])
 }
 
-/// These commands on one connection over HTTP, in one piece; all are answered when this returns.
+/// Sends these commands on one HTTP connection in one write, and returns when all are answered.
 fn over_http(program: &Program, commands: &[&str]) {
     let mut connection = TcpStream::connect(program.address()).expect("the door is open");
     let one = |(n, name): (usize, &&str)| {
@@ -32,7 +32,7 @@ fn over_http(program: &Program, commands: &[&str]) {
     assert_eq!(answers.matches("HTTP/1.1 ").count(), commands.len(), "{answers}");
 }
 
-/// The same over MQTT.
+/// Like `over_http`, over MQTT.
 fn over_mqtt(program: &Program, commands: &[&str]) {
     let mut client = Client::try_connect(program.mqtt(), &connect("hasty", 60)).expect("the door lets it in");
     assert_eq!(client.subscribe(&format!("{COMMAND}/+/result"), 0), 0);

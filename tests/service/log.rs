@@ -1,4 +1,5 @@
-//! Safety S11: whatever becomes of the log, of standard output and of the terminal, the program works, ends and loses no robot.
+//! Safety S11: whatever happens to the log, standard output or the terminal, the program works, ends in order and
+//! loses no robot.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, PipeReader, PipeWriter, Write, pipe};
@@ -16,13 +17,13 @@ use crate::journal::holds;
 use crate::line_robots::Emulator;
 use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 
-/// How long an end may take on a machine without time.
+/// Longest time for an orderly end on an overloaded machine.
 const PROMISED: Duration = Duration::from_secs(15);
 
-/// How often something that is waited for is looked at.
+/// Interval between two checks of an awaited condition.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// What becomes of what a program writes to a stream.
+/// State of the reading end of a stream.
 #[derive(Clone, Copy, Debug)]
 enum Fate {
     Read,
@@ -34,7 +35,7 @@ enum Fate {
 impl Fate {
     const TROUBLE: [Fate; 3] = [Fate::ReaderGone, Fate::DiskFull, Fate::ReaderHangs];
 
-    /// A stream of this fate, and what must be kept for as long as it is to last.
+    /// A stream in this state, and the reader that must be kept while the stream is in use.
     fn stream(self) -> (Stdio, Option<PipeReader>) {
         let (reader, writer) = pipe().expect("the system gives pipes");
         match self {
@@ -46,7 +47,7 @@ impl Fate {
     }
 }
 
-/// A pipe into which no byte more goes.
+/// Fills a pipe, so that the next write blocks.
 fn filled(mut pipe: PipeWriter) -> PipeWriter {
     let flags = fcntl_getfl(&pipe).expect("it is open");
     fcntl_setfl(&pipe, flags | OFlags::NONBLOCK).expect("it is ours");
@@ -74,7 +75,7 @@ fn ended(child: &mut Child) -> Option<ExitStatus> {
     None
 }
 
-/// A program and its robot, both with a log of the same fate, and two operators' keys.
+/// A program and its robot, whose logs are in the same state, and the keys of two operators.
 struct Site {
     fate: Fate,
     folder: Folder,
@@ -82,7 +83,7 @@ struct Site {
     program: Program,
     operator: String,
     lobby: String,
-    /// Kept, so that a reader who hangs is not one who is gone.
+    /// Kept open, so that a hanging reader is not a closed one.
     readers: Vec<Option<PipeReader>>,
 }
 
@@ -130,7 +131,7 @@ impl Site {
         self.until("the robot stands", |state| state["robot"]["state"] == "stopped");
     }
 
-    /// Those without a key and with a wrong one are refused, more than once.
+    /// Requests without a key and with a wrong key are refused, more than once.
     fn refuse_strangers(&self) {
         for _ in 0..2 {
             self.program.command("start").problem(401);
@@ -138,7 +139,7 @@ impl Site {
         }
     }
 
-    /// A key that is taken away starts nothing any more.
+    /// After its removal a key no longer works.
     fn remove_key(&self) {
         assert_eq!(self.asks(&self.lobby, "/api/v1/state").status, 200);
         self.folder.token(&["remove", "lobby"]);
@@ -161,7 +162,7 @@ impl Site {
         self.until("the robot is back", |state| !holds(state, "robotLink"));
     }
 
-    /// Another program keeps the journal locked for a while.
+    /// Another process locks the journal for a while.
     fn lock_store(&self) {
         let journal = self.folder.path().join("journal.db");
         let other = rusqlite::Connection::open(journal).expect("it is a database");
@@ -172,7 +173,7 @@ impl Site {
         self.until("the store writes again", |state| !holds(state, "store"));
     }
 
-    /// Lines that were lost, as `/metrics` says.
+    /// Number of lost log lines, read from `/metrics`.
     fn lost(&self) -> u64 {
         let figures = self.asks(&self.operator, "/metrics").text();
         let line = figures.lines().find_map(|line| line.strip_prefix("hallsweep_log_lines_lost_total "));
@@ -180,15 +181,15 @@ impl Site {
     }
 }
 
-/// A robot with a log of this fate.
+/// Starts a robot whose log is in this state.
 fn robot(fate: Fate, place: &str) -> (Emulator, Option<PipeReader>) {
     let (log, reader) = fate.stream();
     let mut command = hallsweep(&["robot-emulator", "--listen", place, "--hall", "airport", "--speed", "2"]);
     (Emulator::started(command.env("HALLSWEEP__LOG__FILTER", "trace").stderr(log)), reader)
 }
 
-/// Everything that writes a line, with a log of this fate, while somebody asks for the figures and never reads them: each ends as
-/// with a good log.
+/// Runs everything that writes a log line, with the log in this state, while a client requests `/metrics` and never
+/// reads the answers. The results must be the same as with a working log.
 fn all_goes_on(fate: Fate) {
     let mut site = Site::new(fate);
     let mut figures = TcpStream::connect(site.program.address()).expect("the program listens");
@@ -232,8 +233,8 @@ fn all_goes_on_where_the_reader_of_the_log_hangs() {
     all_goes_on(Fate::ReaderHangs);
 }
 
-/// Safety S11: where standard output takes nothing, the program serves, says so in the log without the key, and ends. A reader that
-/// comes late finds the link.
+/// Safety S11: if standard output accepts nothing, the program serves, reports this in the log without the key, and
+/// ends in order. A late reader finds the link.
 #[test]
 fn standard_output_that_takes_nothing_keeps_the_program_from_nothing() {
     for fate in Fate::TROUBLE {
@@ -270,7 +271,7 @@ fn standard_output_that_takes_nothing_keeps_the_program_from_nothing() {
     }
 }
 
-/// Safety S11: neither is read at all, not even at the end.
+/// Safety S11: nothing reads standard output or the log, not even at the end.
 #[test]
 fn it_ends_although_nobody_reads_what_it_writes() {
     let (output, _reader) = Fate::ReaderHangs.stream();
@@ -289,12 +290,12 @@ fn it_ends_although_nobody_reads_what_it_writes() {
     assert_eq!(program.ended_within(PROMISED).and_then(|status| status.code()), Some(0));
 }
 
-/// An address at which nobody listens.
+/// Local address on which nothing listens.
 fn free_port() -> SocketAddr {
     TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a free port")
 }
 
-/// The same command as the last words of a shell's.
+/// The same command as arguments of a shell script.
 fn under(shell: &str, command: &Command) -> Command {
     let mut under = Command::new("bash");
     under.args(["-c", shell]).arg(command.get_program()).args(command.get_args()).stdin(Stdio::null());
@@ -302,7 +303,8 @@ fn under(shell: &str, command: &Command) -> Command {
     under
 }
 
-/// Safety S11 and R3: the system ends a program that writes beyond its limit for files, unless that sees to it.
+/// Safety S11 and R3: by default the system kills a process that writes beyond its file size limit. The program must
+/// prevent that.
 #[test]
 fn a_limit_for_files_stops_lines_and_records_and_not_the_program() {
     let folder = Folder::new("log-limit");
@@ -331,7 +333,8 @@ fn a_limit_for_files_stops_lines_and_records_and_not_the_program() {
     std::fs::remove_file(log).expect("it is there");
 }
 
-/// Safety S11: the system stops a program in the background that writes to such a terminal, unless that sees to it.
+/// Safety S11: by default the system stops a background process that writes to such a terminal. The program must
+/// prevent that.
 #[test]
 fn a_terminal_that_takes_nothing_from_the_background_stops_nothing() {
     let folder = Folder::new("log-terminal");
@@ -355,7 +358,8 @@ fn a_terminal_that_takes_nothing_from_the_background_stops_nothing() {
     program.post_with("/api/v1/commands/stop", &key, "").accepted();
 }
 
-/// What does its work and ends may wait for whoever reads it, but a stream that fails gives an exit code and no panic.
+/// A command may wait for a slow reader of its output, but a failing stream must lead to an exit code and not to a
+/// panic.
 #[test]
 fn a_command_whose_output_fails_ends_with_an_exit_code() {
     let folder = Folder::new("log-commands");
@@ -386,7 +390,7 @@ fn a_command_whose_output_fails_ends_with_an_exit_code() {
     }
 }
 
-/// A robot that somebody plays ends with its terminal, too.
+/// The emulator also ends when its terminal closes.
 #[test]
 fn each_signal_that_asks_for_an_end_ends_the_robot_emulator_well() {
     for name in ["INT", "TERM", "HUP"] {

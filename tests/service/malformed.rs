@@ -1,4 +1,4 @@
-//! What is malformed, unknown or from elsewhere is refused in words, and harms nothing.
+//! Malformed, unknown and cross-origin requests are refused with a reason and do no harm.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -56,12 +56,12 @@ fn a_body_without_end_harms_nobody() {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     let head = "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
     stream.write_all(head.as_bytes()).expect("the program listens");
-    // The length alone is enough to refuse it, before anything of it has come.
+    // The declared length alone is refused, before any of the body has arrived.
     stream.set_read_timeout(Some(crate::program::PATIENCE)).expect("a time-out can be set");
     let mut answer = [0; 12];
     stream.read_exact(&mut answer).expect("an answer at once");
     assert_eq!(&answer, b"HTTP/1.1 413");
-    // And it hangs up in the middle, as it should.
+    // The program closes the connection in the middle of the body, as it should.
     let refused = (0..1000).any(|_| stream.write_all(&[b'w'; 100_000]).is_err());
     assert!(refused, "a hundred megabytes were taken for a command");
     assert_eq!(program.read("/healthz", &[]).status, 200);
@@ -98,7 +98,7 @@ fn a_page_of_another_origin_presses_no_buttons() {
     assert_eq!(program.json("state")["mission"]["phase"], "idle");
 }
 
-/// The status line's code of an answer to these bytes.
+/// Status code of the answer to these bytes.
 fn status(program: &Program, request: &str) -> String {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     stream.set_read_timeout(Some(crate::program::PATIENCE)).expect("a time-out can be set");

@@ -1,5 +1,5 @@
-//! The map of a large hall as files, asked for without end by a viewer: whoever presses STOP or looks at the state meanwhile is served, and the
-//! map comes afterwards.
+//! A viewer requests the map of a large hall as files without end. STOP and reads of the state are served
+//! meanwhile, and the map is served afterwards.
 
 use std::fs::write;
 use std::io::{Read, Write};
@@ -13,16 +13,16 @@ use crate::http_attacks::connected;
 
 const FILES: [&str; 5] = ["toml", "map", "yaml", "pgm", "txt"];
 
-/// Connections that read what they asked for; as many again hang up.
+/// Connections that read the answers. The same number of connections hang up instead.
 const READERS: usize = 8;
 
-/// How often it is looked whether the map is large.
+/// Interval between two checks whether the map is large.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// STOPs an operator presses meanwhile.
+/// Number of STOPs by an operator during the requests.
 const STOPS: u64 = 20;
 
-/// A robot that drives in an empty hall of 800 cells a side, of which the walls are seen from the corner where it begins.
+/// A robot in an empty hall of 800 by 800 cells, in whose map the outer walls are visible from the start corner.
 fn large() -> Site {
     let hall = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("large-{}.toml", std::process::id()));
     write(&hall, "width = 800\nheight = 800\n").expect("a file can be written");
@@ -49,7 +49,7 @@ impl Site {
         self.read(&format!("/api/v1/map/{name}"), ("accept", "*/*")).text()
     }
 
-    /// All files ten times over, in one breath.
+    /// Requests for all files, ten times, for a single write.
     fn asked(&self) -> String {
         let asked = |name| {
             let viewer = &self.viewer;

@@ -1,5 +1,5 @@
-//! `/metrics` of the real program: it says what the interface says, Prometheus' own parsers read it, connections are counted while they
-//! are open, and nothing that comes from outside makes a new series.
+//! `/metrics` of the real program: the values agree with the API, Prometheus' own parsers accept the text, open
+//! connections are counted, and no outside input creates a new series.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
@@ -15,14 +15,14 @@ use crate::kill::Folder;
 use crate::program::{Deadline, PATIENCE, Program, hallsweep};
 use crate::third_party::{folder, left_out, patiently, python, runs};
 
-/// How often a figure that is waited for is looked at.
+/// Interval between two checks of an awaited value.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// An observation of the robot over CoAP, and its end.
+/// CoAP messages that start and end an observation of the robot.
 const OBSERVE: &[u8] = b"\x41\x01\x00\x01T\x60\x55robot";
 const FORGET: &[u8] = b"\x41\x01\x00\x02T\x61\x01\x55robot";
 
-/// An MQTT client named `hall`.
+/// CONNECT of an MQTT client named `hall`.
 const CONNECT: &[u8] = b"\x10\x10\x00\x04MQTT\x04\x02\x00\x3c\x00\x04hall";
 
 fn text(program: &Program) -> String {
@@ -36,7 +36,7 @@ fn in_format(program: &Program, media_type: &str) -> String {
     answer.text()
 }
 
-/// Every series with its value, as `hallsweep_steps_total`.
+/// Value of each series, by a name such as `hallsweep_steps_total`.
 fn figures(text: &str) -> BTreeMap<String, f64> {
     let series = text.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.rsplit_once(' '));
     series.map(|(series, value)| (series.to_owned(), value.parse().expect("a number"))).collect()
@@ -59,7 +59,7 @@ fn until(program: &Program, series: &str, wanted: f64) {
     }
 }
 
-/// Searches the whole hall, with SAFE for every piece, some refusals and two STOPs, and puts the mission away.
+/// Searches the whole hall, calls every piece safe, with some refusals and two STOPs, and puts the mission away.
 fn mission(program: &Program) {
     program.command("start").accepted();
     let is_asked = |state: &Value| state["luggage"].as_array().expect("a list").iter().any(|piece| piece["verdict"] == "pending");
@@ -77,7 +77,7 @@ fn mission(program: &Program) {
     program.command("reset").accepted();
 }
 
-/// Everything on record of a mission.
+/// All recorded events of a mission.
 fn events(program: &Program, mission: u64) -> Vec<Value> {
     let mut events = Vec::new();
     let mut next = Some(format!("/api/v1/missions/{mission}/events?limit=1000"));
@@ -89,7 +89,7 @@ fn events(program: &Program, mission: u64) -> Vec<Value> {
     events
 }
 
-/// How often the robot stood a cell further than before.
+/// Number of times that the robot entered another cell.
 fn steps(events: &[Value]) -> usize {
     let cells = events.iter().filter(|event| event["kind"] == "pose");
     let cells: Vec<(i64, i64)> =
@@ -135,7 +135,7 @@ fn the_figures_are_what_the_interface_says() {
     assert!(at("record_seconds_count") > at("steps_total") && at("stop_seconds_count") >= 1.0, "{figures:#?}");
 }
 
-/// What Prometheus' own parsers find in the text of OpenMetrics.
+/// Samples that Prometheus' own parser finds in OpenMetrics text.
 fn parsed(text: &str) -> BTreeMap<String, f64> {
     let mut parser = patiently(python().arg(folder().join("openmetrics.py")));
     let mut parser = parser.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it was there just now");
@@ -167,7 +167,7 @@ fn the_parsers_of_prometheus_read_every_figure() {
     }
 }
 
-/// Both formats have the same series, and `promtool` finds no fault in that of Prometheus, which is the answer to `*/*`.
+/// Both formats have the same series, and `promtool` accepts the Prometheus format, which is the answer to `*/*`.
 #[test]
 fn promtool_finds_no_fault_in_the_text_format() {
     let program = Program::serve("airport", "max");
@@ -190,7 +190,7 @@ fn promtool_finds_no_fault_in_the_text_format() {
 fn connections_are_counted_at_every_door_while_they_are_open() {
     let program = Program::serve("empty-8x8", "max");
     let [http, mqtt, coap] = ["http", "mqtt", "coap"].map(|door| format!("hallsweep_connections{{door=\"{door}\"}}"));
-    // Whoever reads the figures has a connection, too, which stays open between two readings.
+    // The client that reads `/metrics` has a connection too, which stays open between two reads.
     until(&program, &http, 1.0);
     let mut clients: Vec<TcpStream> =
         (0..3).map(|_| connected(&program, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")).collect();
@@ -249,7 +249,7 @@ fn nothing_that_comes_from_outside_makes_a_series() {
     program.until_phase("explored");
     let other = figures(&text(&program))["hallsweep_commands_total{command=\"other\",outcome=\"refused\"}"];
     assert!(other > 0.0, "some of that was on record as what no command is");
-    // The latest reading of the temperature has come meanwhile.
+    // The first temperature reading may arrive during the test.
     let new: Vec<String> =
         series(&program).difference(&before).filter(|series| *series != "hallsweep_temperature_celsius").cloned().collect();
     assert_eq!(new, Vec::<String>::new());

@@ -1,18 +1,20 @@
-//! Missions that are over stay readable: by the interface and on the console's pages, and after a restart as before.
+//! Missions that were put away stay readable through the API and on the console's pages, and read the same after a
+//! restart.
 
 use serde_json::Value;
 
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 
-/// Serves what is kept in a folder.
+/// Starts the program with this data folder.
 fn serve(folder: &Folder) -> Program {
     let arguments =
         ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "airport", "--speed", "max", "--data", folder.text()];
     Program::started(hallsweep(&arguments).env_remove("HALLSWEEP__STORE__FOLDER"))
 }
 
-/// Finds a bomb, leaves it in place, puts the mission away and begins another; the state before it was put away.
+/// Finds a bomb, leaves the bomb in place, puts the mission away and starts another one. Returns the state before the
+/// mission was put away.
 fn a_mission_and_the_next(program: &Program) -> Value {
     program.command("start").accepted();
     let first = program.until_asked();
@@ -30,7 +32,7 @@ fn a_mission_and_the_next(program: &Program) -> Value {
     state
 }
 
-/// Everything that the interface says of the first mission must be as it was seen.
+/// Fails unless the API shows the first mission as it was seen.
 fn check(program: &Program, seen: &Value) {
     let list = program.json("missions");
     let ids: Vec<u64> =
@@ -51,7 +53,7 @@ fn check(program: &Program, seen: &Value) {
     assert!(program.read("/api/v1/missions/3", &[]).problem(404).contains("no mission 3"));
 }
 
-/// The commands among the events of a mission, in order, read in small pages.
+/// Commands among the events of a mission, in order, read in small pages.
 fn commands(program: &Program, mission: u64) -> Vec<Value> {
     let (mut next, mut commands, mut last) = (Some(format!("/api/v1/missions/{mission}/events?limit=37")), Vec::new(), 0);
     while let Some(path) = next {
@@ -113,7 +115,7 @@ fn missions_are_read_back_after_a_restart() {
     assert!(program.read("/", &[]).text().contains("everything is as it was"));
 }
 
-/// Safety V2: nobody can say of a piece that it is safe whose photo is gone.
+/// Safety V2: a piece whose photo is lost cannot be called safe.
 #[test]
 fn a_pending_piece_whose_photo_was_lost_is_photographed_again_before_it_can_be_called_safe() {
     let folder = Folder::new("lost-photo");

@@ -1,4 +1,4 @@
-//! The routes of the old console, whose clients must work unchanged.
+//! Routes of the old console, whose clients must work unchanged.
 
 use crate::program::Program;
 

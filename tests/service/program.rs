@@ -1,4 +1,4 @@
-//! The program under test: started on a free port, asked over HTTP, ended when the test ends.
+//! The program under test: started on a free port, driven over HTTP, and ended with the test.
 
 use std::io::{BufRead, BufReader};
 use std::net::{Ipv4Addr, SocketAddr};
@@ -9,16 +9,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often a state that is waited for is looked at.
+/// Interval between two checks of an awaited state.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// How the address is announced on standard output.
+/// Beginning of the line on standard output that announces the address.
 const ANNOUNCED: [&str; 2] = ["hallsweep is at http://", "hallsweep is at https://"];
 
-/// A running program.
 pub(crate) struct Program {
     child: Child,
     address: SocketAddr,
@@ -28,7 +27,6 @@ pub(crate) struct Program {
     agent: ureq::Agent,
 }
 
-/// What a route answered.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -36,7 +34,6 @@ pub(crate) struct Answer {
     pub(crate) body: Vec<u8>,
 }
 
-/// How long something may still take.
 pub(crate) struct Deadline(Instant);
 
 impl Deadline {
@@ -51,7 +48,7 @@ impl Deadline {
     }
 }
 
-/// The program with these arguments and none of the surroundings' settings.
+/// Command for the program with these arguments, without any setting from the environment.
 pub(crate) fn hallsweep(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hallsweep"));
     command.args(arguments).stdin(Stdio::null());
@@ -59,31 +56,30 @@ pub(crate) fn hallsweep(arguments: &[&str]) -> Command {
         command.env_remove(name);
     }
     command.env("HALLSWEEP__LOG__FILTER", "warn");
-    // Every program has ports of its own for CoAP and MQTT too.
+    // Each program also has its own ports for CoAP and MQTT.
     command.env("HALLSWEEP__COAP__BIND", "127.0.0.1:0");
     command.env("HALLSWEEP__MQTT__BIND", "127.0.0.1:0");
-    // Nothing is left on the machine that runs the tests; those about what is kept name a folder of their own.
+    // The tests leave no data on the machine. Tests of stored data name their own folder.
     command.env("HALLSWEEP__STORE__FOLDER", "none");
     command
 }
 
-/// Runs the program to its end.
 pub(crate) fn run(arguments: &[&str]) -> Output {
     hallsweep(arguments).output().expect("the program starts")
 }
 
 impl Program {
-    /// Serves this hall at this speed on a free port.
+    /// Starts the program with this hall and speed on a free port.
     pub(crate) fn serve(hall: &str, speed: &str) -> Program {
         Program::with(&["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", hall, "--speed", speed])
     }
 
-    /// Starts with these arguments, and waits until it says where it is.
+    /// Starts the program with these arguments and waits until it prints its address.
     pub(crate) fn with(arguments: &[&str]) -> Program {
         Program::started(&mut hallsweep(arguments))
     }
 
-    /// Starts this command, and waits until it says where it is.
+    /// Starts this command and waits until it prints its address.
     pub(crate) fn started(command: &mut Command) -> Program {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("the program starts");
         let mut lines = BufReader::new(child.stdout.take().expect("standard output is a pipe")).lines();
@@ -94,14 +90,14 @@ impl Program {
         Program::found(child, announced.expect("the program says where it is"), lines)
     }
 
-    /// A program that was started and listens here, and the lines that it prints from now on.
+    /// Wraps a running program that listens at `bound`. `lines` are its further lines of output.
     pub(crate) fn found(
         child: Child,
         bound: SocketAddr,
         lines: impl Iterator<Item = std::io::Result<String>> + Send + 'static,
     ) -> Program {
         let address = reached(bound);
-        // The pipe stays open until the program ends, so that writing to it never fails.
+        // The pipe stays open until the program ends, so that the program's writes never fail.
         let (say, said) = mpsc::channel();
         std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(say.send(line))));
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
@@ -109,22 +105,21 @@ impl Program {
         Program { child, address, coap: OnceLock::new(), mqtt: OnceLock::new(), said: Mutex::new(said), agent: config.into() }
     }
 
-    /// Where it listens.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Where its CoAP resources are, as it says after everything else.
+    /// Address of the CoAP interface, which the program prints after the HTTP address.
     pub(crate) fn coap(&self) -> SocketAddr {
         self.announced(&self.coap)
     }
 
-    /// Where its MQTT topics are, as it says after that.
+    /// Address of the MQTT interface, which the program prints after the CoAP address.
     pub(crate) fn mqtt(&self) -> SocketAddr {
         self.announced(&self.mqtt)
     }
 
-    /// The next line it prints after it has said where it is.
+    /// Next line of output after the HTTP address.
     pub(crate) fn says(&self) -> String {
         let said = self.said.lock().expect("nobody panics while listening");
         let line = said.recv_timeout(PATIENCE).expect("the program says something more");
@@ -137,51 +132,51 @@ impl Program {
         line
     }
 
-    /// What it has printed since, up to its end; it must have ended.
+    /// Remaining lines of output, up to the end of the program. The program must have ended.
     pub(crate) fn last_words(&self) -> Vec<String> {
         self.said.lock().expect("nobody panics while listening").iter().collect()
     }
 
-    /// Asks for a path, with headers.
+    /// Sends a GET with headers.
     pub(crate) fn read(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
         let request = headers.iter().fold(self.agent.get(self.url(path)), |request, (name, value)| request.header(*name, *value));
         Answer::of(request.call())
     }
 
-    /// Asks for JSON under `/api/v1`.
+    /// Reads JSON under `/api/v1`.
     pub(crate) fn json(&self, resource: &str) -> Value {
         let answer = self.read(&format!("/api/v1/{resource}"), &[]);
         assert_eq!(answer.status, 200, "{resource}: {answer:?}");
         answer.json()
     }
 
-    /// Posts to a path without a body.
+    /// Sends a POST without a body.
     pub(crate) fn press(&self, path: &str) -> Answer {
         Answer::of(self.agent.post(self.url(path)).send_empty())
     }
 
-    /// Posts a body with headers.
+    /// Sends a POST with a body and headers.
     pub(crate) fn post_with(&self, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
         let request = self.agent.post(self.url(path));
         Answer::of(headers.iter().fold(request, |request, (name, value)| request.header(*name, *value)).send(body))
     }
 
-    /// Gives a command of the API without a body, as `start`.
+    /// Sends a command of the API without a body, such as `start`.
     pub(crate) fn command(&self, name: &str) -> Answer {
         self.press(&format!("/api/v1/commands/{name}"))
     }
 
-    /// Posts JSON to a path.
+    /// Sends a POST with a JSON body.
     pub(crate) fn post(&self, path: &str, body: &str) -> Answer {
         self.send("POST", path, "application/json", body)
     }
 
-    /// Puts JSON to a path.
+    /// Sends a PUT with a JSON body.
     pub(crate) fn put(&self, path: &str, body: &str) -> Answer {
         self.send("PUT", path, "application/json", body)
     }
 
-    /// Sends a body of any type.
+    /// Sends a POST or PUT with a body of this type.
     pub(crate) fn send(&self, method: &str, path: &str, content_type: &str, body: &str) -> Answer {
         let request = if method == "PUT" { self.agent.put(self.url(path)) } else { self.agent.post(self.url(path)) };
         Answer::of(request.header("content-type", content_type).send(body))
@@ -191,12 +186,12 @@ impl Program {
         Answer::of(self.agent.delete(self.url(path)).call())
     }
 
-    /// Says of a piece what it is.
+    /// Sends a verdict about a piece.
     pub(crate) fn verdict(&self, luggage: u64, verdict: &str) -> Answer {
         self.post(&format!("/api/v1/luggage/{luggage}/verdict"), &format!("{{\"verdict\":\"{verdict}\"}}"))
     }
 
-    /// Asks a program that may be gone: `None` then. `key` is the command's own name, if it has one.
+    /// Sends a request, and returns `None` if the program is gone. `key` is the idempotency key; empty for none.
     pub(crate) fn try_ask(&self, method: &str, path: &str, key: &str, body: &str) -> Option<Answer> {
         let request = ureq::http::Request::builder().method(method).uri(self.url(path));
         let request = if key.is_empty() { request } else { request.header("idempotency-key", key) };
@@ -205,7 +200,7 @@ impl Program {
         Some(Answer { status: parts.status.as_u16(), headers: parts.headers, body: body.read_to_vec().ok()? })
     }
 
-    /// Waits until the state is as wanted, and returns it.
+    /// Waits until the state matches, and returns it.
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let deadline = Deadline::within(PATIENCE);
         loop {
@@ -223,30 +218,29 @@ impl Program {
         self.until(phase, |state| state["mission"]["phase"] == phase)
     }
 
-    /// Waits until a piece waits for its verdict, and returns its number.
+    /// Waits until a piece is pending, and returns its number.
     pub(crate) fn until_asked(&self) -> u64 {
         let state = self.until("a verdict is asked for", |state| pending(state).is_some());
         pending(&state).expect("it was there just now")
     }
 
-    /// What kills it −9, from another thread.
+    /// Closure that kills the program with SIGKILL, for use in another thread.
     pub(crate) fn killer(&self) -> impl FnOnce() + Send + use<> {
         let id = self.child.id().to_string();
         move || assert!(Command::new("kill").args(["-KILL", &id]).status().expect("kill is there").success())
     }
 
-    /// Sends a signal, as `TERM`.
+    /// Sends a signal, such as `TERM`.
     pub(crate) fn signal(&self, name: &str) {
         let sent = Command::new("kill").args([format!("-{name}"), self.child.id().to_string()]).status();
         assert!(sent.expect("kill is there").success());
     }
 
-    /// The number of its process.
     pub(crate) fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Waits for its end; `None` when it is still running after so long.
+    /// Waits for the end of the program. Returns `None` if it is still running after `patience`.
     pub(crate) fn ended_within(&mut self, patience: Duration) -> Option<ExitStatus> {
         let deadline = Deadline::within(patience);
         while !deadline.has_passed() {
@@ -258,7 +252,7 @@ impl Program {
         None
     }
 
-    /// Where a door is; its line is waited for.
+    /// Address of an interface, read from the output of the program.
     fn announced(&self, door: &OnceLock<SocketAddr>) -> SocketAddr {
         loop {
             if let Some(at) = door.get() {
@@ -275,7 +269,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // It may have ended already, which is as good.
+        // The process may have ended already, which is fine.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -288,22 +282,20 @@ impl Answer {
         Answer { status: parts.status.as_u16(), headers: parts.headers, body }
     }
 
-    /// The body as JSON.
     pub(crate) fn json(&self) -> Value {
         serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {}", self.text()))
     }
 
-    /// The body as text.
     pub(crate) fn text(&self) -> String {
         String::from_utf8_lossy(&self.body).into_owned()
     }
 
-    /// A header, empty when it is not there.
+    /// Value of a header. Empty if it is missing.
     pub(crate) fn header(&self, name: &str) -> &str {
         self.headers.get(name).map_or("", |value| value.to_str().expect("a printable header"))
     }
 
-    /// Fails unless it is an acceptance; returns its revision.
+    /// Fails unless the answer is an acceptance. Returns its revision.
     pub(crate) fn accepted(&self) -> u64 {
         assert_eq!(self.status, 200, "{}", self.text());
         let json = self.json();
@@ -311,7 +303,7 @@ impl Answer {
         json["revision"].as_u64().expect("an acceptance names its revision")
     }
 
-    /// Fails unless it is a problem with this status and a reason a person understands; returns the reason.
+    /// Fails unless the answer is a problem with this status and an understandable reason. Returns the reason.
     pub(crate) fn problem(&self, status: u16) -> String {
         assert_eq!(self.status, status, "{}", self.text());
         assert!(self.header("content-type").starts_with("application/problem+json"), "{:?}", self.headers);
@@ -323,13 +315,13 @@ impl Answer {
     }
 }
 
-/// Where a door is reached that is at this address: one that listens everywhere is reached here.
+/// Address for a connection to a bound socket: loopback if the socket is bound to every address.
 fn reached(bound: SocketAddr) -> SocketAddr {
     let host = if bound.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { bound.ip() };
     SocketAddr::new(host, bound.port())
 }
 
-/// The piece that waits for its verdict in a phase in which the operator is asked.
+/// Number of a piece without a verdict.
 fn pending(state: &Value) -> Option<u64> {
     let pieces = state["luggage"].as_array()?.iter();
     pieces.filter(|piece| piece["verdict"] == "pending").find_map(|piece| piece["id"].as_u64())

@@ -1,4 +1,5 @@
-//! Whoever follows the stream has what `GET state` shows: the changes leave nothing out, whatever the mission goes through.
+//! The event stream is complete: a client that applies every change has the same state as `GET state`, through a
+//! whole mission.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -8,13 +9,13 @@ use serde_json::{Value, json};
 use crate::program::{Deadline, Program};
 use crate::stream::Events;
 
-/// How long the stream and the state may take to stand at the same revision.
+/// Longest wait until the stream and the state have the same revision.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// The state shows as many lines of the log, the latest.
+/// Number of the latest log lines in the state.
 const LOG_LINES: usize = 256;
 
-/// What a reader of the stream knows: the first event, with every change applied to it.
+/// State of a reader of the stream: the first event with every change applied.
 struct Replica {
     events: Events,
     state: Value,
@@ -31,7 +32,7 @@ impl Replica {
         self.state["revision"].as_u64().expect("a revision")
     }
 
-    /// Follows the stream until it stands where the state stands, and compares everything.
+    /// Reads the stream up to the revision of the state, and compares both.
     fn compare(&mut self, program: &Program, when: &str) {
         let deadline = Deadline::within(PATIENCE);
         loop {
@@ -68,7 +69,7 @@ impl Replica {
     }
 }
 
-/// The map with the changed cells.
+/// The older map with the changed cells applied.
 pub(crate) fn patched(older: &Value, newer: &Value) -> Value {
     if newer["rows"].is_array() {
         return newer.clone();

@@ -1,4 +1,5 @@
-//! A report of a mission is what the journal has of it: the same by every way, and held against the journal later, a change of either is named.
+//! A mission report contains what the journal recorded. It is the same by every way, and a later check against the
+//! journal names any change of either.
 
 use std::fs;
 use std::io::Read;
@@ -10,21 +11,21 @@ use crate::kill::Folder;
 use crate::program::{PATIENCE, Program, hallsweep};
 use crate::third_party::patiently;
 
-/// What the command writes, and whether it was well.
+/// Runs `hallsweep report`. Returns whether the command succeeded, and its output.
 fn report(folder: &Folder, words: &[&str]) -> (bool, Vec<u8>) {
     let output = hallsweep(&[&["report", "--data", folder.text()], words].concat()).output().expect("the program starts");
     let said = if output.status.success() { output.stdout } else { output.stderr };
     (output.status.success(), said)
 }
 
-/// A report in a file beside the folder.
+/// Writes a report to a file beside the folder.
 fn saved(folder: &Folder, name: &str, page: &[u8]) -> PathBuf {
     let path = PathBuf::from(format!("{}-{name}", folder.text()));
     fs::write(&path, page).expect("it can be written");
     path
 }
 
-/// What was packed with gzip.
+/// Decompresses gzip data.
 fn unpacked(bytes: &[u8]) -> Vec<u8> {
     let mut unpacked = Vec::new();
     flate2::read::GzDecoder::new(bytes).read_to_end(&mut unpacked).expect("it is whole");
@@ -35,7 +36,7 @@ fn confirmed(folder: &Folder, report: &Path) -> (bool, String) {
     journal(folder, &["check", "--report", report.to_str().expect("a plain name")])
 }
 
-/// A safe piece, a STOP, a refusal, and a bomb with a note; then the mission goes on to its end.
+/// A mission with a safe piece, a STOP, a refusal, and a bomb with a note, which continues to its end.
 fn a_mission(program: &Program) {
     program.command("start").accepted();
     let first = program.until_asked();
@@ -49,7 +50,7 @@ fn a_mission(program: &Program) {
     program.until_phase("bombLocated");
 }
 
-/// Every file of a folder, but for what SQLite has beside the journal while it reads.
+/// All files below a folder, except those that SQLite keeps beside the journal while it reads.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
     for path in fs::read_dir(folder).expect("it is there").map(|entry| entry.expect("it can be read").path()) {
@@ -124,7 +125,7 @@ fn a_report_is_the_same_by_every_way_and_is_confirmed_while_the_journal_grows() 
     kept.iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
 }
 
-/// "A bomb was located" sounds like the end of a search that was broken off.
+/// "A bomb was located" sounds like a complete search, although the search was broken off.
 #[test]
 fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
     let folder = Folder::new("reports-unsearched");
@@ -160,7 +161,7 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
         assert!(!well && said.contains("is not confirmed") && said.contains(words), "{words}: {said}");
         fs::remove_file(path).expect("it was saved");
     };
-    // Places spread over all of it, by a number that meets every part.
+    // Places spread over the whole page, chosen with a multiplier that reaches every part.
     for step in 0..64_usize {
         let place = step * 0x9E37_79B9 % page.len();
         let mut changed = page.clone();
@@ -226,7 +227,7 @@ fn what_cannot_be_reported_is_said() {
     assert!(said.contains("pipe cannot be read: it is a pipe or a device, not a plain file"), "{said}");
 }
 
-/// A disk that fails for a moment is no part of what happened.
+/// A temporary disk failure is no part of the mission, so it must not appear in a report.
 #[test]
 fn a_photo_that_cannot_be_read_just_now_makes_no_report_and_leaves_what_was_there() {
     let folder = Folder::new("reports-unreadable");
@@ -266,7 +267,7 @@ fn what_was_said_to_be_lost_is_neither_reported_nor_confirmed() {
     program.until_asked();
     let (_, before) = report(&folder, &["1"]);
     program.command("stop").accepted();
-    // A STOP is answered although the disk is late; whoever is asked to end puts it on record first.
+    // A STOP is answered even if the disk is slow. An orderly end stores the STOP in the journal first.
     program.signal("TERM");
     assert!(program.ended_within(PATIENCE).is_some_and(|status| status.success()));
     let (_, after) = report(&folder, &["1"]);
@@ -277,7 +278,7 @@ fn what_was_said_to_be_lost_is_neither_reported_nor_confirmed() {
     assert!(until(&before) < until(&after));
     let lost = format!("everything after entry {:020} was said to be lost\n", until(&before));
     fs::write(folder.path().join("journal.lost"), lost).expect("it can be written");
-    // It would say that these entries were kept.
+    // The file would still say that these entries were stored.
     fs::remove_file(folder.path().join("journal.head")).expect("it is there");
     assert!(report(&folder, &["1"]).1 == before, "it ends where it ended then");
     for format in ["jsonl", "csv"] {
@@ -292,7 +293,7 @@ fn what_was_said_to_be_lost_is_neither_reported_nor_confirmed() {
     [before, after].iter().for_each(|path| fs::remove_file(path).expect("it was saved"));
 }
 
-/// A journal in memory ends with the program.
+/// A journal in memory is lost when the program ends.
 #[test]
 fn where_nothing_is_kept_a_report_says_that_nothing_can_confirm_it() {
     let program = Program::with(&["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", "none"]);

@@ -1,5 +1,6 @@
-//! From danger to the bag in the container, with the program as it comes: each door sends the pair out, STOP and `kill -9` leave it
-//! where it stands, and only an operator's START moves it on.
+//! Retrieval, from the verdict *danger* to the bag in the container, with the default settings: each interface can
+//! send the pair out, after STOP and `kill -9` the pair stays where it is, and only an operator's START moves it
+//! again.
 
 use serde_json::Value;
 
@@ -7,13 +8,13 @@ use crate::coap::client::Coap;
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 
-/// Serves the hall of the seed over this folder.
+/// Starts the program in the hall of the seed with this data folder.
 fn serve(folder: &Folder, speed: &str, settings: &[(&str, &str)]) -> Program {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--speed", speed, "--data", folder.text()]);
     Program::started(command.envs(settings.iter().copied()))
 }
 
-/// Says danger to the first piece, and waits until discovery is home; the piece's number.
+/// Calls the first piece dangerous and waits until the searching robot is home. Returns the number of the piece.
 fn locate(program: &Program) -> u64 {
     program.until("all are linked", |state| holds(state).is_empty());
     program.command("start").accepted();
@@ -23,7 +24,7 @@ fn locate(program: &Program) -> u64 {
     piece
 }
 
-/// The program over this folder, with whoever fetches on his way to the dangerous piece; the piece's number.
+/// Starts the program and sends the pair to the dangerous piece. Returns the program and the number of the piece.
 fn fetching(folder: &Folder, speed: &str, settings: &[(&str, &str)]) -> (Program, u64) {
     let program = serve(folder, speed, settings);
     let piece = locate(&program);
@@ -49,7 +50,8 @@ fn pair(state: &Value) -> Vec<&Value> {
     ["srm1", "srm2"].iter().map(|name| robots.iter().find(|robot| robot["name"] == *name).expect("it is there")).collect()
 }
 
-/// Where the pair is, and what it grips. How well it holds that changes under a halt, too: the controllers work on.
+/// Positions of the pair and the state of its grippers. The quality of the grip is left out, because the controllers
+/// keep adjusting it during a halt.
 fn places(state: &Value) -> Vec<Value> {
     let told = ["/position", "/outside", "/heading", "/arm/gripper", "/arm/holds", "/arm/lifted"];
     pair(state).iter().map(|robot| told.iter().map(|key| robot.pointer(key).cloned()).collect()).collect()

@@ -1,4 +1,4 @@
-//! Two simulated robots by the settings: both are there, one STOP holds both, and each is found again where it was left.
+//! Two simulated robots from the settings: both are linked, one STOP holds both, and each restarts where it was.
 
 use std::fs;
 
@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 
-/// Where the second robot remembers what it must not forget.
+/// File in which the second robot stores its state.
 const PORTERS: &str = "simulated-robot-porter.txt";
 
-/// Serves with a robot `porter` beside the one that searches.
+/// Starts the program with a robot `porter` beside the searching robot.
 fn serve(folder: &Folder) -> Program {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "20", "--data", folder.text()];
     let mut command = hallsweep(&arguments);
@@ -31,12 +31,12 @@ fn both_linked(state: &Value) -> bool {
     robots(state).iter().all(|robot| !robot["parts"].is_null() && !has(robot, "robotLink"))
 }
 
-/// Where a robot stands.
+/// Position and heading of a robot.
 fn place(robot: &Value) -> Value {
     json!([robot["position"], robot["heading"], robot["offCentre"]])
 }
 
-/// Lets the one that searches drive away from where it is, and stops; the state in which all stand.
+/// Moves the searching robot to another cell and stops it. Returns the state in which all robots stand.
 fn drive_on(program: &Program) -> Value {
     let before = program.json("state")["robot"]["position"].clone();
     program.command("start").accepted();
@@ -67,7 +67,7 @@ fn two_robots_are_shown_stop_together_and_are_found_where_they_were() {
     assert_ne!(left, at_home);
     kill(program);
 
-    // It is where the one that searches is, as if it had been driven there.
+    // The porter gets the position of the searching robot, as if somebody had driven it there.
     fs::copy(folder.path().join("simulated-robot.txt"), folder.path().join(PORTERS)).expect("it is remembered");
     let program = serve(&folder);
     let state = program.until("both are linked", both_linked);

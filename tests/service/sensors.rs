@@ -1,11 +1,12 @@
-//! A temperature sensor that is configured must be heard: before it is, and when it falls silent, nothing moves.
+//! A configured temperature sensor must send readings: before the first reading, and after the sensor falls silent,
+//! nothing moves.
 
 use serde_json::Value;
 
 use crate::program::{Answer, Program, hallsweep};
 use crate::stream::Events;
 
-/// A program whose sensor `roof` may be silent for a second.
+/// A program whose sensor `roof` may be silent for one second.
 fn watched() -> Program {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "airport", "--speed", "1"]);
     command.env("HALLSWEEP__TEMPERATURE__SENSOR", "roof").env("HALLSWEEP__TEMPERATURE__SENSOR_SILENCE_S", "1");
@@ -20,7 +21,8 @@ fn holds(mission: &Value, hold: &str) -> bool {
     mission["holds"].as_array().is_some_and(|holds| holds.iter().any(|held| held == hold))
 }
 
-/// Starts as soon as the sensor has been heard: on a busy machine its second may be over before the start arrives.
+/// Starts the robot right after a reading. On a busy machine the second may pass before START arrives, so there are
+/// several attempts.
 fn start_while_heard(program: &Program) {
     let started = (0..100).any(|_| {
         reads(program, "roof", "21.5").accepted();

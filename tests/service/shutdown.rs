@@ -1,4 +1,4 @@
-//! Ending: soon, with a good exit code, whoever still listens.
+//! The program ends soon and with exit code 0, even if clients are still connected.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -8,7 +8,8 @@ use crate::kill::Folder;
 use crate::program::{Program, hallsweep};
 use crate::stream::Events;
 
-/// The end takes two seconds at most; a machine without time may need more, but not the twenty that a client has for its request.
+/// Longest time for an orderly end. It takes at most two seconds; an overloaded machine may need more, but the limit
+/// stays below the twenty seconds that a client has for its request.
 const PROMISED: Duration = Duration::from_secs(15);
 
 fn ends(signal: &str) {
@@ -37,7 +38,7 @@ fn a_terminal_that_is_closed_ends_it_in_time_with_open_streams() {
     ends("HUP");
 }
 
-/// Linux says what was ignored at the start.
+/// On Linux a program can see which signals it inherited as ignored.
 #[cfg(target_os = "linux")]
 #[test]
 fn started_by_nohup_it_outlives_its_terminal() {
@@ -74,7 +75,7 @@ fn an_mqtt_client_that_never_says_who_it_is_does_not_keep_it() {
     assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
 }
 
-/// Safety R1: it is on record as what it was, and nobody is said to have pressed STOP.
+/// Safety R1: the journal records the end as an end, and not as a STOP by somebody.
 #[test]
 fn an_end_in_the_middle_of_a_mission_is_on_record_as_an_end_and_holds_the_robot_as_a_restart() {
     for signal in ["TERM", "HUP"] {

@@ -1,4 +1,5 @@
-//! The simulator in somebody's hand, while the real program runs: its time, its faults as the mission sees them, and other halls.
+//! Control of the simulator while the real program runs: its time, its faults and their effect on the mission, and
+//! other halls.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -26,12 +27,12 @@ fn says(state: &Value, words: &str) -> bool {
         .is_some_and(|lines| lines.iter().any(|line| line["text"].as_str().is_some_and(|text| text.contains(words))))
 }
 
-/// The console as somebody who reads Italian sees it.
+/// The console page in Italian.
 fn in_italian(program: &Program) -> String {
     program.read("/", &[("accept", "text/html"), ("accept-language", "it")]).text()
 }
 
-/// What is answered to these bytes.
+/// Beginning of the answer to these bytes.
 fn raw(program: &Program, bytes: &str) -> String {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     stream.write_all(bytes.as_bytes()).expect("it takes a head");
@@ -61,7 +62,7 @@ fn what_is_shown_changes_as_it_was_asked_for_and_is_on_record() {
     program.until("it is on record", |state| says(state, words));
 }
 
-/// Safety S1: STOP works while paused, and at once.
+/// Safety S1: STOP works during a pause, at once.
 #[test]
 fn a_paused_robot_does_not_get_on_is_stopped_and_takes_steps() {
     let program = Program::serve("empty-8x8", "1");
@@ -136,7 +137,7 @@ fn a_blocked_way_is_an_obstacle_and_the_search_goes_round_it() {
     program.command("start").accepted();
     let state = program.until_phase("explored");
     let rows = state["map"]["rows"].as_array().expect("rows");
-    // The walls round the hall are the first row and column.
+    // The outer walls are the first row and the first column.
     let mark = |x: usize, y: usize| rows[y + 1].as_str().map(|row| row[x + 1..=x + 1].to_owned());
     assert_eq!((mark(0, 3), mark(4, 4), mark(4, 3)), (Some("X".into()), Some("X".into()), Some("1".into())), "{rows:?}");
     for (body, words) in [
@@ -239,11 +240,11 @@ fn a_hall_is_kept_under_a_name_over_a_restart_until_it_is_discarded() {
     );
 }
 
-/// Again and again, since it was a matter of moments.
+/// Repeated, because the fault depended on timing.
 #[test]
 fn right_after_another_hall_was_chosen_start_is_not_refused() {
     let program = Program::serve("airport", "max");
-    // Without luggage, at which it would stop by itself.
+    // A hall without luggage, at which the robot would stop by itself.
     let choose =
         |seed: u32| program.put("/api/v1/simulator/hall", &json!({ "name": "empty-8x8", "seed": seed }).to_string()).status;
     for seed in 0..30 {
@@ -320,7 +321,7 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     assert!(check("m.map", "type octile\nheight 1\nwidth 300\nmap\n").status == 422);
     let wide = format!("type octile\nheight 1\nwidth 300\nmap\n{}\n", ".".repeat(300));
     assert!(check("m.map", &wide).problem(422).contains("300 × 1 cells is too large"));
-    // As large as may be, it comes through whole, by the editor's form as well.
+    // A hall of the maximum size is accepted whole, also through the form of the editor.
     let walls = format!("drawing = \"\"\"\nS{}\n{}\"\"\"\n", "#".repeat(249), format!("{}\n", "#".repeat(250)).repeat(249));
     let part = |name: &str, text: &str| format!("--parted\r\nContent-Disposition: form-data; name=\"{name}\"\r\n\r\n{text}\r\n");
     let form = |parts: &[(&str, &str)]| {
@@ -341,7 +342,7 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
     assert_eq!(program.json("simulator")["hall"]["height"], 250);
 }
 
-/// Of those who press at once, one is asked nothing.
+/// Of several clients that save under a new name at once, exactly one succeeds without a question about overwriting.
 #[test]
 fn of_many_who_keep_different_halls_under_one_new_name_at_once_one_is_let() {
     let folder = Folder::new("kept-at-once");
@@ -360,7 +361,7 @@ fn of_many_who_keep_different_halls_under_one_new_name_at_once_one_is_let() {
     }
 }
 
-/// What is answered to a check of this file, packed.
+/// Answer to a check of this file, compressed with gzip.
 fn packed(program: &Program, name: &str, file: &[u8]) -> String {
     let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     packer.write_all(file).expect("memory takes it");
@@ -377,7 +378,8 @@ fn packed(program: &Program, name: &str, file: &[u8]) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
-/// Maps of ROS are images of hundreds of kilobytes; and a small file may be a very large one when it is unpacked.
+/// ROS maps are images of hundreds of kilobytes, so they may be compressed. A small file may also expand to a very
+/// large one.
 #[test]
 fn a_large_image_comes_packed_and_what_unpacks_without_end_is_refused() {
     let program = Program::serve("empty-8x8", "max");
@@ -397,7 +399,7 @@ fn a_large_image_comes_packed_and_what_unpacks_without_end_is_refused() {
     assert_eq!(broken.status, 200, "it is there still");
 }
 
-/// Figures of an old mission are those of its own hall and limit, whatever holds now.
+/// The figures of an old mission use the hall and the limit of that mission, not the current ones.
 #[test]
 fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
     let folder = Folder::new("conditions");

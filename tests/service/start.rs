@@ -1,4 +1,4 @@
-//! Starting: settings that are refused, a port that is taken, the health check.
+//! Start of the program: refused settings, an occupied port, and the health check.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpListener, TcpStream, UdpSocket};
 
@@ -92,7 +92,7 @@ fn a_variable_that_only_looks_like_a_setting_is_reported() {
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
 }
 
-/// Where a system keeps what it knows of time zones; Rome's year has two offsets, and neither is that of UTC.
+/// File of the system's time zone database. Rome has two offsets in a year, and neither is that of UTC.
 const ROME: &str = "/usr/share/zoneinfo/Europe/Rome";
 
 #[test]
@@ -122,11 +122,11 @@ fn a_port_that_is_taken_is_named_with_what_to_do() {
     assert!(said.contains(&address) && said.contains("--http localhost:0"), "{said}");
 }
 
-/// Whoever has a web server and a broker running sees a console all the same, at the first start.
+/// A user who already runs a web server and a broker still gets a console at the first start.
 #[test]
 fn a_usual_port_that_is_taken_gives_way_and_that_is_said() {
     let ports = [("HTTP", 8080), ("MQTT", 1883)];
-    // Where somebody else has it already, that is as good.
+    // If another process already uses the port, the effect is the same.
     let _taken: Vec<_> = ports.iter().map(|(_, port)| TcpListener::bind(("127.0.0.1", *port))).collect();
     let _taken_too = UdpSocket::bind("127.0.0.1:5683");
     let mut command = hallsweep(&["serve", "--hall", "empty-8x8"]);
@@ -140,7 +140,7 @@ fn a_usual_port_that_is_taken_gives_way_and_that_is_said() {
     assert!(broker.contains("HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883"), "{broker}");
 }
 
-/// Old clients say `localhost`, which may mean either.
+/// Old clients use `localhost`, which may resolve to either address.
 #[test]
 fn localhost_is_both_of_its_addresses_at_every_door() {
     let mut command = hallsweep(&["serve", "--http", "localhost:0", "--hall", "empty-8x8"]);
@@ -155,7 +155,7 @@ fn localhost_is_both_of_its_addresses_at_every_door() {
         let socket = UdpSocket::bind((ip, 0)).expect("a free port");
         socket.connect((ip, program.coap().port())).expect("it is this machine's");
         socket.set_read_timeout(Some(PATIENCE)).expect("it is no zero");
-        // A ping (RFC 7252, section 4.3) is answered with a reset.
+        // A CoAP ping (RFC 7252, section 4.3) is answered with a reset.
         socket.send(&[0x40, 0, 0x12, 0x34]).expect("it is sent");
         let mut answer = [0; 16];
         assert_eq!(
@@ -166,7 +166,7 @@ fn localhost_is_both_of_its_addresses_at_every_door() {
     }
 }
 
-/// What this machine calls itself.
+/// Loopback addresses that this machine has.
 fn loopbacks() -> Vec<IpAddr> {
     let both: [IpAddr; 2] = [Ipv4Addr::LOCALHOST.into(), Ipv6Addr::LOCALHOST.into()];
     both.into_iter().filter(|ip| UdpSocket::bind((*ip, 0)).is_ok()).collect()

@@ -1,5 +1,6 @@
-//! STOP, START, and the very same bytes once more: they halt each time, at every door, by whatever that door knows what it has done
-//! already. A network that repeats a message is no second press as long as nothing was let go.
+//! STOP, START, and the same bytes once more: STOP halts each time, at every interface, whatever that interface uses
+//! to recognise repetitions. A message that the network repeats is no second press until a START has released the
+//! robot.
 
 use std::io::Write;
 use std::net::UdpSocket;
@@ -14,7 +15,7 @@ use crate::program::{PATIENCE, Program};
 
 const DUP: u8 = 8;
 
-/// The start of a POST to /commands/stop with message id 0 and no token; confirmable, and not.
+/// Start of a POST to /commands/stop with message id 0 and no token: confirmable, and non-confirmable.
 const CON: &[u8] = b"\x40\x02\0\0\xb8commands\x04stop";
 const NON: &[u8] = b"\x50\x02\0\0\xb8commands\x04stop";
 
@@ -22,7 +23,7 @@ fn epoch(state: &Value) -> Option<u64> {
     state["mission"]["epoch"].as_u64()
 }
 
-/// Fails unless these bytes halt the robot each time that START has let it go.
+/// Fails unless these bytes halt the robot after each START.
 fn halts_each_time(program: &Program, name: &str, mut say: impl FnMut()) {
     for time in 1..=3 {
         program.command("start").accepted();
@@ -119,14 +120,14 @@ fn the_same_stop_over_mqtt_halts_each_time() {
     }
 }
 
-/// The JSON of an answer, if it is one.
+/// JSON payload of a CoAP message, if there is one.
 fn json(message: &[u8]) -> Option<Value> {
-    // An ETag may hold any byte, a brace too: what is said begins behind the marker of payloads.
+    // An ETag may contain any byte, even a brace. The payload starts after the marker 0xFF.
     let marker = message.windows(2).position(|two| two == [0xFF, b'{'])?;
     serde_json::from_slice(&message[marker + 1..]).ok()
 }
 
-/// What is said in JSON up to the first that is as wanted.
+/// Reads JSON payloads up to the first that matches, and returns all of them.
 fn hear(socket: &UdpSocket, is_wanted: impl Fn(&Value) -> bool) -> Vec<Value> {
     let mut said = Vec::new();
     while !said.last().is_some_and(&is_wanted) {
@@ -140,7 +141,7 @@ fn hear(socket: &UdpSocket, is_wanted: impl Fn(&Value) -> bool) -> Vec<Value> {
     said
 }
 
-/// Safety S1, A6: each has the answer of a press of its own, and is on record as one.
+/// Safety S1, A6: each STOP after a START has its own answer and its own journal entry.
 #[test]
 fn what_the_network_repeats_is_one_press_until_a_start_and_then_another() {
     let program = Program::serve("empty-8x8", "1");

@@ -1,5 +1,5 @@
-//! STOPs without end, from somebody with a viewer's key or from this machine: every one halts and is answered, nobody's command is
-//! refused for it, and the journal says who pressed how often. How soon is measured in `benches`.
+//! Floods of STOPs by a viewer or from this machine: every STOP halts and is answered, no command of another client
+//! is refused, and the journal counts the STOPs of each sender. The latency is measured in `benches`.
 
 use std::io::{Read, Write};
 use std::net::{TcpStream, UdpSocket};
@@ -13,19 +13,20 @@ use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::{connect_as, publish};
 use crate::program::{PATIENCE, Program};
 
-/// STOPs of a flood: more than the queue of the journal holds many times over.
+/// Number of STOPs in a flood, many times more than the queue of the journal holds.
 const FLOOD: usize = 12_000;
 
-/// STOPs an operator presses beside it.
+/// Number of STOPs by an operator during the flood.
 const PRESSED: usize = 10;
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
-/// Both doors ask for keys.
+/// Settings that make HTTP and MQTT ask for keys.
 const ASKS: [&str; 2] = ["HTTP__REQUIRE_TOKEN", "MQTT__REQUIRE_PASSWORD"];
 
 impl Site {
-    /// An operator at work until the flood is over: every command is carried out, and the store never holds the robot.
+    /// Works as an operator until the flood is over. Fails unless every command is accepted and the store never holds
+    /// the robot.
     fn work(&self, is_over: &AtomicBool) {
         let bearer = format!("Bearer {}", self.operator);
         let key = ("authorization", &bearer[..]);
@@ -41,7 +42,7 @@ impl Site {
         }
     }
 
-    /// Floods, with an operator at work beside it; what is on record then.
+    /// Runs the flood with an operator at work beside it. Returns the journal.
     fn flooded(self, flood: impl FnOnce(&Site) + Send) -> Vec<Value> {
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {
@@ -65,7 +66,7 @@ impl Site {
     }
 }
 
-/// The flood is over, also when it fails.
+/// Marks the flood as over when it is dropped, even if the flood fails.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -74,7 +75,7 @@ impl Drop for Over<'_> {
     }
 }
 
-/// How many entries say STOP of this sender, and how many STOPs these are.
+/// Number of STOP entries of this sender, and number of STOPs that they count.
 fn stops(journal: &[Value], who: &str, door: &str) -> (usize, usize) {
     let by = journal.iter().filter(|line| line["kind"] == "command" && line["who"] == who && line["door"] == door);
     let words: Vec<&str> = by.filter_map(|line| line["command"].as_str()).filter(|words| words.starts_with("STOP")).collect();
@@ -82,7 +83,7 @@ fn stops(journal: &[Value], who: &str, door: &str) -> (usize, usize) {
     (words.len(), words.iter().map(count).sum())
 }
 
-/// Sends so many requests on one connection, a hundred at a time.
+/// Sends `count` requests on one connection, a hundred at a time.
 pub(crate) fn pipelined(program: &Program, request: &str, count: usize) {
     const AT_ONCE: usize = 100;
     const ACCEPTED: &str = "\"accepted\":true";
@@ -135,7 +136,7 @@ fn a_flood_of_stops_over_mqtt_costs_nobody_a_command_and_is_counted() {
     assert!(entries < FLOOD / 10, "{entries} entries");
 }
 
-/// Safety S1, A6: of datagrams some may be lost on their way.
+/// Safety S1, A6: some datagrams may be lost.
 #[test]
 fn a_flood_of_stops_over_coap_costs_nobody_a_command() {
     let journal = Site::new("stop-flood-coap", &ASKS).flooded(|site| {
@@ -152,7 +153,7 @@ fn a_flood_of_stops_over_coap_costs_nobody_a_command() {
     assert!(counted > 100 && entries < counted / 2, "{entries} entries for {counted}");
 }
 
-/// Safety S7: to draw a moment of the past costs more than most requests, and whoever may only look may ask for it.
+/// Safety S7: drawing a past moment of a mission costs more than most requests, and a viewer may request it.
 #[test]
 fn whoever_has_the_past_drawn_without_end_keeps_nobody_from_a_command() {
     const MOMENTS: usize = 400;
@@ -166,7 +167,7 @@ fn whoever_has_the_past_drawn_without_end_keeps_nobody_from_a_command() {
                 scope.spawn(|| {
                     for place in 0..MOMENTS / 4 {
                         let path = format!("/console/missions/1/moment?at=99999&from={}", 3 + place % 20);
-                        // One that has no such entry yet is told so.
+                        // If the journal has no such entry yet, the answer is 404.
                         let status = site.program.read(&path, &[("authorization", &viewer)]).status;
                         assert!([200, 404].contains(&status), "{path}: {status}");
                     }

@@ -1,14 +1,15 @@
-//! What is taken for STOP is the same at every door: a table of what people and old clients write, tried at the real program.
+//! STOP has the same spellings at every interface: a table of what people and old clients write, tried at the real
+//! program.
 
 use crate::coap::client::Coap;
 use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::connect;
 use crate::program::Program;
 
-/// Where something is written.
+/// Place of a written command.
 #[derive(Clone, Copy, Debug)]
 enum At {
-    /// An HTTP path, and a body of no stated kind.
+    /// HTTP path, for a body without a content type.
     Http(&'static str),
     Coap(&'static str),
     Mqtt(&'static str),
@@ -18,7 +19,7 @@ use At::{Coap as C, Http as H, Mqtt as M};
 
 const WORDS: [&str; 8] = ["h", "H", "stop", "STOP", " Stop\n", "\"h\"", "'h'", "'stop'"];
 
-/// Where a bare word is taken.
+/// Places that accept a bare word.
 const BARE: [At; 5] = [
     H("/api/v1/commands/move"),
     C("/resourcemodel"),
@@ -33,10 +34,10 @@ const BODIES: [&str; 6] =
 const MOVES: [At; 4] =
     [H("/api/v1/commands/move"), H("/console/move"), C("/commands/move"), M("hallsweep/discovery/command/move")];
 
-/// Paths that name something else.
+/// Paths that are not STOP.
 const OTHERS: [At; 5] = [H("/hh"), H("/%2568"), H("/h%3Fx"), H("/x/../h"), C("/commands/hh")];
 
-/// The words of the original system, in whatever quotes.
+/// STOP in the words of the original system, with every kind of quotes.
 const OLD: [&str; 6] = [
     "msg(robotCmd,dispatch,js,robotmind,robotCmd(stop),1)",
     "msg(robotCmd,dispatch,js,robotmind,robotCmd('stop'),1)",
@@ -46,7 +47,7 @@ const OLD: [&str; 6] = [
     "msg(\"stopCmd\",event,js,none,stopCmd,1)",
 ];
 
-/// Places that are STOP whatever comes there.
+/// Places that mean STOP whatever the body is.
 const NAMED: [At; 16] = [
     H("/api/v1/commands/stop"),
     H("/api/v1/Commands/STOP/"),
@@ -102,7 +103,7 @@ fn what_is_stop_at_one_door_is_stop_at_every_other() {
     }
 }
 
-/// In MQTT 5, or not.
+/// Tries the table, in MQTT 5 if `is_five`.
 fn what_is_stop(is_five: bool) {
     let program = Program::serve("empty-8x8", "max");
     let coap = Coap::at(program.coap());

@@ -1,5 +1,6 @@
-//! Safety S4: a STOP that was answered outlives the program, also when the journal cannot take it. The data folder lies on a small
-//! disk in memory that the test mounts and fills, for which it must be root; else these tests are left out with a word.
+//! Safety S4: an answered STOP survives the program, even if the journal cannot store it. The data folder is on a
+//! small file system in memory that the test mounts and fills, which needs root. Without root these tests are skipped
+//! with a message.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,7 +9,7 @@ use crate::journal::{holds, serve};
 use crate::kill::Folder;
 use crate::program::Program;
 
-/// A disk in memory of one MiB over a folder; unmounted when the test ends.
+/// File system in memory of one MiB, mounted over a folder and unmounted when the test ends.
 struct Disk<'a>(&'a Folder);
 
 impl Disk<'_> {
@@ -25,7 +26,7 @@ impl Disk<'_> {
     }
 
     fn fill(&self) {
-        // Writing fails in the end, which is the point.
+        // The write fails in the end, which is the purpose.
         let _ = std::fs::write(self.filler(), vec![0; 2 * 1024 * 1024]);
     }
 
@@ -44,14 +45,14 @@ impl Drop for Disk<'_> {
     }
 }
 
-/// Presses STOP; the epoch that it made.
+/// Sends STOP and returns the new epoch.
 fn stop(program: &Program) -> u64 {
     let answer = program.command("stop");
     answer.accepted();
     answer.json()["epoch"].as_u64().expect("an answer names the epoch")
 }
 
-/// Fails unless a START that was sent before this stop is refused as outdated, and the robot is held by it.
+/// Fails unless this STOP holds the robot, and a START from before it is refused as outdated.
 fn check_stands(program: &Program, epoch: u64) {
     let state = program.json("state");
     assert!(state["mission"]["epoch"].as_u64() >= Some(epoch), "epoch {epoch} was answered: {state:#}");

@@ -1,5 +1,6 @@
-//! Disks that fail under the running program (safety R3): `strace` makes every flush fail, or hang, from the moment it attaches to
-//! the moment it lets go; and what is flushed when, by its list of calls. Without `strace` these tests are left out with a word, unless `HALLSWEEP_REQUIRE_CLIENTS` is set.
+//! Disk faults under the running program (safety R3): `strace` makes every flush fail or hang while it is
+//! attached, and lists the flushes with their order. Without `strace` these tests are skipped with a message, unless
+//! `HALLSWEEP_REQUIRE_CLIENTS` is set.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -10,16 +11,16 @@ use crate::journal::{exported, holds, journal, of_kind, serve};
 use crate::kill::Folder;
 use crate::program::Program;
 
-/// `strace` on a running program.
+/// `strace` attached to a running program.
 struct Strace(Child);
 
 impl Strace {
-    /// Lets every flush of the program meet with this, as `error=EIO`.
+    /// Injects a fault, such as `error=EIO`, into every flush of the program.
     fn inject(program: &Program, what: &str) -> Option<Strace> {
         Strace::attach(program, &["-e", "trace=fsync,fdatasync", "-e", &format!("inject=fsync,fdatasync:{what}")])
     }
 
-    /// Attaches with these arguments.
+    /// Attaches `strace` with these arguments.
     fn attach(program: &Program, arguments: &[&str]) -> Option<Strace> {
         let mut strace = Command::new("strace");
         strace.arg("-f").args(arguments).args(["-p", &program.id().to_string()]);
@@ -27,7 +28,7 @@ impl Strace {
         let attached = child.ok().and_then(|mut child| {
             let mut lines = BufReader::new(child.stderr.take().expect("it is a pipe")).lines();
             let attached = lines.by_ref().map_while(Result::ok).any(|line| line.contains("attached"));
-            // The pipe stays open until the end, so that writing to it never fails.
+            // The pipe stays open until the end, so that the writes of `strace` never fail.
             std::thread::spawn(move || lines.count());
             if attached {
                 return Some(Strace(child));
@@ -43,7 +44,7 @@ impl Strace {
         attached
     }
 
-    /// Lets go of the program.
+    /// Detaches from the program.
     fn end(mut self) {
         let told = Command::new("kill").args(["-INT", &self.0.id().to_string()]).status();
         assert!(told.expect("kill is there").success());
@@ -51,7 +52,7 @@ impl Strace {
     }
 }
 
-/// When the program is gone `strace` is, too.
+/// Kills `strace` if it is still attached.
 impl Drop for Strace {
     fn drop(&mut self) {
         let _ = self.0.kill();
@@ -59,8 +60,8 @@ impl Drop for Strace {
     }
 }
 
-/// A verdict meets with a disk that fails: it is not accepted and does not stand, reading goes on, nothing moves; once the disk is
-/// well again everything goes on without a restart.
+/// Sends a verdict during a disk fault: the verdict is not accepted and not shown, reads work, and nothing moves.
+/// After the fault everything works again without a restart.
 fn a_failing_disk(name: &str, what: &str, words: &str) {
     let folder = Folder::new(name);
     let program = serve(&folder);
@@ -96,14 +97,16 @@ fn an_io_error_on_flush_holds_the_robot_and_loses_nothing_that_was_acknowledged(
     a_failing_disk("store-eio", "error=EIO", "the disk reports an error");
 }
 
-/// Safety R3, V3: the disk hangs for a minute; it is said after five seconds, and what the disk takes in the end is taken back.
+/// Safety R3, V3: the disk hangs for a minute. The fault is reported after five seconds, and the entry that the disk
+/// finally writes is withdrawn.
 #[test]
 fn a_disk_that_hangs_is_not_waited_for() {
     a_failing_disk("store-hang", "delay_enter=60000000", "the disk does not answer");
 }
 
-/// Safety V3: killed while the flush of a verdict hangs, which was answered as not kept. The verdict does not stand after the
-/// restart, although the system has written it, and another one can be given.
+/// Safety V3: the program is killed while the flush of a verdict hangs, after the answer that the verdict was not
+/// stored. After the restart the verdict is not there, although the system has written it, and another one can be
+/// given.
 #[test]
 fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs() {
     let folder = Folder::new("store-hang-kill");
@@ -115,7 +118,7 @@ fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs(
     program.verdict(piece, "danger").problem(503);
     program.until("the store holds the robot", |state| holds(state, "store"));
     program.killer()();
-    // Whoever is killed while it is traced is gone when its tracer is, which would wait until its minute is over.
+    // A killed process remains until its tracer has gone, and `strace` would wait for the end of the delayed flush.
     drop(fault);
     drop(program);
 
@@ -133,7 +136,8 @@ fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs(
     assert!(well, "{checked}");
 }
 
-/// Safety D3, V3: the file of a photo and the names by which it is found are flushed, in this order, before the entry that names it.
+/// Safety D3, V3: the file and the directory entries of a photo are flushed, in this order, before the entry that
+/// names the photo.
 #[test]
 fn a_photo_is_whole_on_the_disk_before_an_entry_names_it() {
     let folder = Folder::new("photo-flushed");
@@ -161,8 +165,8 @@ fn a_photo_is_whole_on_the_disk_before_an_entry_names_it() {
     }
 }
 
-/// Safety V3: that nothing is lost any more is flushed before it is said, or after a power cut the next start would take back what was
-/// kept since. Here one flush fails.
+/// Safety V3: the end of a loss is flushed before it is reported. Otherwise, after a power cut, the next start would
+/// withdraw entries that were stored since. One flush fails in this test.
 #[test]
 fn the_end_of_a_loss_is_flushed() {
     let folder = Folder::new("loss-flushed");
@@ -179,7 +183,8 @@ fn the_end_of_a_loss_is_flushed() {
     assert!(log.lines().any(|line| line.contains("sync(") && line.contains("/journal.lost>")), "{log}");
 }
 
-/// Safety S1, R3: `journal.head` is written by a thread of its own, for which nobody waits. It stays behind then, and is never missed by a start.
+/// Safety S1, R3: a separate thread writes `journal.head`, and nothing waits for it. An outdated `journal.head` does
+/// not prevent a start.
 #[test]
 fn a_disk_that_hangs_at_the_head_of_the_journal_holds_nobody_up() {
     let folder = Folder::new("head-hang");

@@ -1,4 +1,4 @@
-//! Live changes: the whole state first, then what changed, and going on after a break.
+//! The event stream: first the whole state, then the changes, and a continuation after a lost connection.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -11,7 +11,7 @@ use crate::program::Program;
 /// An open event stream.
 pub(crate) struct Events(BufReader<TcpStream>);
 
-/// One event of it.
+/// One event of the stream.
 #[derive(Debug)]
 pub(crate) struct Event {
     pub(crate) id: String,
@@ -20,12 +20,12 @@ pub(crate) struct Event {
 }
 
 impl Events {
-    /// Opens a stream; `last` is the id a returning reader has.
+    /// Opens a stream. `last` is the id of the last event that a returning reader has.
     pub(crate) fn open(program: &Program, last: Option<&str>) -> Events {
         let mut stream = TcpStream::connect(program.address()).expect("the program listens");
         stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a time-out can be set");
         let last = last.map_or(String::new(), |id| format!("Last-Event-ID: {id}\r\n"));
-        // HTTP/1.0, so that the events come as they are and not in chunks.
+        // HTTP/1.0, so that the events arrive without chunked encoding.
         write!(stream, "GET /api/v1/events HTTP/1.0\r\nHost: {}\r\n{last}\r\n", program.address()).expect("a question");
         let mut events = Events(BufReader::new(stream));
         assert!(events.line().contains(" 200 "));
@@ -34,7 +34,7 @@ impl Events {
         events
     }
 
-    /// The next event; comments are skipped.
+    /// Next event. Comments are skipped.
     pub(crate) fn next(&mut self) -> Event {
         let (mut id, mut name, mut data) = (String::new(), String::new(), String::new());
         loop {

@@ -1,4 +1,4 @@
-//! https: the real program with a certificate made for these tests, asked by a client that verifies it.
+//! HTTPS: the real program with a certificate made for these tests, and a client that verifies the certificate.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -21,7 +21,7 @@ fn served() -> Program {
 
 type Stream = StreamOwned<ClientConnection, TcpStream>;
 
-/// A connection to whoever the certificate says it is.
+/// Connects and verifies that the certificate is for this name.
 fn connected(program: &Program, name: &'static str) -> std::io::Result<Stream> {
     let mut roots = RootCertStore::empty();
     roots.add(CertificateDer::from_pem_file(CERTIFICATE).expect("the certificate")).expect("it can be trusted");
@@ -35,7 +35,7 @@ fn connected(program: &Program, name: &'static str) -> std::io::Result<Stream> {
     Ok(StreamOwned::new(connection, stream))
 }
 
-/// Asks, and verifies that whoever answers is who the certificate says.
+/// Sends a request over a verified connection, and returns the answer.
 fn asked(program: &Program, name: &'static str, request: &str) -> std::io::Result<String> {
     let mut stream = connected(program, name)?;
     stream.write_all(request.as_bytes())?;
@@ -44,7 +44,6 @@ fn asked(program: &Program, name: &'static str, request: &str) -> std::io::Resul
     Ok(answer)
 }
 
-/// The text of a request with a body.
 fn request(line: &str, headers: &str, body: &str) -> String {
     let length = body.len();
     format!("{line} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{headers}Content-Length: {length}\r\n\r\n{body}")
@@ -65,7 +64,7 @@ fn over_tls_one_signs_in_with_a_cookie_that_is_for_tls_only() {
     assert!(asked(&program, "elsewhere.example", &request("GET /healthz", "", "")).is_err(), "it is for its own names");
 }
 
-/// A STOP with the key that the program has printed, and the epoch before it.
+/// A STOP with this key, and the epoch before it.
 fn stop(program: &Program, key: &str, route: &str, headers: &str) -> (String, u64) {
     let request = format!("POST {route} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {key}\r\n{headers}\r\n");
     (request, epoch(program, key))
@@ -78,7 +77,7 @@ fn epoch(program: &Program, key: &str) -> u64 {
     state["mission"]["epoch"].as_u64().expect("an epoch")
 }
 
-/// Waits until one more stop than before has halted.
+/// Waits until exactly one more STOP has halted.
 fn check_halts(program: &Program, key: &str, before: u64, why: &str) {
     let deadline = Deadline::within(PATIENCE);
     while epoch(program, key) == before {
@@ -87,7 +86,7 @@ fn check_halts(program: &Program, key: &str, before: u64, why: &str) {
     assert_eq!(epoch(program, key), before + 1, "one press is one stop: {why}");
 }
 
-/// The key that the program has printed in its ready link.
+/// The key in the ready link that the program has printed.
 fn key(program: &Program) -> String {
     program.says().split_once("/sign-in?token=").expect("a ready link").1.trim().to_owned()
 }
@@ -131,7 +130,7 @@ fn handshakes_that_are_begun_and_not_gone_on_with_keep_no_stop_out() {
     for number in 0..40 {
         for begun in 0..20 {
             let mut stream = TcpStream::connect(program.address()).expect("the program listens");
-            // The head of a record, and some of what it says that it holds: a ClientHello.
+            // Header of a TLS record, and the beginning of the ClientHello that it announces.
             let hello = [0x16, 3, 1, 2, 0, 1, 0, 1, 0xFC, 3, 3];
             stream.write_all(&hello[..begun % 12]).expect("it is taken");
             crowd.push(stream);
@@ -153,7 +152,7 @@ fn a_tls_door_says_nothing_in_plain_and_its_health_is_asked_all_the_same() {
     plain.set_read_timeout(Some(Duration::from_secs(30))).expect("a time-out can be set");
     plain.write_all(request("GET /healthz", "", "").as_bytes()).expect("the program listens");
     let mut answer = Vec::new();
-    // Whether it hangs up in order or not, nothing of HTTP comes.
+    // The connection may end in order or not, but no HTTP answer may arrive.
     let _ = plain.read_to_end(&mut answer);
     assert!(!answer.windows(4).any(|four| four == b"HTTP"), "{answer:?}");
     let output = run(&["healthcheck", "--http", &program.address().to_string()]);

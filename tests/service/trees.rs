@@ -1,10 +1,10 @@
-//! What the page about trees shows of the command line is what it prints.
+//! The output of `hallsweep tree` in `docs/trees.md` is what the command prints.
 
 use std::path::Path;
 
 use crate::program::{hallsweep, run};
 
-/// The commands of `docs/trees.md` that name its example, each with what stands below it there.
+/// Commands in `docs/trees.md` that use the example files, each with the output on the page.
 fn shown() -> Vec<(String, String)> {
     let page = std::fs::read_to_string("docs/trees.md").expect("the page is there");
     let blocks = page.split("```\n").filter(|block| block.starts_with("$ hallsweep tree"));
@@ -24,7 +24,7 @@ fn the_page_about_trees_shows_what_its_example_prints() {
     }
 }
 
-/// What a command says in a folder of this name with these files: exit code, standard output, standard error.
+/// Runs a command in a new folder with these files. Returns the exit code, standard output and standard error.
 fn said(name: &str, files: &[(&str, &str)], arguments: &[&str]) -> (Option<i32>, String, String) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("trees-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder can be made");
@@ -37,7 +37,7 @@ fn said(name: &str, files: &[(&str, &str)], arguments: &[&str]) -> (Option<i32>,
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// Trees of navigation2: they say nothing of their nodes, which are declared in a file of their own.
+/// A navigation2 tree, which does not declare its nodes, and the file that declares them.
 const NAVIGATION: [(&str, &str); 2] = [
     (
         "tree.xml",
@@ -72,7 +72,7 @@ fn nodes_that_another_file_declares_are_known_by_it_and_trees_of_leaves_run() {
     assert_eq!((code, error), (Some(3), format!("hallsweep: tree.xml:3:1: {foreign}\n")));
     let (code, out, _) = ran(&["--tree", "Only Leaves", "--model", "models.xml"]);
     assert_eq!((code, out), (Some(0), "tick 1 at 0.0 s: SUCCESS\n  SUCCESS  Wait\n".to_owned()));
-    // Without the models no mock can help with a node that has children, and none is offered.
+    // A mock cannot stand in for a node with children, so without the models none is offered.
     let (code, _, error) = ran(&[]);
     let unknown =
         "the node RecoveryNode is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>";
@@ -107,7 +107,7 @@ fn tree_check_tells_every_fault_of_a_file_with_its_place() {
     assert_eq!(lines[105..], ["b.xml: and 50 more faults", &hints[1], "hallsweep: 2 of 2 files are refused"]);
 }
 
-/// As a program that names the tree itself takes it.
+/// A program that names the tree itself can use such a file.
 #[test]
 fn a_file_without_a_main_tree_is_well_formed_and_runs_by_its_name() {
     let file = [(

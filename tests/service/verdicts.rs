@@ -1,4 +1,4 @@
-//! The heart of it: luggage is found, the operator decides, the robot acts on it.
+//! The core of a mission: the robot finds luggage, the operator decides, and the robot acts on the verdict.
 
 use crate::program::Program;
 

@@ -1,4 +1,4 @@
-//! An engine without a simulator: the test is the robot and the store, and answers when and how it likes.
+//! An engine without a simulator: the test plays the robot and the store, and decides when and how they answer.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,30 +18,30 @@ use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Piece, Seq, Ticket, Wal
 
 use crate::shown::Record;
 
-/// The core, and what came out of it.
+/// The core and its output.
 pub(crate) struct Bare {
     pub(crate) engine: Engine,
     pub(crate) seconds: u64,
-    /// Effects in the order in which they came, since the last look.
+    /// Effects in order, since the test last took them.
     pub(crate) effects: Vec<Effect>,
     pub(crate) answers: Vec<(Ticket, Result<Accepted, Refused>)>,
     order: Option<Order>,
-    /// What is kept, in this life.
+    /// Stored entries since the last start.
     pub(crate) record: Record,
     on_the_way: Vec<Entry>,
     pub(crate) written: Seq,
-    /// Whether records are kept as soon as they come.
+    /// Whether records are stored at once.
     pub(crate) keeps: bool,
 }
 
 impl Bare {
-    /// Before the link is up.
+    /// Robot whose link is not up yet.
     pub(crate) fn unlinked() -> Bare {
-        // What the tests say of cells and moves is said of the snail, whose way no tuning changes.
+        // The tests expect the cells and moves of `Snail`, whose way does not depend on settings.
         Bare::searching_by(Strategy::Snail, Settings::default())
     }
 
-    /// The same, of any strategy.
+    /// Robot with this strategy whose link is not up yet.
     pub(crate) fn searching_by(strategy: Strategy, settings: Settings) -> Bare {
         Bare {
             engine: Engine::new(settings, strategy, "bare".into()),
@@ -56,14 +56,14 @@ impl Bare {
         }
     }
 
-    /// A linked robot at home.
+    /// Linked robot at home.
     pub(crate) fn linked() -> Bare {
         let mut bare = Bare::unlinked();
         bare.link_up();
         bare
     }
 
-    /// At (0, 1), in front of a bag at (1, 1) whose verdict is pending.
+    /// Robot at (0, 1) before a bag at (1, 1) whose verdict is pending.
     pub(crate) fn at_a_bag() -> Bare {
         let mut bare = Bare::in_front_of(Obstacle::Luggage(Piece(1)));
         bare.photo();
@@ -71,7 +71,7 @@ impl Bare {
         bare
     }
 
-    /// At (0, 1), about to photograph what stands at (1, 1).
+    /// Robot at (0, 1) that is about to photograph the obstacle at (1, 1).
     pub(crate) fn in_front_of(obstacle: Obstacle) -> Bare {
         let mut bare = Bare::linked();
         bare.give(Command::Start).expect("an idle robot starts");
@@ -82,7 +82,7 @@ impl Bare {
         bare
     }
 
-    /// As `at_a_bag`, and then home again with the verdict still pending.
+    /// Robot at home again after `at_a_bag`, with the verdict still pending.
     pub(crate) fn at_home_with_a_pending_bag() -> Bare {
         let mut bare = Bare::at_a_bag();
         bare.give(Command::BackHome).expect("an inspecting robot goes home");
@@ -117,13 +117,14 @@ impl Bare {
         self.drain();
     }
 
-    /// A sensor is configured that is not heard.
+    /// Configures a sensor that sends nothing.
     pub(crate) fn watch_silent(&mut self, sensor: &str) {
         self.engine.watch_sensor(sensor.into(), Duration::from_secs(3600), self.now());
         self.drain();
     }
 
-    /// Somebody presses STOP: it halts ahead of the queue of commands, and who it was follows. Which stop that is.
+    /// Raises a STOP: the halt arrives before the queue of commands, and the sender's command follows. Returns the
+    /// epoch of the stop.
     pub(crate) fn raise(&mut self) -> Epoch {
         let raised = self.state().mission.epoch.next();
         self.engine.handle_halt(raised, self.now());
@@ -149,17 +150,16 @@ impl Bare {
         self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None })
     }
 
-    /// The answer to an accepted command, if it was given.
+    /// Answer to an accepted command, if there is one yet.
     pub(crate) fn answer(&self, ticket: Ticket) -> Option<Result<Accepted, Refused>> {
         self.answers.iter().find(|(to, _)| *to == ticket).map(|(_, answer)| answer.clone())
     }
 
-    /// The order under way.
     pub(crate) fn order(&self) -> Option<Action> {
         self.order.map(|order| order.action)
     }
 
-    /// Completes the order under way.
+    /// Completes the current order.
     pub(crate) fn done(&mut self) {
         let order = self.order.take().expect("an order is under way");
         self.robot(RobotEvent::Done(order.id));
@@ -172,31 +172,31 @@ impl Bare {
         }
     }
 
-    /// Meets an obstacle in the order under way.
+    /// Blocks the current order with an obstacle.
     pub(crate) fn meets(&mut self, obstacle: Obstacle) {
         let order = self.order.take().expect("an order is under way");
         self.robot(RobotEvent::Blocked(order.id, obstacle));
     }
 
-    /// Halts in the middle of the order under way.
+    /// Halts in the middle of the current order.
     pub(crate) fn halted(&mut self) {
         let order = self.order.take().expect("an order is under way");
         self.robot(RobotEvent::Halted(order.id, true));
     }
 
-    /// Takes the photo that is under way.
+    /// Completes the current photo.
     pub(crate) fn photo(&mut self) {
         let order = self.order.take().expect("a photo is under way");
         self.robot(RobotEvent::Photo(order.id, Photo { bytes: Arc::from([1]), media_type: "image/png" }));
     }
 
-    /// Lets the photo that is under way fail.
+    /// Makes the current photo fail.
     pub(crate) fn photo_fails(&mut self) {
         let order = self.order.take().expect("a photo is under way");
         self.robot(RobotEvent::PhotoFailed(order.id, "dark".to_owned()));
     }
 
-    /// Completes every order until none is given any more.
+    /// Completes every order until no more are given.
     pub(crate) fn drive_on(&mut self) {
         for _ in 0..1000 {
             if self.order.is_none() {
@@ -207,19 +207,19 @@ impl Bare {
         panic!("it drives for ever; the phase is {:?}", self.phase());
     }
 
-    /// Keeps everything that was written.
+    /// Confirms everything that was written.
     pub(crate) fn keep(&mut self) {
         self.event(Event::Recorded(self.written));
     }
 
-    /// Keeps everything, what follows from its being kept too.
+    /// Confirms everything, including what is written because of the confirmation.
     pub(crate) fn keep_all(&mut self) {
         for _ in 0..3 {
             self.keep();
         }
     }
 
-    /// Lets time pass until the answer of a stop has waited long enough, or the open order counts as unanswered.
+    /// Advances the time until a stop need not wait longer for the robot, or the current order counts as unanswered.
     pub(crate) fn wait_in_vain(&mut self) {
         let due = self.engine.poll_timeout().expect("something is due");
         self.seconds = due.as_secs() + 1;
@@ -271,7 +271,7 @@ impl Bare {
     }
 }
 
-/// Whether an effect puts this on record.
+/// Whether an effect records such a fact.
 pub(crate) fn records(effect: &Effect, fact: impl Fn(&Fact) -> bool) -> bool {
     matches!(effect, Effect::Record(page) if page.entries.iter().any(|entry| fact(&entry.fact)))
 }

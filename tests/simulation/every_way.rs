@@ -1,19 +1,21 @@
-//! Whether a pair can fetch a piece at all, found by trying every way through the true hall: both bases step by step to where they can
-//! lift it, then the train to the container. It shares nothing with the search that the pair itself uses.
+//! Whether a pair can fetch a piece, found by exhaustive search in the true hall: both bases move step by step to
+//! where they can lift the piece, then the train moves to the container. This search shares no code with that of the
+//! pair.
 //!
-//! Stated: a base fills one cell. To lift, each stands on a free cell of its own beside one and the same cell of the piece. Loaded, base,
-//! parcel and base follow one another like a train. Pair and container wait before home.
+//! Assumptions: a base fills one cell. To lift, each base stands on its own free cell beside the same cell of the
+//! piece. When loaded, base, parcel and base follow one another like a train. Pair and container wait before home.
 
 use std::collections::HashSet;
 
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_sim::{Hall, Truth};
 
-/// Where a base, or the parcel, can be.
+/// Place of a base or of the parcel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Spot {
     In(i32, i32),
-    /// Before the entrance, and one further out, from where the parcel stands before the entrance.
+    /// The place before the entrance, and the place beyond it, where the leading base stands when the parcel is
+    /// before the entrance.
     Before,
     Beyond,
 }
@@ -27,7 +29,7 @@ struct Search<'a> {
     lifted: bool,
 }
 
-/// Whether any way leads there and back.
+/// Whether the pair can reach the piece and bring it to the container.
 pub(crate) fn can_be_fetched(hall: &Hall, piece: Piece) -> bool {
     let standing = Search { hall, piece, lifted: false };
     let lifted = Search { hall, piece, lifted: true };
@@ -54,7 +56,7 @@ impl Search<'_> {
         beside(spot).into_iter().filter(|next| self.is_free(*next))
     }
 
-    /// Every way in which the two can stand in the hall, either of them going a step at a time.
+    /// Every pair of places that the two bases can reach; each step moves one base.
     fn stands(&self) -> HashSet<[Spot; 2]> {
         let mut known = HashSet::from([[Spot::Before; 2]]);
         let mut border = vec![[Spot::Before; 2]];
@@ -67,7 +69,7 @@ impl Search<'_> {
         known
     }
 
-    /// Whether any of these trains can bring its parcel to the container, either end leading.
+    /// Whether any of these trains can bring its parcel to the container; either end may lead.
     fn arrives(&self, begin: Vec<[Spot; 3]>) -> bool {
         let mut known: HashSet<[Spot; 3]> = begin.iter().copied().collect();
         let mut border = begin;

@@ -1,12 +1,12 @@
-//! Random halls for the tests: size, home, luggage, pockets and islands all drawn from one seed.
+//! Random halls for the tests; one seed determines size, home, luggage, pockets and islands.
 
 use std::sync::Arc;
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_sim::Hall;
 
-/// A hall of up to `most` × `most` cells: 0–20 % luggage, pieces of one cell and of several, some walls, pockets behind them,
-/// islands nobody can reach, and home in the north-west corner or anywhere.
+/// Hall of up to `most` × `most` cells: 0–20 % luggage, pieces of one or several cells, some walls, pockets behind
+/// them, unreachable islands, and home in the north-west corner or anywhere.
 pub(crate) fn random(seed: u64, most: u64) -> Arc<Hall> {
     let mut dice = RandomStream::new(seed, "random hall");
     let side = |dice: &mut RandomStream| 1 + dice.below(most).max(dice.below(most)) as usize;
@@ -38,7 +38,7 @@ fn cell(dice: &mut RandomStream, luggage: f64, walls: f64) -> char {
     }
 }
 
-/// A piece of two to six cells.
+/// Draws a piece of two to six cells.
 fn large_piece(dice: &mut RandomStream, rows: &mut [Vec<char>], letter: char) {
     let (left, top) = (dice.below(rows[0].len() as u64) as usize, dice.below(rows.len() as u64) as usize);
     let (right, bottom) = (left + 1 + dice.below(2) as usize, top + dice.below(2) as usize);
@@ -50,7 +50,7 @@ fn large_piece(dice: &mut RandomStream, rows: &mut [Vec<char>], letter: char) {
     }
 }
 
-/// Where home is to be no piece may stand: one that does would be torn apart, so all of it goes.
+/// Removes the piece on the cell of home completely, because removing only that cell would split it.
 fn clear_letter(rows: &mut [Vec<char>], (y, x): (usize, usize)) {
     let letter = rows[y][x];
     for mark in rows.iter_mut().flatten().filter(|mark| **mark == letter && letter.is_ascii_lowercase()) {
@@ -58,7 +58,7 @@ fn clear_letter(rows: &mut [Vec<char>], (y, x): (usize, usize)) {
     }
 }
 
-/// Walls round a rectangle, with a door in one of two: a pocket, or an island.
+/// Walls around a rectangle; half of the rectangles have a door. Those with a door are pockets, the others islands.
 fn room(dice: &mut RandomStream, rows: &mut [Vec<char>]) {
     let (height, width) = (rows.len(), rows[0].len());
     let (left, top) = (dice.below(width as u64) as usize, dice.below(height as u64) as usize);

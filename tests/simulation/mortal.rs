@@ -1,5 +1,5 @@
-//! A core and a simulated robot over a store that keeps late, in a program that can be killed at any moment: what was kept is
-//! folded and what the robot remembers is remembered, as after a start of the real program.
+//! A core and a simulated robot with a store that confirms late, in a program that can be killed at any moment. As
+//! after a start of the real program, the stored entries are folded and the robot keeps its memory.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -19,26 +19,25 @@ use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 
-/// The program, its disk and its robot.
 pub(crate) struct Mortal {
     pub(crate) engine: Engine,
     pub(crate) sim: Sim,
-    /// What is on the disk.
+    /// Entries on the disk.
     pub(crate) disk: Vec<Entry>,
-    /// What the disk has not got yet.
+    /// Pages that the disk has not stored yet.
     on_the_way: VecDeque<Page>,
     pub(crate) answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
     memory: Option<SimMemory>,
     hall: Arc<Hall>,
     strategy: Strategy,
-    /// The program's rules, as its next start reads them.
+    /// Settings that the next start reads.
     rules: Settings,
     settings: SimSettings,
     now: Now,
 }
 
 impl Mortal {
-    /// A robot with a hook fetches by itself.
+    /// Starts a program; a robot with a hook fetches by itself.
     pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
         let usual = Settings::default();
         let fetcher = if settings.has_hook { Fetcher::Discovery } else { usual.fetcher };
@@ -63,7 +62,8 @@ impl Mortal {
         mortal
     }
 
-    /// Kill −9, with the first `durable` pages on the way on the disk already although nobody was told; and a new start.
+    /// Kills the program like `kill -9` and starts it again. The first `durable` pages on their way are already on
+    /// the disk, although nobody was told.
     pub(crate) fn killed(mut self, durable: usize) -> Mortal {
         let durable = durable.min(self.on_the_way.len());
         self.disk.extend(self.on_the_way.drain(..durable).flat_map(|page| page.entries));
@@ -78,7 +78,7 @@ impl Mortal {
         reborn
     }
 
-    /// What a new start would read from the disk.
+    /// Contents of the disk as a new start reads them.
     pub(crate) fn recalled(&self) -> Recalled {
         let mut state = PersistentState::first(self.strategy);
         self.disk.iter().for_each(|entry| state.apply(entry));
@@ -97,7 +97,7 @@ impl Mortal {
         given
     }
 
-    /// The disk gets the oldest page on the way; false when there is none.
+    /// Stores the oldest page on its way; false when there is none.
     pub(crate) fn keep_one(&mut self) -> bool {
         let Some(page) = self.on_the_way.pop_front() else { return false };
         let last = page.last();
@@ -112,7 +112,7 @@ impl Mortal {
         while self.keep_one() {}
     }
 
-    /// The next thing that takes time; false when nothing happens by itself any more.
+    /// Advances to the next timed event; false when there is none.
     pub(crate) fn advance(&mut self) -> bool {
         let due = [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min();
         due.is_some_and(|due| {
@@ -121,7 +121,7 @@ impl Mortal {
         })
     }
 
-    /// A minute passes.
+    /// Advances the time by a minute.
     pub(crate) fn wait_a_minute(&mut self) {
         let end = self.now.since_start + Duration::from_secs(60);
         while [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min().is_some_and(|due| due <= end) {

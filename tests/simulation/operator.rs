@@ -1,4 +1,4 @@
-//! An operator for the tests: starts runs in named halls, waits for what they wait for, gives the commands in short words.
+//! An operator for the tests: starts runs in named halls, waits for states, and gives commands with short functions.
 
 use std::sync::Arc;
 
@@ -12,15 +12,15 @@ use hallsweep_core::units::{Cell, Celsius, LuggageId};
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
-/// More than any mission of these tests takes.
+/// Number of events that exceeds any mission of these tests.
 pub(crate) const PLENTY: usize = 100_000;
 
-/// A robot at home in one of the halls that come with the program.
+/// Robot at home in a hall that comes with the program.
 pub(crate) fn in_hall(name: &str) -> Run {
     run_in(Hall::named_or_file(name).expect("the hall comes with the program"), SimSettings::new(1, Camera::Stub))
 }
 
-/// A robot at home in a hall drawn with `.` `#` `S` and letters for luggage.
+/// Robot at home in a hall drawn with `.`, `#`, `S`, and letters for luggage.
 pub(crate) fn in_drawn(rows: &[&str]) -> Run {
     drawn_with(rows, SimSettings::new(1, Camera::Stub))
 }
@@ -33,13 +33,13 @@ pub(crate) fn run_in(hall: Hall, settings: SimSettings) -> Run {
     Run::new(Arc::new(hall), settings, Settings::default(), Strategy::Snail)
 }
 
-/// A reading of a configured sensor.
+/// Reading of a configured sensor.
 pub(crate) fn sensor_reads(sensor: &str, degrees: f64) -> Command {
     let celsius = Celsius::new(degrees).expect("the tests use believable temperatures");
     Command::Temperature(TemperatureReport::Sensor(sensor.into(), celsius))
 }
 
-/// What an operator does and waits for.
+/// Actions and waits of an operator.
 pub(crate) trait Operator {
     fn verdict(&mut self, id: u64, verdict: Verdict) -> Result<Accepted, Refused>;
     fn drive(&mut self, step: Move) -> Result<Accepted, Refused>;
@@ -47,13 +47,13 @@ pub(crate) trait Operator {
     fn reading(&mut self, degrees: f64) -> Result<Accepted, Refused>;
     fn until(&mut self, what: &str, reached: impl FnMut(&Snapshot) -> bool);
     fn until_phase(&mut self, phase: PhaseName);
-    /// Goes on until a piece waits for its verdict; its number.
+    /// Continues until a piece waits for its verdict, and returns its number.
     fn until_pending(&mut self) -> LuggageId;
-    /// Answers safe for everything until the hall is explored.
+    /// Answers safe for every piece until the hall is explored.
     fn until_explored(&mut self);
     fn holds(&mut self) -> Vec<Hold>;
     fn cell(&mut self) -> Cell;
-    /// Nothing moves for a simulated minute.
+    /// Checks that nothing moves for a simulated minute.
     fn stands_still(&mut self);
 }
 

@@ -1,4 +1,4 @@
-//! A moment of the past is shown as it was shown when it was now, as far as it is on record.
+//! A past moment is shown as it was shown at that moment, as far as it is recorded.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use super::operator::{Operator, in_hall};
 
-/// What is on record of the moment after these entries.
+/// Past moment after these entries.
 fn past(entries: &[Entry]) -> Past {
     let mut state = PersistentState::first(Strategy::Snail);
     entries.iter().for_each(|entry| state.apply(entry));
@@ -27,11 +27,11 @@ fn past(entries: &[Entry]) -> Past {
     Past { seq, state, trail, temperatures, latest: Vec::new() }
 }
 
-/// The mission without what never goes on record.
+/// The mission without what is never recorded.
 fn on_record(state: &Snapshot) -> MissionView {
     let mission = state.mission.clone();
     let progress = Progress { left: None, ..mission.progress };
-    // A way that began before the first step ends where the robot stands.
+    // A route that began before the first step ends at the robot's place.
     MissionView { route: Arc::default(), refusals: Default::default(), progress, ..mission }
 }
 
@@ -54,19 +54,19 @@ fn check(run: &mut Run) {
     assert_eq!(cells(&then), cells(&live));
     assert_eq!(then.luggage, live.luggage);
     assert_eq!(then.alarms, live.alarms);
-    // A reading that says the same again is not on record.
+    // A reading equal to the last one is not recorded.
     let warm = |state: &Snapshot| TemperatureView { read: None, ..state.temperature.clone() };
     assert_eq!(warm(&then), warm(&live), "after entry {place}");
     assert_eq!(fetched(&then), fetched(&live), "after entry {place}");
 }
 
-/// The retrieval but its trees, of which ticks that change nothing are not on record.
+/// The retrieval without its trees, because ticks that change nothing are not recorded.
 fn fetched(state: &Snapshot) -> Option<RetrievalView> {
     let view = state.retrieval.as_deref()?;
     Some(RetrievalView { trees: Arc::default(), ..view.clone() })
 }
 
-/// Goes on, looking at every moment.
+/// Advances until `reached` and checks every moment.
 fn until(run: &mut Run, mut reached: impl FnMut(&Snapshot) -> bool) {
     while !reached(&run.state()) {
         check(run);

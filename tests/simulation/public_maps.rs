@@ -1,6 +1,6 @@
-//! Public maps in a folder `shared/maps` beside this project or above it, searched by every strategy with a camera that often cannot tell
-//! what it sees and photos that fail. Where there are no maps, a word is said. `HALLSWEEP_MAPS=all` goes through every goal, sensing and
-//! costs too. A failure prints map and seed.
+//! Public maps in a folder `shared/maps` beside this project or above it, searched by every strategy with a camera
+//! that often cannot identify an obstacle and with failing photos. A note is printed when there are no maps.
+//! `HALLSWEEP_MAPS=all` also runs every goal, sensing and costs. A failure prints map and seed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use hallsweep_sim::{Hall, SimSettings};
 
 use crate::random_halls::in_turn;
 
-/// So many turns bring every strategy together with every sensing, goal and costs.
+/// Number of turns that combine every strategy with every sensing, goal and costs.
 const TURNS: u64 = 4 * 2 * 3;
 
 fn maps() -> Vec<PathBuf> {
@@ -29,7 +29,8 @@ fn maps() -> Vec<PathBuf> {
     maps
 }
 
-/// Every map by every strategy, on two threads: with one sensing, goal and costs, or with all of them.
+/// Searches every map with every strategy on two threads: with one combination of sensing, goal and costs, or with
+/// all of them.
 fn on_every_map(search: impl Fn(&Arc<Hall>, u64) + Sync) {
     let halls: Vec<Arc<Hall>> = maps().iter().map(|map| Arc::new(Hall::named_or_file(map.to_str().unwrap()).unwrap())).collect();
     let turns = if std::env::var("HALLSWEEP_MAPS").is_ok_and(|asked| asked == "all") { TURNS } else { 1 };
@@ -42,7 +43,7 @@ fn on_every_map(search: impl Fn(&Arc<Hall>, u64) + Sync) {
                 return;
             }
             let (map, turn) = (n / strategies % count, n / strategies / count);
-            // Each map begins with another turn.
+            // Each map begins with another combination.
             search(&halls[usize::try_from(map).unwrap()], (map + turn) * strategies + n % strategies);
         }
     };

@@ -1,4 +1,5 @@
-//! Random commands at random moments in random halls: whatever an operator does, the rules hold. A failure prints its seed.
+//! Random commands at random moments in random halls: the rules hold whatever an operator does. A failure prints its
+//! seed.
 
 use std::time::Duration;
 
@@ -75,24 +76,24 @@ pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
     }
 }
 
-/// What must be so from one moment to the next.
+/// State that is checked from one moment to the next.
 #[derive(Default)]
 struct Watch {
-    /// The goal of the search when it was interrupted.
+    /// Goal of the search when it was interrupted.
     goal: Option<Cell>,
-    /// Whether the robot waits for a start that nobody has given since.
+    /// Whether the robot waits for a START.
     waits: bool,
 }
 
 impl Watch {
-    /// A start before the OK is not remembered: what waits for a start waits until one is accepted.
+    /// A START before the OK is not remembered: only an accepted START ends the wait.
     fn look(&mut self, state: &Snapshot, seed: u64) {
         let waits = state.mission.holds.contains(&Hold::AwaitingStart);
         assert!(!self.waits || waits, "seed {seed}: something else than an accepted command ended the wait for START");
         self.waits = waits;
     }
 
-    /// What was being pursued is pursued again, unless it has been dealt with in the meantime.
+    /// An interrupted goal is resumed, unless it was dealt with meanwhile.
     fn resumes(&mut self, before: &Snapshot, after: &Snapshot, hall: &Hall, seed: u64) {
         let away = matches!(before.mission.phase, PhaseName::Exploring | PhaseName::AtHome);
         let (Some(goal), true, PhaseName::Exploring) = (self.goal.take(), away, after.mission.phase) else { return };
@@ -103,7 +104,7 @@ impl Watch {
     }
 }
 
-/// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
+/// An external event: the link or a sensor fails and returns, or the store fails and recovers.
 pub(crate) fn from_outside(dice: &mut RandomStream, run: &mut Run) {
     if dice.below(3) == 0 {
         run.engine.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
@@ -124,8 +125,8 @@ fn robot(report: RobotEvent) -> Event {
     Event::Robot(RobotId::discovery(), report)
 }
 
-/// A refused command changes nothing but the log; an accepted start leaves no hold; a stop always holds; one from before the
-/// last stop is outdated.
+/// A refused command changes only the log; an accepted START leaves no hold; a STOP always holds; a command from
+/// before the last STOP is outdated.
 fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Command, seed: u64) {
     let epoch = run.state().mission.epoch;
     if epoch > Epoch(0) && command == Command::Start {
@@ -137,7 +138,7 @@ fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Comman
     let after = run.state();
     if result.is_ok() {
         watch.waits = after.mission.holds.contains(&Hold::AwaitingStart);
-        // A drive by hand may find out that the goal cannot be reached, and a reset forgets it.
+        // Driving by hand may show that the goal is unreachable, and a reset forgets the goal.
         if matches!(command, Command::Reset | Command::ChooseStrategy(_) | Command::Move(_) | Command::Goto(_))
             || after.mission.id != before.mission.id
         {
@@ -189,7 +190,8 @@ fn check(run: &mut Run, hall: &Hall, seed: u64) {
     }
 }
 
-/// Cools the hall, answers what waits, presses START: the search ends explored, or at home with the bomb located and the LED off.
+/// Cools the hall, gives the pending verdicts and presses START. The search must end explored, or at home with the
+/// bomb located and the LED off.
 fn bring_to_the_end(run: &mut Run, seed: u64) {
     run.reading(20.0).unwrap();
     run.temperature(TemperatureReport::Ok).unwrap();

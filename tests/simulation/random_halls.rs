@@ -1,4 +1,5 @@
-//! The explorer on a thousand random halls: all complete, all home, and the map equal to the truth wherever it says anything.
+//! The explorer in a thousand random halls: each search is complete and ends at home, and the map never contradicts
+//! the truth.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::Objective;
@@ -11,7 +12,7 @@ use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
 
-/// Every cell of the map says what is there.
+/// Whether every cell of the map agrees with the hall.
 pub(crate) fn map_is_true(figures: &Figures, hall: &Hall) {
     let bounds = figures.state.map.known_bounds();
     for y in bounds.least.y..=bounds.most.y {
@@ -34,7 +35,7 @@ pub(crate) fn map_is_true(figures: &Figures, hall: &Hall) {
     }
 }
 
-/// How a hall is searched: every strategy, goal and sensing has its turn.
+/// Settings of a search; the seeds take turns through every strategy, goal and sensing.
 pub(crate) fn in_turn(seed: u64, settings: Settings) -> (SimSettings, Settings, Strategy) {
     let pick = |n: u64, of: usize| usize::try_from(n).unwrap() % of;
     let strategy = Strategy::ALL[pick(seed, Strategy::ALL.len())];
@@ -57,7 +58,7 @@ fn run(seed: u64, most: u64, settings: Settings) -> Figures {
     figures
 }
 
-/// What the thousand halls are like, so that nobody makes them easier unawares.
+/// Minimum variety of the thousand halls, so that nobody makes them easier by accident.
 #[test]
 fn the_random_halls_are_as_various_as_they_should_be() {
     let halls: Vec<_> = (0..1000).map(|seed| halls::random(seed, 30)).collect();

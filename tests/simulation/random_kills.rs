@@ -1,6 +1,7 @@
-//! Safety R1, R2 and R4: random operators in random halls, over a store that keeps late, and the program killed at random moments, in
-//! the middle of steps and photos and between a record and its word. Whatever was seen or answered is there after the start,
-//! nothing is there twice, nothing moves before a START, and the mission can be brought to its end. A failure prints its seed.
+//! Safety R1, R2 and R4: random operators in random halls with a store that confirms late. The program is killed at
+//! random moments, also during steps and photos, and between a record and its confirmation. After the start,
+//! everything that was shown or answered is there, nothing is there twice, nothing moves before a START, and the
+//! mission can be brought to its end. A failure prints its seed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -43,7 +44,7 @@ fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
     }
 }
 
-/// Some commands, some time, some pages kept.
+/// Some commands, some time, and some stored pages.
 fn live(mortal: &mut Mortal, seen: &mut Seen, record: &mut Record, dice: &mut RandomStream, seed: u64) {
     for _ in 0..dice.below(30) {
         match dice.below(4) {
@@ -96,7 +97,7 @@ fn any_command(dice: &mut RandomStream, pending: u64) -> Command {
 #[derive(Default)]
 struct Seen {
     luggage: BTreeMap<LuggageId, Option<Verdict>>,
-    /// Verdicts under way, and resets: by ticket what they would make true.
+    /// Unanswered verdicts and resets, by ticket.
     asked: BTreeMap<Ticket, Command>,
     mission: u64,
 }
@@ -126,7 +127,7 @@ impl Seen {
         self.luggage.extend(state.luggage.iter().map(|luggage| (luggage.id, shown(luggage))));
     }
 
-    /// Everything that was seen is there; what is there once is there once.
+    /// Checks that everything seen is still there, and nothing is there twice.
     fn check(&mut self, mortal: &mut Mortal, seed: u64) {
         self.asked.clear();
         let state = mortal.state();
@@ -147,7 +148,7 @@ impl Seen {
     }
 }
 
-/// Safety R1: nothing moves until a START, however long nobody says so.
+/// Safety R1: nothing moves until a START, however long the wait.
 fn stands_still(mortal: &mut Mortal, seed: u64) {
     let before = mortal.body();
     mortal.wait_a_minute();
@@ -156,7 +157,7 @@ fn stands_still(mortal: &mut Mortal, seed: u64) {
     assert_eq!(mortal.body(), before, "seed {seed}: it moved after a restart");
 }
 
-/// Answers what waits, presses START: the search ends explored, or at home with the bomb located.
+/// Gives the pending verdicts and presses START. The search must end explored, or at home with the bomb located.
 fn bring_to_the_end(mortal: &mut Mortal, seen: &mut Seen, seed: u64) {
     let _ = mortal.give(Command::Temperature(TemperatureReport::Ok));
     for _ in 0..20_000 {
@@ -183,7 +184,7 @@ fn bring_to_the_end(mortal: &mut Mortal, seen: &mut Seen, seed: u64) {
     panic!("seed {seed}: the mission did not come to its end; it is {:?}", mortal.state().mission);
 }
 
-/// The map says nothing that is not so; when the hall is explored it says everything.
+/// Checks that the map never contradicts the hall, and is complete when the hall is explored.
 fn check_map(state: &Snapshot, hall: &Hall, seed: u64) {
     for (cell, mark) in state.map.known() {
         let truth = hall.truth(cell);

@@ -1,7 +1,7 @@
-//! Retrieval in hundreds of random halls, with the dangerous bag anywhere: discovery searches until danger is said, and the pair is sent. It
-//! secures the bag wherever an independent search finds a way, and names a fault in the other halls, whatever comes in between: STOP,
-//! heat, kills, lost parcels, parcels that nobody recognises, commands at wrong times, and reports that come late and interleaved. A
-//! failure prints its seed.
+//! Retrieval in hundreds of random halls with the dangerous bag anywhere: discovery searches until a verdict is
+//! danger, then the pair is sent. The pair secures the bag wherever an independent search finds a way, and reports a
+//! fault in the other halls. Meanwhile there may be STOPs, heat, kills, lost parcels, parcels that no camera
+//! recognises, commands at wrong times, and late, interleaved reports. A failure prints its seed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -25,27 +25,27 @@ use crate::every_way::can_be_fetched;
 use crate::halls;
 use crate::trio::{Bodies, Delays, Trio};
 
-/// So many retrievals.
+/// Number of retrievals.
 const HALLS: usize = 500;
 
-/// By then the disk has what was given to it.
+/// Time after which the disk has stored everything, longer than any delay of the disk.
 const MOST_DISK_MS: u64 = 100;
 
-/// So many things happen in no mission of these halls, the time that passes under holds included.
+/// Number of steps that exceeds any mission of these halls, including the time under holds.
 const MOST_STEPS: u64 = 400_000;
 
-/// What is to go wrong in one run.
+/// Faults of one run.
 #[derive(Clone, Debug)]
 struct Trouble {
     delays: Delays,
     mishaps: Mishaps,
-    /// How likely the operator does something at any moment of the retrieval, and how often at most.
+    /// Probability of an operator's action at each moment of the retrieval, and maximum number of actions.
     interrupts: f64,
     most: u32,
     unknown_rate: f64,
 }
 
-/// A third of the runs has late links alone: in those nothing but a hall without a way is a reason for a fault, or for an alarm.
+/// A third of the runs has late links only. In those, only a hall without a way may cause a fault or an alarm.
 fn trouble(seed: u64) -> Trouble {
     let mut dice = RandomStream::new(seed, "trouble");
     let late = |dice: &mut RandomStream| [0, 30, 300][dice.below(3) as usize];
@@ -65,7 +65,7 @@ fn trouble(seed: u64) -> Trouble {
     Trouble { mishaps, interrupts: 0.02 * dice.fraction(), most: 1 + dice.below(8) as u32, unknown_rate, ..calm }
 }
 
-/// What all runs came to.
+/// Totals of all runs.
 #[derive(Debug, Default)]
 struct Tally {
     secured: usize,
@@ -80,7 +80,7 @@ struct Tally {
     steps: u64,
 }
 
-/// Two workers, each with every other seed; `HALLSWEEP_SEED` plays one again.
+/// Two workers, each with every other seed; `HALLSWEEP_SEED` repeats one seed.
 #[test]
 fn a_bag_is_secured_wherever_there_is_a_way_and_a_fault_is_named_elsewhere() {
     if let Ok(seed) = std::env::var("HALLSWEEP_SEED") {
@@ -113,10 +113,10 @@ struct Mission {
     trouble: Trouble,
     seed: u64,
     dice: RandomStream,
-    /// Where everything stood when a hold was first seen; none while nothing holds them.
+    /// Places of all robots when a hold was first seen; `None` while there is no hold.
     held_at: Option<Bodies>,
     steps: u64,
-    /// Whether anything was on its way when the program was killed, or a link lost.
+    /// Whether messages were in transit when the program was killed, or a link was lost.
     is_cut: bool,
 }
 
@@ -167,7 +167,7 @@ impl Mission {
         self.check();
     }
 
-    /// The whole mission; false where no piece is met that can be said to be dangerous.
+    /// Plays the whole mission; false if no piece can be judged dangerous.
     fn play(mut self, tally: &mut Tally) -> bool {
         let bomb = self.locate();
         if let Some(bomb) = bomb {
@@ -176,7 +176,7 @@ impl Mission {
         bomb.is_some()
     }
 
-    /// Searches until danger is said of a piece and discovery is home; `None` where no recognised piece was met.
+    /// Searches until a piece is judged dangerous and discovery is home; `None` if no recognised piece was found.
     fn locate(&mut self) -> Option<Piece> {
         let keen = [1.0, 0.4, 0.15][self.dice.below(3) as usize];
         let mut bomb = None;
@@ -215,7 +215,7 @@ impl Mission {
         let mut gripped = self.grip();
         loop {
             let state = self.state();
-            // Just then nobody has been told.
+            // A kill right after the grip changed, before the change is reported.
             let is_news = std::mem::replace(&mut gripped, self.grip()) != gripped;
             if is_news && self.trouble.most > 0 && self.dice.happens(0.1) {
                 self.kill(tally);
@@ -236,7 +236,7 @@ impl Mission {
         self.check_end(bomb, expected, before, tally);
     }
 
-    /// What the pair holds, and how.
+    /// State of the grippers, arms and load of the pair.
     fn grip(&mut self) -> (Option<Parcel>, [bool; 4], usize) {
         let pair = &self.trio().pair;
         let [one, two] = Which::ALL.map(|which| pair.arm(which));
@@ -244,7 +244,7 @@ impl Mission {
         (pair.load(), [one.on_floor, one.lifted, closed[0], closed[1]], pair.taken_in().len())
     }
 
-    /// Something that an operator, or the world, does while the pair fetches.
+    /// One action of an operator or external event during the retrieval.
     fn interrupt(&mut self, tally: &mut Tally) {
         match self.dice.below(9) {
             0 | 1 => {
@@ -264,7 +264,7 @@ impl Mission {
                 self.is_cut = true;
                 let robot = self.dice.below(3) as usize;
                 self.trio().lose_link(robot);
-                // A look for the parcel goes on without a link, and has an end by then.
+                // The search for the parcel continues without a link and ends within this time.
                 let wait = 900 + self.dice.below(2000);
                 self.wait(wait);
                 assert!(self.state().mission.holds.contains(&Hold::RobotLink), "seed {}: a link is lost", self.seed);
@@ -285,7 +285,7 @@ impl Mission {
         assert!(self.state().mission.holds.contains(&Hold::Restart), "seed {}", self.seed);
     }
 
-    /// What is not possible while the pair fetches.
+    /// Gives a command that is impossible during a retrieval.
     fn wrong_command(&mut self, tally: &mut Tally) {
         tally.refused += 1;
         let command = match self.dice.below(6) {
@@ -299,7 +299,7 @@ impl Mission {
         self.must_not(command);
     }
 
-    /// What holds them is mended, one thing after the other, and START is given; before that it is refused.
+    /// Removes the causes of the holds one after the other, then presses START, which is refused before.
     fn release(&mut self, tally: &mut Tally) {
         let wait = self.dice.below(3000);
         self.wait(wait);
@@ -328,7 +328,7 @@ impl Mission {
                 let at_rest = mission.phase != PhaseName::Retrieving;
                 assert!(at_rest || !mission.holds.is_empty(), "seed {}: cool again, it goes on by itself", self.seed);
             } else if holds.is_empty() || state.mission.phase == PhaseName::BagSecured {
-                // A stop that came when the bag was home already holds nothing that was under way: START would begin another mission.
+                // A STOP that came when the bag was already home holds nothing; START would begin another mission.
                 return;
             } else {
                 self.must(Command::Start);
@@ -339,7 +339,7 @@ impl Mission {
         panic!("seed {}: still held: {:?}", self.seed, state.mission);
     }
 
-    /// What holds at every moment.
+    /// Invariants of every moment.
     fn check(&mut self) {
         self.steps += 1;
         let seed = self.seed;
@@ -401,7 +401,7 @@ impl Mission {
         let lost = self.trouble.mishaps.slips.len() - memory.slips.map_or(0, |left| left.len());
         let missed = self.trouble.mishaps.unrecognised.len() - memory.unrecognised.map_or(0, |left| left.len());
         assert_eq!(said(Saying::PackageLost), lost, "seed {seed}: alarms of lost parcels, {:?}: {:#?}", self.trouble, log());
-        // The answer of a camera may be lost on the way with its link, or with the program that asked; then it looks once more.
+        // The camera's answer may be lost with the link or the killed program; then the camera looks once more.
         let calls = said(Saying::CallOperator);
         assert!(calls == missed || calls < missed && self.is_cut, "seed {seed}: {calls} calls, {missed} not seen: {:#?}", log());
         tally.losses += lost;
@@ -409,7 +409,7 @@ impl Mission {
     }
 }
 
-/// The cells that a base is in, or comes to be in.
+/// Cells that a base occupies or is about to occupy.
 fn cells_of(robot: &RobotMemory) -> BTreeSet<Cell> {
     let along = |astray: AstrayMemory| match astray {
         AstrayMemory::Along(Place::Cell(cell), _) => Some(cell),
@@ -419,7 +419,7 @@ fn cells_of(robot: &RobotMemory) -> BTreeSet<Cell> {
     robot.stands.place.cell().into_iter().chain(along(robot.astray)).chain(rolls_to).collect()
 }
 
-/// Nobody stands in anybody else, or in an obstacle.
+/// Checks that no robot shares a cell with another or with an obstacle.
 fn check_places(trio: &Trio, seed: u64) {
     let memory = trio.pair.memory();
     let [one, two] = memory.robots.map(|robot| cells_of(&robot));
@@ -438,7 +438,7 @@ fn check_places(trio: &Trio, seed: u64) {
     }
 }
 
-/// The map says nothing that is not so.
+/// Checks that the map never contradicts the truth.
 fn check_map(state: &Snapshot, trio: &Trio, seed: u64) {
     for (cell, mark) in state.map.known() {
         let truth = trio.truth(cell);

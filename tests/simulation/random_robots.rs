@@ -1,6 +1,6 @@
-//! A robot and a store that answer as they like: late, with failures, with obstacles anywhere and a sonar that sees anything, between
-//! random commands, however the hall is searched. The core must neither panic nor spin, move nothing while held, and answer every
-//! command once the store is well. A failure prints its seed.
+//! A robot and a store that answer arbitrarily: late, with failures, with obstacles anywhere and a sonar that reports
+//! anything, between random commands and with any strategy. The core must neither panic nor loop, move nothing while
+//! held, and answer every command once the store works. A failure prints its seed.
 
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect};
@@ -36,7 +36,7 @@ fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
         bare.event(Event::StoreRestored);
         bare.keep();
         if bare.engine.poll_timeout().is_some() {
-            // The answer to a stop waits for a robot that says nothing, but not for long.
+            // The answer to a STOP waits for a silent robot, but only for a limited time.
             bare.wait_in_vain();
         }
         let open: Vec<&Ticket> = tickets.iter().filter(|ticket| bare.answer(**ticket).is_none()).collect();
@@ -78,7 +78,7 @@ fn from_outside(dice: &mut RandomStream, bare: &mut Bare) {
     }
 }
 
-/// The robot does what it was told, or meets something, or fails, or says nothing for too long.
+/// The robot completes its order, meets an obstacle, fails, or is silent too long.
 fn answer(dice: &mut RandomStream, bare: &mut Bare) {
     let Some(action) = bare.order() else { return };
     let photo = matches!(action, Action::Photograph(_));

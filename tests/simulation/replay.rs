@@ -1,4 +1,4 @@
-//! The same seed gives the same run, byte for byte of what is put on record; another seed does not.
+//! The same seed gives the same run, byte for byte in the journal; another seed gives another run.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! From danger to the bag in the container: the pair, led by its trees, in the halls that come with the program and in random ones.
+//! From the verdict danger to the bag in the container: the pair, controlled by its trees, in the halls that come
+//! with the program and in random ones.
 
 use std::sync::Arc;
 
@@ -13,14 +14,14 @@ use hallsweep_sim::headless::Run;
 use hallsweep_sim::pair::PairSettings;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
-/// So much happens in no retrieval of these halls.
+/// Number of events that exceeds any retrieval in these halls.
 const LONG: usize = 2_000_000;
 
 fn pair(seed: u64) -> PairSettings {
     PairSettings { way_out: true, ..PairSettings::new(seed, Place::ENTRANCE) }
 }
 
-/// A mission with a pair outside, begun.
+/// Mission with a pair outside, after START.
 fn begun(hall: Hall, settings: Settings, pair: PairSettings) -> Run {
     let sim = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(pair.seed, Camera::Stub) };
     let mut run = Run::with_pair(Arc::new(hall), sim, settings, Strategy::Snail, pair);
@@ -33,8 +34,8 @@ fn asked(state: &Snapshot) -> Option<(LuggageId, Piece)> {
     Some((luggage.id, luggage.piece?))
 }
 
-/// Searches until a piece of this number is met, which is said to be dangerous, and discovery is home; all others are safe. False when
-/// it is never met.
+/// Searches until this piece is found and judged dangerous and discovery is home; all other pieces are judged safe.
+/// False when the piece is never found.
 fn locate(run: &mut Run, bomb: Piece) -> bool {
     let mut found = false;
     for _ in 0..LONG {
@@ -56,7 +57,7 @@ fn is_over(state: &Snapshot) -> bool {
     matches!(state.mission.phase, PhaseName::BagSecured | PhaseName::Fault) || !state.mission.holds.is_empty()
 }
 
-/// Lets the retrieval go on until it has ended, or something holds it.
+/// Continues until the retrieval ends or is held.
 fn go_on(run: &mut Run) -> Arc<Snapshot> {
     assert!(run.run_until(LONG, is_over), "the retrieval has no end: {:?}", run.state().mission);
     run.state()

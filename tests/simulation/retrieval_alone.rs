@@ -1,5 +1,5 @@
-//! The robot that searches fetches the dangerous piece itself (mission §4, rule 7): in the halls that come with the program and in random ones,
-//! with stops, heat and kills at random moments. A failure prints its seed.
+//! The searching robot fetches the dangerous piece itself (mission §4, rule 7): in the halls that come with the
+//! program and in random ones, with stops, heat and kills at random moments. A failure prints its seed.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -16,14 +16,15 @@ use hallsweep_sim::{Camera, Hall, SimSettings};
 use crate::halls;
 use crate::mortal::Mortal;
 
-/// More than happens in any of these missions.
+/// Number of events that exceeds any of these missions.
 const LONG: usize = 400_000;
 
 fn with_hook(seed: u64) -> SimSettings {
     SimSettings { has_hook: true, ..SimSettings::new(seed, Camera::Stub) }
 }
 
-/// It is said to be dangerous from where the sonar has seen it; the cells before it are driven into for the first time to fetch it.
+/// The verdict danger is given from where the sonar saw the piece. The cells before the piece are entered for the
+/// first time when it is fetched.
 #[test]
 fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
     let hall = Arc::new(Hall::from_rows("far", &["S..a"]).unwrap());
@@ -38,7 +39,7 @@ fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
     assert!(check(&mut mortal, 1));
 }
 
-/// Searches until a piece is met that is said to be dangerous, and the robot is home; false when there is none.
+/// Searches until such a piece is judged dangerous and the robot is home; false when there is none.
 fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
     mortal.keep_all();
     mortal.give(Command::Start).expect("nothing holds it");
@@ -60,7 +61,7 @@ fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
     panic!("the search has no end");
 }
 
-/// Whether the piece is on record as secured exactly when it is in the container.
+/// Checks that the record says secured only for pieces in the container; returns whether the retrieval has ended.
 fn check(mortal: &mut Mortal, seed: u64) -> bool {
     let state = mortal.state();
     let inside: BTreeSet<Piece> = mortal.sim.taken_in().collect();
@@ -72,7 +73,7 @@ fn check(mortal: &mut Mortal, seed: u64) -> bool {
     is_done
 }
 
-/// Lets it go on to its end; START where something that START clears holds it.
+/// Continues to the end; presses START when that can clear the hold.
 fn go_on(mortal: &mut Mortal, seed: u64) {
     for _ in 0..LONG {
         mortal.keep_all();
@@ -154,7 +155,8 @@ fn whatever_stops_heats_or_kills_it_the_bag_is_secured_when_it_is_in_the_contain
     );
 }
 
-/// A new search with the bag on the robot's back would be the worst of all.
+/// A reset with the bag on the robot's back must be refused, because a new search with the bag would be the worst
+/// outcome.
 fn is_not_put_away_with_a_bag_on_its_back(mortal: &mut Mortal, seed: u64) {
     mortal.keep_all();
     drop(mortal.give(Command::Acknowledge(AlarmId(1))));
@@ -164,7 +166,7 @@ fn is_not_put_away_with_a_bag_on_its_back(mortal: &mut Mortal, seed: u64) {
     }
 }
 
-/// Too hot, and cool again: START is refused in between, and nothing moves by itself afterwards.
+/// Heats and cools the hall: START is refused between, and nothing moves by itself afterwards.
 fn heat(mortal: &mut Mortal) {
     mortal.give(Command::Temperature(TemperatureReport::TooHigh)).expect("anybody may say so");
     mortal.keep_all();

@@ -1,4 +1,5 @@
-//! Retrievals that cannot go on: each ends in a fault that says why, with nobody left in the hall who can go, and START tries once more.
+//! Retrievals that cannot continue: each ends in a fault that states the reason, no robot that can leave stays in the
+//! hall, and START tries once more.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,13 +20,13 @@ use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::trio::{Delays, Spoiled, Spoils, Trio};
 
-/// More than happens in any retrieval of this hall.
+/// Number of events that exceeds any retrieval in this hall.
 const LONG: usize = 100_000;
 
-/// Late enough that not all is said in the same moment.
+/// Delays that separate messages sent at the same moment.
 const DELAYS: Delays = Delays { reports_ms: [20; 3], orders_ms: 10, disk_ms: 10 };
 
-/// Grippers and hook alike.
+/// Command that closes a gripper or a hook.
 const CLOSE: Action = Action::Arm(ArmAction::CloseGripper);
 
 fn hall() -> Arc<Hall> {
@@ -42,7 +43,7 @@ fn usual() -> SimSettings {
     SimSettings::new(1, Camera::Stub)
 }
 
-/// Lets it go on until that is so.
+/// Continues until `is_so` is true.
 fn until(trio: &mut Trio, what: &str, is_so: impl Fn(&Trio, &Snapshot) -> bool) {
     for _ in 0..LONG {
         let state = trio.state();
@@ -65,7 +66,7 @@ fn can_start(state: &Snapshot) -> bool {
     state.mission.refusals.start.is_none()
 }
 
-/// Says danger to the first piece, and sends whoever fetches.
+/// Gives the verdict danger to the first piece and sends the robots that fetch.
 fn sent(mut trio: Trio) -> Trio {
     until(&mut trio, "all are linked", |_, state| can_start(state));
     must(&mut trio, Command::Start);
@@ -92,7 +93,7 @@ fn ended(trio: &mut Trio) -> Arc<Snapshot> {
     trio.state()
 }
 
-/// The pair is outside with open grippers, and discovery is home.
+/// Checks that the pair is outside with open grippers and discovery is home.
 fn check_nobody_is_left_inside(trio: &mut Trio, why: &str) {
     let state = trio.state();
     for which in Which::ALL {
@@ -119,7 +120,7 @@ fn check_secured(trio: &mut Trio) {
     check_nobody_is_left_inside(trio, "it is secured");
 }
 
-/// Until the trees give up: what is carried cannot be moved.
+/// Retrieval until the trees give up because the loaded pair cannot move.
 fn failed_under_way() -> Trio {
     let mut trio = sent(trio(Settings::default(), usual(), Mishaps::default()));
     carried(&mut trio);
@@ -206,7 +207,7 @@ fn a_piece_that_was_recorded_without_an_identity_is_fetched_from_where_it_stands
     let mut trio = trio(rules, SimSettings { unknown_rate: 1.0, ..usual() }, Mishaps::default());
     until(&mut trio, "all are linked", |_, state| can_start(state));
     must(&mut trio, Command::Start);
-    // Walls are asked about, too.
+    // The operator is also asked about walls.
     let bomb = loop {
         until(&mut trio, "a photo", |_, state| state.pending().is_some_and(|piece| piece.has_photo()));
         let (id, cell) = trio.state().pending().map(|piece| (piece.id, piece.cell)).expect("it is there");

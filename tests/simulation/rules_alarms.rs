@@ -1,5 +1,5 @@
-//! Mission §4 and safety R1 on what must not be passed over: danger that could not be recorded, alarms nobody has seen, faults whose
-//! cause stands; and on what is still known after the store failed or the program died.
+//! Mission §4 and safety R1 on what must not be passed over: a danger that could not be recorded, unacknowledged
+//! alarms, and faults whose cause persists; also on what is known after the store failed or the program was killed.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use hallsweep_core::world::hall_map::Mark;
 
 use crate::bare::Bare;
 
-/// A program that begins with what stands.
+/// Program that starts with this state.
 fn reborn(state: PersistentState) -> Bare {
     let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
     let mut bare = Bare::unlinked();
@@ -32,7 +32,7 @@ fn named(id: &str, command: Command) -> Request {
     Request { id: CommandId::new(id), ..Request::new(command, Issuer::operator(Door("http"))) }
 }
 
-/// In front of a piece that somebody called dangerous while nothing could be recorded; now it can be.
+/// Robot before a piece that was judged dangerous while nothing could be recorded; the store works again.
 fn danger_was_lost() -> Bare {
     let mut bare = Bare::at_a_bag();
     bare.event(Event::StoreFailed("disk full".to_owned()));
@@ -42,7 +42,7 @@ fn danger_was_lost() -> Bare {
     bare
 }
 
-/// Mission §4: somebody else's SAFE and START do not pass over a danger that was said.
+/// Mission §4: SAFE and START from another operator do not pass over an earlier danger.
 #[test]
 fn danger_that_could_not_be_recorded_holds_the_robot_until_its_alarm_is_acknowledged() {
     let mut bare = danger_was_lost();
@@ -117,7 +117,7 @@ fn an_unacknowledged_alarm_stands_after_a_restart_and_an_acknowledged_one_stays_
     assert!(reborn(bare.engine.persistent_state()).state().alarms[0].acknowledged.is_some());
 }
 
-/// Safety A6: each of them, in order, once.
+/// Safety A6: each lost command, in order, once.
 #[test]
 fn every_command_lost_with_the_store_is_recorded_again() {
     let mut bare = Bare::linked();
@@ -143,7 +143,7 @@ fn every_command_lost_with_the_store_is_recorded_again() {
     assert_eq!(ids, ["c0", "c1", "c2", "c3", "c4", "c5"]);
 }
 
-/// Mission §4, rule 4: the robot is home already.
+/// Mission §4, rule 4: the robot is already home.
 #[test]
 fn danger_on_a_piece_without_a_photo_after_the_end_of_the_search_locates_the_bomb() {
     let mut bare = Bare::in_front_of(Obstacle::Unknown);
@@ -174,7 +174,7 @@ fn start_is_refused_while_the_cause_of_a_fault_stands_and_goes_back_once_it_is_g
     assert_eq!(bare.phase(), PhaseName::ReturningHome);
 }
 
-/// Mission §4: refused with the reasons.
+/// Mission §4: the refusal names the reasons.
 #[test]
 fn retrieve_while_held_names_the_hold() {
     let mut bare = Bare::at_home_with_a_pending_bag();
@@ -199,7 +199,7 @@ fn exactly_1024_commands_are_remembered() {
     assert!(matches!(bare.ask(named("id-0", Command::BackHome)), Err(Refused::NotInPhase(_))), "the oldest gave way");
 }
 
-/// Safety R2: only a robot that may have been on its way has to find the centre of its cell.
+/// Safety R2: only a robot that may have been moving has to find the centre of its cell.
 #[test]
 fn killed_at_rest_it_is_not_off_centre() {
     let off_centre = |state| {

@@ -1,5 +1,5 @@
-//! Commands that come again under the same id, that contradict each other, or that come from before a STOP: each acts once, and
-//! everything is on record with who gave it and from where (safety S4, V1, A6).
+//! Commands that are repeated under the same id, that contradict each other, or that come from before a STOP: each
+//! acts once, and everything is recorded with its sender and origin (safety S4, V1, A6).
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ fn an_id_that_was_used_in_another_epoch_is_refused() {
     assert!(matches!(run.ask(other), Err(Refused::OtherContent(_))));
 }
 
-/// Safety S1: whatever its id, and however often.
+/// Safety S1: whatever its id, and however often it is repeated.
 #[test]
 fn a_stop_is_never_taken_for_a_repeat() {
     let mut run = in_hall("empty-8x8");
@@ -95,7 +95,7 @@ fn only_so_many_ids_are_remembered() {
     assert!(run.ask(named("first", Command::BackHome)).is_ok(), "it was forgotten");
 }
 
-/// Two that wait for the same record are answered together.
+/// Two commands that wait for the same record are answered together.
 #[test]
 fn a_verdict_that_is_sent_twice_before_it_is_kept_is_recorded_once() {
     let mut bare = Bare::at_a_bag();
@@ -110,7 +110,7 @@ fn a_verdict_that_is_sent_twice_before_it_is_kept_is_recorded_once() {
     assert_eq!(verdicts.count(), 1);
 }
 
-/// Safety V1: two operators press at the same moment; one verdict wins, the other operator gets the record.
+/// Safety V1: when two operators press at the same moment, one verdict wins and the other operator gets the record.
 #[test]
 fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
     for (early, late, stands) in [
@@ -139,7 +139,7 @@ fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
     }
 }
 
-/// Safety V1: what was noted is as final as the verdict.
+/// Safety V1: the note is as final as the verdict.
 #[test]
 fn an_equal_verdict_that_comes_later_does_not_change_the_note() {
     let noted = |verdict, note| Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: Note::new(note) };
@@ -152,7 +152,7 @@ fn an_equal_verdict_that_comes_later_does_not_change_the_note() {
         let mut bare = Bare::at_a_bag();
         bare.keeps = false;
         bare.ask(by("anna", "1", noted(early, "early"))).unwrap();
-        // Which of them is taken, another test says.
+        // Another test checks which verdict is accepted.
         let _ = bare.ask(by("ben", "1", noted(late, "late")));
         bare.keep_all();
         let _ = bare.ask(by("ben", "2", noted(late, "too late")));
@@ -189,7 +189,7 @@ fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
     assert!(log.contains("RETRIEVE refused, by mallory (http, 192.0.2.7): "), "{log}");
 }
 
-/// Safety A6: what came while nothing could be written is written afterwards.
+/// Safety A6: commands that came while nothing could be written are written afterwards.
 #[test]
 fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
     use hallsweep_core::event::Event;
@@ -204,7 +204,7 @@ fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
     assert_eq!(bare.effects.iter().filter(told).count(), 0, "the store has it still, and keeps it now");
 }
 
-/// Safety A6: what was lost when the store failed is written once more, as it was answered.
+/// Safety A6: commands that were lost when the store failed are written once more, as they were answered.
 #[test]
 fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answered() {
     use hallsweep_core::event::Event;
@@ -221,7 +221,7 @@ fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answer
     assert_eq!(bare.effects.iter().filter(|effect| records(effect, started)).count(), 1);
 }
 
-/// Whoever sends readings without end does not keep the robot from moving.
+/// A sender of endless readings cannot keep the robot from moving.
 #[test]
 fn a_reading_that_is_not_on_record_yet_does_not_hold_the_robot_up() {
     let mut bare = Bare::linked();
@@ -241,7 +241,7 @@ fn a_reading_that_is_not_on_record_yet_does_not_hold_the_robot_up() {
     assert!(bare.order().is_some(), "only the reading is not on record yet");
 }
 
-/// Who is told to try again later may do so under the same id.
+/// A client that was told to try again later may use the same id.
 #[test]
 fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
     use hallsweep_core::event::Event;
@@ -254,7 +254,7 @@ fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
     assert!(bare.state().luggage(LuggageId(1)).unwrap().is_dangerous());
 }
 
-/// Nothing is acknowledged that is not on record; what makes it safer is done all the same.
+/// Nothing is acknowledged that is not recorded, but a command that makes the robot safer still acts.
 #[test]
 fn while_the_store_is_down_only_a_stop_is_accepted() {
     use hallsweep_core::event::Event;
@@ -281,7 +281,7 @@ fn while_the_store_is_down_only_a_stop_is_accepted() {
     assert!(bare.answer(again).unwrap().is_ok());
 }
 
-/// Two readings that print alike are two readings, and so are those of two sensors.
+/// Two readings that are printed alike still differ, and so do readings of two sensors.
 #[test]
 fn an_id_that_was_used_for_another_reading_is_refused() {
     let mut run = in_hall("empty-8x8");

@@ -1,4 +1,4 @@
-//! What crosses on the way: a drive by hand cut short, answers that come late, a link that was never up.
+//! Events that cross: an interrupted drive by hand, late answers, and a link that was never up.
 
 use hallsweep_core::command::{Command, Move, TemperatureReport, Verdict};
 use hallsweep_core::effect::Action;
@@ -11,7 +11,7 @@ use hallsweep_core::units::{AlarmId, Cell, Celsius, Heading, LuggageId, Pose};
 use crate::bare::Bare;
 use crate::operator::sensor_reads;
 
-/// R-waitForHome: a bomb is located only when discovery is home.
+/// Requirement R-waitForHome: a bomb is located only when discovery is home.
 #[test]
 fn danger_given_while_driven_away_from_home_brings_the_robot_back_first() {
     let mut bare = Bare::at_home_with_a_pending_bag();
@@ -25,7 +25,7 @@ fn danger_given_while_driven_away_from_home_brings_the_robot_back_first() {
     assert_eq!((bare.phase(), bare.cell()), (PhaseName::BombLocated, Cell::HOME));
 }
 
-/// The same before the drive has even set out: its record and the danger's come together.
+/// The danger is recorded together with the drive, before the drive begins.
 #[test]
 fn danger_recorded_together_with_a_drive_from_home_waits_for_its_end() {
     let mut bare = Bare::at_home_with_a_pending_bag();
@@ -38,7 +38,7 @@ fn danger_recorded_together_with_a_drive_from_home_waits_for_its_end() {
     assert_eq!((bare.phase(), bare.cell()), (PhaseName::ReturningWithAlarm, Cell::new(0, 1)));
 }
 
-/// Rule 6: a drive from home that is cut short in mid-step has left home, wherever the robot turns out to stand.
+/// Rule 6: a drive from home that is interrupted within a step has left home, wherever the robot stands.
 #[test]
 fn a_drive_from_home_cut_short_is_no_longer_waiting_at_home() {
     for stop in [Command::Stop, Command::Temperature(TemperatureReport::TooHigh)] {
@@ -66,7 +66,8 @@ fn a_step_that_was_done_before_the_stop_reached_it_still_counts() {
     assert_eq!((bare.phase(), bare.cell()), (PhaseName::Exploring, Cell::new(0, 1)));
 }
 
-/// Rule 6: whatever ends a drive on a mission also raises `operator`, so that the mission never resumes unasked.
+/// Rule 6: everything that ends a drive during a mission also raises `operator`, so that the mission never resumes
+/// unasked.
 #[test]
 fn every_hold_that_ends_a_drive_also_raises_operator() {
     type Ends = fn(&mut Bare);
@@ -90,7 +91,7 @@ fn every_hold_that_ends_a_drive_also_raises_operator() {
     }
 }
 
-/// Rule 2, through a fault.
+/// Rule 2, after a fault.
 #[test]
 fn start_from_a_fault_does_not_explore_past_a_pending_verdict() {
     let mut bare = Bare::at_home_with_a_pending_bag();
@@ -113,7 +114,7 @@ fn before_the_link_is_up_a_start_is_refused_and_the_link_moves_nothing() {
     assert_eq!((bare.order(), bare.holds()), (None, vec![]));
 }
 
-/// The map is never wrong: an answer that comes too late is still the truth.
+/// The map is never wrong: a late answer is still true.
 #[test]
 fn a_step_answered_after_its_deadline_still_counts() {
     let mut bare = Bare::linked();
@@ -139,7 +140,7 @@ fn answers_to_orders_nobody_gave_change_nothing() {
     assert_eq!(bare.state().robot, before);
 }
 
-/// A person stands in the only passage, and leaves again after the mission was put away.
+/// A person blocks the only passage, and leaves after the reset.
 #[test]
 fn a_blocked_way_home_can_be_tried_again_after_a_reset() {
     let mut bare = Bare::at_a_bag();
@@ -178,7 +179,7 @@ fn two_silent_sensors_must_both_read_again() {
     assert!(bare.holds().is_empty());
 }
 
-/// What a button would be refused with is part of the mission: when it changes, the mission has changed.
+/// The refusals of the buttons are part of the mission: when they change, the mission's revision changes.
 #[test]
 fn a_refusal_that_ends_raises_the_missions_revision() {
     use hallsweep_core::world::resource::Resource;
@@ -207,7 +208,7 @@ fn a_piece_that_failed_twice_stays_one_record_that_waits() {
     assert_eq!(bare.verdict(Verdict::Safe), Err(Refused::NoPhoto(LuggageId(1))));
 }
 
-/// A robot that has lost itself so far is wrong: no map is made of that size.
+/// A pose that far away must be an error; no map of that size is allocated.
 #[test]
 fn a_robot_that_says_it_stands_beyond_any_hall_is_in_fault_and_nothing_is_laid_out_for_it() {
     let mut bare = Bare::linked();

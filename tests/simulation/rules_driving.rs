@@ -1,4 +1,4 @@
-//! Mission §4 rule 6: driving by hand, and that the mission never resumes unasked after it.
+//! Mission §4 rule 6: driving by hand, after which the mission never resumes unasked.
 
 use hallsweep_core::command::{Command, Move, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
@@ -80,7 +80,7 @@ fn a_bag_met_by_hand_is_inspected_by_the_next_exploration() {
     assert_eq!(run.state().luggage.len(), 1);
 }
 
-/// Rule 2: after a drive away from home a pending verdict still comes before exploring.
+/// Rule 2: after a drive away from home, a pending verdict still comes before exploring.
 #[test]
 fn a_pending_verdict_survives_a_drive_by_hand_and_danger_then_acts_on_the_mission() {
     let mut run = in_drawn(&["S...", ".a..", "....", "...."]);

@@ -1,4 +1,4 @@
-//! Mission §4 on holds: what raises them, what clears them, and that nothing moves while one stands.
+//! Mission §4 on holds: what raises and clears each hold, and that nothing moves while there is one.
 
 use std::time::Duration;
 
@@ -44,7 +44,7 @@ fn the_hold_ends_only_when_the_last_reading_of_every_source_permits() {
     assert!(run.holds().is_empty());
 }
 
-/// R-tempOk.
+/// Requirement R-tempOk.
 #[test]
 fn a_start_before_the_ok_is_refused_with_the_reason_and_not_remembered() {
     let mut run = in_hall("empty-8x8");
@@ -144,7 +144,8 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     run.until_explored();
 }
 
-/// A hot robot that is exchanged for one without a thermometer leaves its word to the operator: nobody else could take it back.
+/// A hot robot is exchanged for one without a thermometer. Only an operator can then clear the reading, because no
+/// other source can.
 #[test]
 fn a_thermometer_that_is_taken_away_cools_no_hall_and_the_operator_can_say_that_it_is_cool() {
     let mut run = in_hall("empty-8x8");
@@ -171,7 +172,7 @@ fn why_there_is_no_link_is_logged_for_every_reason() {
     }
 }
 
-/// What is shown of a silent thermometer is no rule of motion: only a configured sensor holds (rule 5).
+/// A silent thermometer is only displayed: only a configured sensor raises a hold (rule 5).
 #[test]
 fn a_robot_that_says_nothing_any_more_is_not_known_and_holds_no_more_than_before() {
     let mut bare = Bare::linked();

@@ -1,4 +1,5 @@
-//! Mission §4 rule 4 and §7: verdicts, photos that fail, pieces of several cells, obstacles that cannot be told.
+//! Mission §4 rule 4 and §7: verdicts, failing photos, pieces of several cells, and obstacles that the camera cannot
+//! identify.
 
 use std::sync::Arc;
 
@@ -34,7 +35,7 @@ fn an_equal_repeat_is_answered_and_another_verdict_is_refused() {
     assert_eq!(run.phase(), PhaseName::Exploring);
 }
 
-/// With a sonar that sees three cells the robot photographs a piece from where it has seen it, and needs no bump for it.
+/// With a sonar that sees three cells, the robot photographs a piece from where the sonar saw it, without a bump.
 #[test]
 fn a_piece_is_photographed_from_where_the_sonar_sees_it() {
     let hall = Arc::new(Hall::from_rows("drawn", &["S..a", "#...", "...."]).unwrap());
@@ -95,7 +96,7 @@ fn without_a_photo_there_is_no_safe_and_it_can_be_taken_again() {
     assert!(failed > 0 && took == 16, "the seeds must show both");
 }
 
-/// Rule 10: what was left behind without a photo is driven back to.
+/// Rule 10: the robot drives back to a piece that it left without a photo.
 #[test]
 fn a_piece_left_without_a_photo_is_photographed_again_after_the_next_start() {
     let settings = SimSettings { photo_failure_rate: 0.5, ..SimSettings::new(0, Camera::Stub) };
@@ -131,7 +132,7 @@ fn a_retaken_photo_replaces_the_first_and_stays_one_record() {
     assert_eq!(run.give(Command::RetakePhoto(LuggageId(2))), Err(Refused::UnknownLuggage(LuggageId(2))));
 }
 
-/// §7: a piece may cover several cells.
+/// Mission §7: a piece may cover several cells.
 #[test]
 fn a_piece_of_several_cells_is_asked_about_once() {
     let mut run = in_drawn(&["S....", ".aaa.", ".....", "....."]);
@@ -142,7 +143,7 @@ fn a_piece_of_several_cells_is_asked_about_once() {
     assert!((1..=3).all(|x| state.map.at(Cell::new(x, 1)) == Mark::Luggage));
 }
 
-/// Rule 3 of the mission's backHome: before the record exists the piece stays a target.
+/// Rule 3, `backHome`: a piece stays a target until its record exists.
 #[test]
 fn back_home_before_the_record_exists_leaves_the_piece_to_be_inspected_later() {
     let mut run = in_drawn(&["S...", ".a..", "....", "...."]);
@@ -169,7 +170,7 @@ fn stopped_while_backing_up_the_inspection_goes_on_after_start() {
     run.until_explored();
 }
 
-/// §3: a camera that cannot tell, and the original's behaviour.
+/// Mission §3: a camera that cannot identify an obstacle, and the behaviour of the original.
 #[test]
 fn what_cannot_be_told_is_inspected_and_so_is_everything_when_asked_for() {
     let hall = std::sync::Arc::new(Hall::from_rows("small", &["S...", ".a..", "...."]).unwrap());
@@ -182,8 +183,8 @@ fn what_cannot_be_told_is_inspected_and_so_is_everything_when_asked_for() {
     assert!(original.complete && original.luggage.len() == 15, "{} pieces", original.luggage.len());
 }
 
-/// Another robot has taken the place of the one that met the piece, and stands at the entrance: a photo of what is before it would pass for
-/// one of the piece.
+/// Another robot has replaced the one that found the piece, and stands at the entrance. Its photo would show
+/// something else as the piece.
 #[test]
 fn a_robot_that_stands_elsewhere_takes_no_photo_of_the_piece() {
     let mut bare = Bare::at_a_bag();

@@ -1,4 +1,5 @@
-//! Safety R4: what follows from a command or a find is shown when it is on record; what warns or halts, pose and readings at once.
+//! Safety R4: effects of commands and finds are shown when they are recorded; warnings, halts, pose and readings are
+//! shown at once.
 
 use hallsweep_core::command::{Command, TemperatureReport, Verdict};
 use hallsweep_core::effect::Effect;
@@ -13,7 +14,7 @@ use hallsweep_core::world::resource::Resource;
 
 use crate::bare::Bare;
 
-/// A robot whose store hangs from now on.
+/// Robot whose store hangs from now on.
 fn hanging(mut bare: Bare) -> Bare {
     bare.keeps = false;
     bare.effects.clear();
@@ -40,7 +41,7 @@ fn a_start_shows_nothing_before_it_is_on_record() {
     assert!(answered.revision <= state.revision && answered.revision >= state.revision_of(Resource::Log));
 }
 
-/// The state that an answer names contains the effect, also where that follows from the record of the command.
+/// The state that an answer names contains the effect of the command, including the effects of its record.
 #[test]
 fn the_state_of_an_answered_verdict_has_the_verdict_and_all_that_followed() {
     let mut bare = hanging(Bare::at_a_bag());
@@ -57,7 +58,8 @@ fn the_state_of_an_answered_verdict_has_the_verdict_and_all_that_followed() {
     assert_eq!(state.alarms[0].id, Some(AlarmId(1)));
 }
 
-/// What follows from a verdict may be lost although the verdict is kept: it stands, and is not answered 503.
+/// The effects of a verdict may be lost although the verdict is stored: the verdict counts and is not answered with
+/// 503.
 #[test]
 fn a_verdict_that_is_kept_is_answered_so_and_shown_although_what_follows_is_lost() {
     let mut bare = hanging(Bare::at_a_bag());
@@ -127,7 +129,7 @@ fn a_hold_that_a_command_cleared_is_shown_until_that_is_on_record() {
     assert_eq!(bare.holds(), []);
 }
 
-/// The button that is shown would do what it says, and says nothing that is not on record.
+/// The button shown would do what it says, and its refusal reveals nothing that is not recorded.
 #[test]
 fn what_a_button_is_refused_with_tells_nothing_that_is_not_on_record() {
     let mut bare = hanging(Bare::linked());
@@ -139,7 +141,8 @@ fn what_a_button_is_refused_with_tells_nothing_that_is_not_on_record() {
     assert!(bare.give(Command::ChooseStrategy(Default::default())).is_err());
 }
 
-/// An alarm that is not on record is there, without a number that somebody could be told.
+/// An alarm that is not recorded is shown without a number, because nobody may refer to a number that can still be
+/// lost.
 #[test]
 fn an_alarm_is_shown_at_once_and_has_its_number_when_it_is_on_record() {
     let mut bare = Bare::at_a_bag();
@@ -155,7 +158,7 @@ fn an_alarm_is_shown_at_once_and_has_its_number_when_it_is_on_record() {
     assert_eq!(bare.state().alarms[0].id, Some(AlarmId(1)));
 }
 
-/// The map of the last search stays until the next is on record, and then all of it counts as new.
+/// The map of the last search stays until the next mission is recorded; then the whole map counts as new.
 #[test]
 fn the_map_is_emptied_when_the_new_mission_is_on_record() {
     let mut bare = Bare::linked();
@@ -180,7 +183,7 @@ fn the_map_is_emptied_when_the_new_mission_is_on_record() {
     assert!(state.revision_of(Resource::Map) > before && state.map.tiles().all(|(_, tile)| tile.revision > before));
 }
 
-/// What came after a loss is kept before what was lost is on record anew.
+/// Entries after a loss are stored before the lost ones are recorded again.
 #[test]
 fn after_a_loss_nothing_is_shown_before_everything_is_on_record_anew() {
     let mut bare = hanging(Bare::linked());

@@ -1,5 +1,5 @@
-//! Safety R1 and R2 in the core: what is on record is what stands, and a program that is killed at any moment stands where it
-//! stood, held, and goes on after a START.
+//! Safety R1 and R2 in the core: the state is what is recorded. A program killed at any moment starts in its last
+//! state, held, and continues after a START.
 
 use std::sync::Arc;
 
@@ -64,7 +64,8 @@ fn a_mission_after_a_mission_is_folded_from_its_own_beginning() {
     assert!(state.luggage.iter().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
 }
 
-/// Safety R1: the holds that somebody must end are as they were; those with a cause outside are raised by it anew.
+/// Safety R1: holds that a person must end are as they were; holds with an external cause are raised again by that
+/// cause.
 #[test]
 fn after_a_restart_the_robot_is_held_and_waits_for_a_start() {
     let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
@@ -87,7 +88,7 @@ fn after_a_restart_the_robot_is_held_and_waits_for_a_start() {
     assert!(mortal.state().mission.holds.is_empty());
 }
 
-/// Safety R1: idle stays idle.
+/// Safety R1: an idle robot is idle after a restart.
 #[test]
 fn an_idle_robot_is_idle_after_a_restart_and_a_start_begins_a_mission() {
     let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
@@ -130,7 +131,7 @@ fn a_step_cut_short_by_a_kill_is_undone_first() {
     assert!(!mortal.state().robot.off_centre);
 }
 
-/// Safety R1: a repeat is known as one after a restart too.
+/// Safety R1: a repeated command is recognised after a restart too.
 #[test]
 fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
     let named = |command| {
@@ -147,7 +148,7 @@ fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
     assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
 }
 
-/// What contradicted an id before a restart is no use of it afterwards.
+/// A command that was refused because its id belonged to another does not take over the id after a restart.
 #[test]
 fn an_id_stands_for_its_first_command_after_a_restart_too() {
     let named = |command| Request { id: CommandId::new("once"), ..Request::new(command, Issuer::operator(Door("http"))) };
@@ -161,7 +162,7 @@ fn an_id_stands_for_its_first_command_after_a_restart_too() {
     assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
 }
 
-/// Safety R1: a fault is one after a restart too, and START goes back to what it interrupted.
+/// Safety R1: a fault persists across a restart, and START returns to what the fault interrupted.
 #[test]
 fn a_fault_outlives_the_program_with_what_it_interrupted() {
     let mut bare = Bare::linked();
@@ -179,7 +180,7 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
     assert_eq!((again.phase(), again.order()), (PhaseName::Exploring, Some(Action::Recentre)));
 }
 
-/// A bare word that comes again means the piece it meant, not the one that waits now.
+/// A repeated bare command means the piece that it meant first, not the piece that waits now.
 #[test]
 fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
     let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door("http"))) };
@@ -209,7 +210,7 @@ fn until_pending(mortal: &mut Mortal) -> LuggageId {
     }
 }
 
-/// A kill between a danger on record and what follows from it: it follows after the start.
+/// A kill between the record of a danger and its effects: the effects follow after the start.
 #[test]
 fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
@@ -225,7 +226,7 @@ fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     assert_eq!(state.alarms.len(), 1);
 }
 
-/// A robot that was carried home while the program was down takes no photo of what it does not see.
+/// A robot that was carried home while the program was down does not photograph a piece that it no longer sees.
 #[test]
 fn a_robot_that_says_it_stands_elsewhere_has_left_its_inspection() {
     let mut bare = Bare::in_front_of(Obstacle::Luggage(Piece(1)));
@@ -238,7 +239,7 @@ fn a_robot_that_says_it_stands_elsewhere_has_left_its_inspection() {
     assert!(matches!(bare.order(), Some(Action::Move(_))));
 }
 
-/// A mission that is over is put away when the robot is put down in another hall.
+/// An ended mission is closed when the robot is put into another hall.
 #[test]
 fn in_another_hall_everything_begins_anew_but_the_numbers() {
     let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
@@ -270,7 +271,7 @@ fn hall(name: &str) -> Arc<Hall> {
     Arc::new(Hall::named_or_file(name).expect("the hall comes with the program"))
 }
 
-/// A journal that is folded as it grows.
+/// State folded from a growing journal.
 struct Folded {
     state: PersistentState,
     read: usize,

@@ -1,5 +1,5 @@
-//! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
-//! with a revision of which one or the other is so.
+//! Safety S8: after a halt, `robot.halting` is true until the robot stands, and nothing new begins before. The answer
+//! to a STOP names a revision in which the robot halts or stands.
 
 use hallsweep_core::command::{Command, Door, Issuer, Move, Request};
 use hallsweep_core::effect::Effect;
@@ -13,7 +13,7 @@ use hallsweep_core::units::{AlarmId, Cell, Epoch};
 use crate::bare::Bare;
 use crate::operator::{Operator, in_hall};
 
-/// On its way, a step under way.
+/// Robot during a step.
 fn driving() -> Bare {
     let mut bare = Bare::linked();
     bare.give(Command::Start).expect("an idle robot starts");
@@ -67,7 +67,7 @@ fn a_stop_is_answered_when_the_robot_stands_or_after_a_tenth_of_a_second() {
     assert!(is_halting(&mut bare) && revision <= bare.state().revision);
 }
 
-/// Who pressed it may come late, behind a crowd of other commands.
+/// The command with the sender of the STOP may come late, after many other commands.
 #[test]
 fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     let mut bare = driving();
@@ -88,7 +88,8 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     assert!(!bare.state().mission.holds.is_empty(), "another one does");
 }
 
-/// Safety S4, R1: nobody knows when it was given, and a STOP or a restart may have come since. What names its epoch says when it was.
+/// Safety S4, R1: nobody knows when the command was given, and a STOP or a restart may have come since. An epoch in
+/// the command would tell.
 #[test]
 fn a_start_that_was_sent_before_and_names_no_epoch_is_outdated_and_nothing_else_is() {
     let again = |command, epoch| {
@@ -107,7 +108,7 @@ fn a_start_that_was_sent_before_and_names_no_epoch_is_outdated_and_nothing_else_
     bare.ask(again(Command::Start, Some(raised))).expect("it was given after the last stop");
 }
 
-/// Safety S4: when it was given counts, whatever number its sender names.
+/// Safety S4: the time when a command was given counts, whatever epoch its sender names.
 #[test]
 fn a_start_that_was_given_before_the_stop_is_outdated_though_it_names_an_epoch_to_come() {
     for named in [None, Some(1), Some(999)] {
@@ -122,7 +123,7 @@ fn a_start_that_was_given_before_the_stop_is_outdated_though_it_names_an_epoch_t
     }
 }
 
-/// Nothing but what was given after a stop ends what it holds: its record, which comes last, holds again.
+/// Only a command given after a STOP ends its hold: the record of the STOP, which comes last, raises the hold again.
 #[test]
 fn a_reset_that_was_given_before_the_stop_leaves_it_held() {
     let mut bare = Bare::linked();
@@ -145,7 +146,7 @@ fn a_stop_while_nothing_moves_is_answered_at_once() {
     assert!(bare.answer(ticket).is_some() && !is_halting(&mut bare), "a photo is no motion");
 }
 
-/// The order that goes on is not part of the state that the stop was answered with.
+/// The order that follows is not part of the state that the answer to the STOP names.
 #[test]
 fn nothing_new_begins_before_the_robot_stands_and_the_answer_names_the_moment_in_which_it_does() {
     let mut bare = driving();

@@ -1,4 +1,4 @@
-//! Safety S2, V1–V3: what happens while a record is on its way, and when the store fails on it.
+//! Safety S2, V1–V3: events while a record is being written, and a store that fails during the record.
 
 use hallsweep_core::command::{Command, TemperatureReport, Verdict};
 use hallsweep_core::effect::Effect;
@@ -42,14 +42,14 @@ fn a_safe_that_was_answered_503_never_takes_effect_and_a_danger_after_it_wins() 
     assert_eq!(bare.phase(), PhaseName::ReturningWithAlarm);
 }
 
-/// Safety V1: who said safe hears of the danger, and so does whoever looks at the log.
+/// Safety V1: the operator who said SAFE is told of the danger, and the log shows it.
 #[test]
 fn a_safe_that_a_danger_overtakes_is_refused_and_the_log_says_so() {
     let mut bare = Bare::at_a_bag();
     bare.keeps = false;
     let (safe, danger) = (bare.verdict(Verdict::Safe).unwrap(), bare.verdict(Verdict::Danger).unwrap());
     bare.keep();
-    // And what follows from the danger, with which it is answered.
+    // Confirms the effects of the danger, whose answer waits for them.
     bare.keep();
     let decided = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger };
     assert_eq!(bare.answer(safe), Some(Err(decided)));
@@ -98,7 +98,7 @@ fn while_the_store_is_down_a_mission_is_not_put_away() {
     assert_eq!(bare.phase(), PhaseName::Exploring);
 }
 
-/// Safety S2: every halt goes ahead of every record of the same moment.
+/// Safety S2: every halt precedes every record of the same moment.
 #[test]
 fn halts_come_before_the_records_of_what_halted() {
     type Halting = fn(&mut Bare);
@@ -121,7 +121,7 @@ fn hot() -> hallsweep_core::units::Celsius {
     hallsweep_core::units::Celsius::new(40.0).unwrap()
 }
 
-/// A step that was decided on but has not gone out yet is taken back by a halt, not sent after it.
+/// A step that was decided but not sent is withdrawn by a halt and never sent after it.
 #[test]
 fn an_order_that_has_not_gone_out_never_follows_a_halt() {
     let mut bare = Bare::linked();

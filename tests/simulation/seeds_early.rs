@@ -1,4 +1,5 @@
-//! The test plans of the seed's first sprints: a robot that can be driven, finds walls, reaches goals and draws the final map.
+//! The test plans of the original's first sprints: a robot that can be driven, finds walls, reaches goals and draws
+//! the final map.
 
 use hallsweep_core::command::{Command, Move};
 use hallsweep_core::phase::PhaseName;
@@ -18,7 +19,7 @@ fn before_the_exploration_the_robot_stands_at_home_facing_south() {
     assert_eq!(state.mission.phase, PhaseName::Idle);
 }
 
-/// Sprint 1, `moveTest`: right, left, forward, backward leaves it where it was.
+/// Sprint 1, `moveTest`: after right, left, forward and backward the robot is where it was.
 #[test]
 fn right_left_forward_backward_comes_back() {
     let mut run = in_hall("empty-8x8");
@@ -30,7 +31,7 @@ fn right_left_forward_backward_comes_back() {
     assert_eq!(run.state().robot.state, RobotState::Stopped);
 }
 
-/// Sprint 1, `wallDetectingTest`: at a wall it goes back and stops.
+/// Sprint 1, `wallDetectingTest`: at a wall the robot goes back and stops.
 #[test]
 fn at_a_wall_it_backs_up_and_stops() {
     let mut run = in_drawn(&["S", "."]);
@@ -63,7 +64,8 @@ fn a_goal_behind_the_wall_ends_in_front_of_it() {
     assert_eq!(run.state().robot.pose, Pose { cell: Cell::new(0, 7), heading: Heading::South });
 }
 
-/// Every cell of a hall of `width` × `height` is visited and the walls south and east of it are known.
+/// Checks that every cell of a hall of `width` × `height` is visited, and that the walls south and east of it are
+/// known.
 fn ends_with_the_whole_map(hall: &str, width: i32, height: i32) {
     let mut run = in_hall(hall);
     run.give(Command::Start).unwrap();
@@ -83,7 +85,7 @@ fn the_final_map_of_the_8x8_hall_is_known() {
     ends_with_the_whole_map("empty-8x8", 8, 8);
 }
 
-/// Sprint 2, `finalMapTest`, as the seed prints it.
+/// Sprint 2, `finalMapTest`, as the original prints it.
 #[test]
 fn the_final_map_of_the_9x8_hall_is_known() {
     ends_with_the_whole_map("seed-9x8", 9, 8);

@@ -1,4 +1,4 @@
-//! The test plans of sprint 0 §1.4 and sprints 4 and 5: luggage is met, marked, photographed, judged.
+//! The test plans of sprint 0 §1.4 and sprints 4 and 5: luggage is found, marked, photographed and judged.
 
 use hallsweep_core::command::{Command, Verdict};
 use hallsweep_core::phase::PhaseName;
@@ -29,8 +29,8 @@ fn start_in_a_cool_hall_explores_all_of_it() {
     assert_eq!(run.cell(), Cell::HOME);
 }
 
-/// Sprint 0: at luggage not analysed yet the robot stops, takes a photo and sends it.
-/// Sprint 5: having met an obstacle it waits for the operator's message.
+/// Sprint 0: at luggage that is not analysed yet, the robot stops, takes a photo and sends it.
+/// Sprint 5: after it has met an obstacle, the robot waits for the operator's message.
 #[test]
 fn at_luggage_it_stops_photographs_and_waits_for_the_operator() {
     let mut run = started(&["S..", ".a.", "..."]);
@@ -68,7 +68,7 @@ fn after_an_obstacle_it_plans_again_for_the_same_goal() {
     run.until("at the goal by another way", |state| state.robot.pose.cell == Cell::new(1, 1));
 }
 
-/// Sprint 4: a goal that lies on an obstacle is left for the next one.
+/// Sprint 4: a goal on an obstacle is replaced by the next goal.
 #[test]
 fn a_goal_that_is_an_obstacle_is_left_for_the_next() {
     let mut run = started(&["S...", ".a..", "....", "...."]);
@@ -78,8 +78,8 @@ fn a_goal_that_is_an_obstacle_is_left_for_the_next() {
     run.until_explored();
 }
 
-/// Sprint 4: a goal outside the hall's borders ends the growing, and the exploration ends.
-/// Sprint 4: once the borders are known every cell not visited yet is explored.
+/// Sprint 4: a goal outside the hall's borders ends the growth of the explored area, and the exploration ends.
+/// Sprint 4: once the borders are known, every unvisited cell is explored.
 #[test]
 fn a_goal_outside_the_hall_ends_the_exploration_with_every_cell_visited() {
     let mut run = started(&["S.....", "......"]);
@@ -88,7 +88,7 @@ fn a_goal_outside_the_hall_ends_the_exploration_with_every_cell_visited() {
     assert!((0..6).all(|x| (0..2).all(|y| map.at(Cell::new(x, y)) == Mark::Visited)));
 }
 
-/// Sprint 5: on *luggageSafe* the exploration goes on.
+/// Sprint 5: on *luggageSafe* the exploration continues.
 #[test]
 fn safe_goes_on_exploring() {
     let mut run = started(&["S..", "a..", "..."]);
@@ -98,8 +98,8 @@ fn safe_goes_on_exploring() {
     run.until_explored();
 }
 
-/// Sprint 0: on *backHomeSinceBomb* it comes home for the retrieval.
-/// Sprint 5: on *luggageDanger* it comes home, ends the exploration and visits no cell not visited before.
+/// Sprint 0: on *backHomeSinceBomb* the robot comes home for the retrieval.
+/// Sprint 5: on *luggageDanger* the robot comes home, ends the exploration and visits no new cell.
 #[test]
 fn danger_comes_home_without_visiting_anything_new() {
     let mut run = started(&["S.....", ".....a", "......"]);

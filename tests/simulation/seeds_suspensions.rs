@@ -9,7 +9,7 @@ use hallsweep_sim::headless::Run;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 
-/// A robot on its way to (3,3).
+/// Robot on its way to (3,3).
 fn under_way() -> (Run, Cell) {
     let mut run = in_hall("empty-8x8");
     run.give(Command::Start).unwrap();
@@ -18,7 +18,7 @@ fn under_way() -> (Run, Cell) {
     (run, goal)
 }
 
-/// Sprint 0: on *stopExplore* it stops where it is; on *continueExplore* it goes on.
+/// Sprint 0: on *stopExplore* the robot stops where it is; on *continueExplore* it continues.
 #[test]
 fn stop_halts_where_it_is_and_start_goes_on() {
     let (mut run, goal) = under_way();
@@ -43,7 +43,7 @@ fn heat_suspends_the_exploration() {
     assert_eq!(run.holds(), [Hold::TooHigh, Hold::AwaitingStart]);
 }
 
-/// Sprint 6: it goes on only after *temperatureOk* and *startCmd*, in this order.
+/// Sprint 6: the exploration continues only after *temperatureOk* and then *startCmd*.
 #[test]
 fn after_heat_it_takes_ok_and_then_start() {
     let (mut run, _) = under_way();
@@ -55,7 +55,7 @@ fn after_heat_it_takes_ok_and_then_start() {
     run.until_explored();
 }
 
-/// Sprint 6: after heat the goal is the one that was being pursued.
+/// Sprint 6: after heat, the robot pursues the same goal as before.
 #[test]
 fn after_heat_the_goal_is_restored() {
     let (mut run, goal) = under_way();
@@ -66,9 +66,9 @@ fn after_heat_the_goal_is_restored() {
     run.until("at the goal", |state| state.robot.pose.cell == goal);
 }
 
-/// Sprint 0: on *backHome* it comes back to its first position.
+/// Sprint 0: on *backHome* the robot returns to its first position.
 /// Sprint 6: on *backHome* the goal is (0,0).
-/// Sprint 6: home again it waits for *start*.
+/// Sprint 6: at home the robot waits for *start*.
 #[test]
 fn back_home_goes_home_and_waits_for_start() {
     let (mut run, _) = under_way();
@@ -79,7 +79,7 @@ fn back_home_goes_home_and_waits_for_start() {
     run.stands_still();
 }
 
-/// Sprint 6: after *backHome* and *start* the goal is the one that was being pursued before (0,0).
+/// Sprint 6: after *backHome* and *start*, the robot pursues the same goal as before.
 #[test]
 fn after_back_home_the_goal_is_restored() {
     let (mut run, goal) = under_way();
@@ -90,7 +90,7 @@ fn after_back_home_the_goal_is_restored() {
     run.until("at the goal", |state| state.robot.pose.cell == goal);
 }
 
-/// Sprint 6: the LED begins to blink with the exploration, and keeps blinking through suspensions.
+/// Sprint 6: the LED begins to blink with the exploration and continues during suspensions.
 #[test]
 fn the_led_blinks_from_the_first_start_through_every_suspension() {
     let (mut run, _) = under_way();
@@ -102,7 +102,7 @@ fn the_led_blinks_from_the_first_start_through_every_suspension() {
     assert!(run.state().robot.led_blinking && run.sim.led());
 }
 
-/// Sprint 6: the LED ends blinking when the exploration ends: everything explored …
+/// Sprint 6: the LED stops blinking when the exploration ends because everything is explored.
 #[test]
 fn the_led_ends_when_everything_is_explored() {
     let (mut run, _) = under_way();
@@ -110,7 +110,7 @@ fn the_led_ends_when_everything_is_explored() {
     assert!(!run.state().robot.led_blinking && !run.sim.led());
 }
 
-/// Sprint 6: … or the bomb found.
+/// Sprint 6: the LED stops blinking when the exploration ends because the bomb is found.
 #[test]
 fn the_led_ends_when_the_bomb_is_found() {
     let mut run = in_drawn(&["S..", ".a.", "..."]);

@@ -1,5 +1,5 @@
-//! Safety R4, for any state and any journal: what is shown of mission, phase, pieces and verdicts is on record, and a number that was
-//! shown never means another thing, over all the lives of a program.
+//! Safety R4, for any state and any journal: the mission, phase, pieces and verdicts shown are recorded, and a number
+//! that was shown never means another thing later, across all starts of a program.
 
 use std::collections::BTreeMap;
 
@@ -11,23 +11,23 @@ use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::alarm::AlarmCause;
 
-/// The journal as far as it is kept, and what was shown of numbers so far.
+/// Stored part of the journal, and numbers shown so far.
 pub(crate) struct Record {
     standing: PersistentState,
     entries: usize,
-    /// Where in the journal each mission began.
+    /// Place in the journal where each mission began.
     began: BTreeMap<MissionId, usize>,
     missions: BTreeMap<MissionId, usize>,
     luggage: BTreeMap<LuggageId, Cell>,
     alarms: BTreeMap<AlarmId, AlarmCause>,
-    /// What stood at some time.
+    /// Every mission and phase that was in force at some time.
     stood: Vec<(MissionId, PhaseName)>,
-    /// Whether everything is on record that stood when the store last failed.
+    /// Whether everything in force at the last failure of the store has been recorded.
     pub(crate) is_whole: bool,
 }
 
 impl Record {
-    /// Nothing yet, of a program that began with this strategy.
+    /// Empty record of a program that began with this strategy.
     pub(crate) fn of(strategy: Strategy) -> Record {
         Record {
             standing: PersistentState::first(strategy),
@@ -41,7 +41,7 @@ impl Record {
         }
     }
 
-    /// These are kept too.
+    /// Adds stored entries.
     pub(crate) fn keep<'a>(&mut self, entries: impl IntoIterator<Item = &'a Entry>) {
         for entry in entries {
             self.standing.apply(entry);
@@ -58,7 +58,7 @@ impl Record {
         }
     }
 
-    /// Everything after these entries, of all that were kept in all lives.
+    /// Adds the new entries of the disk, which holds the entries of all starts.
     pub(crate) fn keep_from(&mut self, disk: &[Entry]) {
         let known = self.entries;
         self.keep(&disk[known..]);
@@ -67,7 +67,7 @@ impl Record {
     pub(crate) fn check(&mut self, state: &Snapshot, seed: u64) {
         let (mission, stands) = (&state.mission, &self.standing);
         let failing = mission.store_failure.is_some() || !self.is_whole;
-        // While the store fails what is shown stays behind what is on record.
+        // While the store fails, the state shown may be older than the record.
         if failing {
             let stood = |phase| self.stood.contains(&(mission.id, phase));
             assert!(mission.phase == PhaseName::Fault || stood(mission.phase), "seed {seed}: {:?} never stood", mission.phase);

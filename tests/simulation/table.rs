@@ -1,4 +1,4 @@
-//! The transition table and its documentation are one: `docs/mission-table.md` is what `hallsweep table` prints.
+//! The transition table and its documentation agree: `docs/mission-table.md` is the output of `hallsweep table`.
 
 use hallsweep_core::mission::table_markdown;
 

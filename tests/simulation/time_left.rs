@@ -1,4 +1,4 @@
-//! How long a search says that it will go on driving, from its START to its end.
+//! The remaining driving time that a search estimates, from START to the end.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ fn search(strategy: Strategy) -> Run {
     run
 }
 
-/// Answers safe for every piece until this is so.
+/// Answers safe for every piece until `is_so` is true.
 fn until(run: &mut Run, mut is_so: impl FnMut(&Snapshot) -> bool) {
     for _ in 0..PLENTY {
         let state = run.state();
@@ -50,7 +50,7 @@ fn it_is_said_as_soon_as_enough_is_known_and_no_more_once_nothing_is_open() {
     assert!(!least.is_zero() && least < most, "{least:?} to {most:?}");
     run.until_explored();
     assert_eq!(left(&mut run), None);
-    // Photos come on top of the driving.
+    // The estimate does not include photos.
     let lasted = run.now().since_start - begins;
     assert!((least..=most + Duration::from_secs(60)).contains(&lasted), "{lasted:?}, said was {least:?} to {most:?}");
 }

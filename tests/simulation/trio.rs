@@ -1,5 +1,6 @@
-//! The whole program with discovery and the pair, in simulated time: a store that keeps late, and a link of its own to each robot, on
-//! which orders and reports wait, in order, for as long as chance has it, while a halt passes at once. It can be killed at any moment.
+//! The whole program with discovery and the pair, in simulated time. The store confirms late. Each robot has a
+//! separate link that delays orders and reports by random times but keeps their order; a halt passes at once. The
+//! program can be killed at any moment.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use hallsweep_core::units::{Cell, Now, Piece, Pose, Seq, Ticket, WallTime};
 use hallsweep_sim::pair::{Pair, PairMemory, PairSettings};
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings, Truth};
 
-/// How long things may take at most, in milliseconds: reports of each robot, orders to each, and a page to the disk.
+/// Maximum delays in milliseconds: reports of each robot, orders to each robot, and a page to the disk.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Delays {
     pub(crate) reports_ms: [u64; 3],
@@ -30,37 +31,37 @@ pub(crate) struct Delays {
     pub(crate) disk_ms: u64,
 }
 
-/// How a robot that does not do what it is told answers.
+/// False behaviour of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spoiled {
-    /// It cannot.
+    /// The robot reports a failure.
     Fails,
-    /// It has done it, it says.
+    /// The robot reports success without doing anything.
     Pretends,
 }
 
-/// What the robot of this place does not do.
+/// Function that selects the false behaviour of a robot for an action; `None` means correct behaviour.
 pub(crate) type Spoils = fn(usize, Action) -> Option<Spoiled>;
 
-/// Where everything that can move is: the bodies, and the parcel in the grippers.
+/// Places of everything movable: the robots, and the parcel in the grippers.
 pub(crate) type Bodies = ([BodyPose; 3], Option<(f64, f64, f64)>);
 
 pub(crate) struct Trio {
     pub(crate) engine: Engine,
     pub(crate) sim: Sim,
     pub(crate) pair: Pair,
-    /// What is on the disk.
+    /// Entries on the disk.
     pub(crate) disk: Vec<Entry>,
-    /// What the disk has not got yet, and when it will.
+    /// Pages that the disk has not stored yet, with the time of storing.
     pages: Line<Page>,
-    /// Of discovery, SRM1 and SRM2.
+    /// Links of discovery, SRM1 and SRM2.
     links: [Link; 3],
     memory: Option<SimMemory>,
     pair_memory: Option<PairMemory>,
     hall: Arc<Hall>,
-    /// What was lifted, as discovery finds it.
+    /// Cells of the pieces that were lifted, as discovery finds them; `None` for a piece that is in no cell.
     moved: BTreeMap<Piece, Option<Cell>>,
-    /// The program's rules, as its next start reads them.
+    /// Settings that the next start reads.
     pub(crate) rules: Settings,
     pub(crate) spoils: Spoils,
     settings: (SimSettings, PairSettings, Delays),
@@ -68,7 +69,7 @@ pub(crate) struct Trio {
     now: Now,
 }
 
-/// What travels in order, each with the time at which it arrives.
+/// Queue of messages in transit, with the time of arrival.
 struct Line<T>(VecDeque<(Duration, T)>);
 
 impl<T> Line<T> {
@@ -93,16 +94,16 @@ impl<T> Default for Line<T> {
     }
 }
 
-/// One robot's link.
+/// Link of one robot.
 #[derive(Default)]
 struct Link {
     reports: Line<RobotEvent>,
-    /// Each with the halts that there had been when it was sent.
+    /// Orders in transit, each with the number of halts before it was sent.
     orders: Line<(Order, u64)>,
     halts: u64,
-    /// The halts of which the last order that was begun knew.
+    /// Number of halts before the last order that was begun.
     obeyed: u64,
-    /// Nothing passes but that it is so.
+    /// Whether the link is down; then it passes only this fact.
     is_down: bool,
 }
 
@@ -166,7 +167,8 @@ impl Trio {
         self.settle();
     }
 
-    /// Kill −9, with the first `durable` pages on the way on the disk already although nobody was told; and a new start.
+    /// Kills the program like `kill -9` and starts it again. The first `durable` pages on their way are already on
+    /// the disk, although nobody was told.
     pub(crate) fn killed(mut self, durable: usize) -> Trio {
         let durable = durable.min(self.pages.0.len());
         self.disk.extend(self.pages.0.drain(..durable).flat_map(|(_, page)| page.entries));
@@ -188,13 +190,14 @@ impl Trio {
         trio
     }
 
-    /// Somebody has moved away what the robots remember: they are where they begin, and the hall is as it was opened.
+    /// Deletes the memory of the robots, as a person could: the robots are at their first places, and the hall is as
+    /// at the beginning.
     pub(crate) fn forget(&mut self) {
         let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
         (self.memory, self.pair_memory) = (Some(SimMemory::NEW), Some(PairMemory::new([outside; 2])));
     }
 
-    /// One robot cannot be reached: it halts by itself, and what was on its way to it is gone.
+    /// Disconnects a robot, which then halts by itself; the orders in transit are lost.
     pub(crate) fn lose_link(&mut self, index: usize) {
         match member(index) {
             Some(which) => self.pair.handle_halt(which, self.now),
@@ -206,7 +209,7 @@ impl Trio {
         self.settle();
     }
 
-    /// It is reached again, and says how it stands.
+    /// Reconnects a robot, which then reports its state.
     pub(crate) fn find_link(&mut self, index: usize) {
         let introduction = match member(index) {
             Some(which) => introduction_of(&self.pair, which),
@@ -233,14 +236,14 @@ impl Trio {
         given
     }
 
-    /// The next thing that takes time; false when nothing happens by itself any more.
+    /// Advances to the next timed event; false when there is none.
     pub(crate) fn advance(&mut self) -> bool {
         let Some(next) = self.next() else { return false };
         self.wait_until(next);
         true
     }
 
-    /// The same, `end` at the latest; false when that has come.
+    /// Advances to the next timed event or to `end`; false when `end` comes first.
     pub(crate) fn advance_to(&mut self, end: Duration) -> bool {
         let next = self.next().filter(|next| *next < end);
         self.wait_until(next.unwrap_or(end));
@@ -260,7 +263,7 @@ impl Trio {
         ([self.sim.pose_at(self.now), one, two], self.pair.load_m())
     }
 
-    /// What a cell is now.
+    /// Current contents of a cell.
     pub(crate) fn truth(&self, cell: Cell) -> Truth {
         let lies = self.moved.iter().find(|(_, lies)| **lies == Some(cell)).map(|(piece, _)| Truth::Luggage(*piece));
         let stood = match self.hall.truth(cell) {
@@ -270,7 +273,7 @@ impl Trio {
         lies.unwrap_or(stood)
     }
 
-    /// Whether everything that has happened has been told, and nobody is at work.
+    /// Whether no message is in transit and no robot works.
     pub(crate) fn is_quiet(&self) -> bool {
         let told = self.links.iter().all(|link| link.reports.0.is_empty() && link.orders.0.is_empty());
         told && !self.sim.is_busy() && !Which::ALL.into_iter().any(|which| self.pair.is_busy(which))
@@ -290,7 +293,7 @@ impl Trio {
         self.settle();
     }
 
-    /// Lets everything happen that takes no more time.
+    /// Handles everything that takes no further time.
     fn settle(&mut self) {
         loop {
             self.keep_memories();
@@ -304,7 +307,7 @@ impl Trio {
         }
     }
 
-    /// A robot has said something, which is on its way now; false when none has.
+    /// Puts a robot's next report into transit; false when there is none.
     fn takes_report(&mut self) -> bool {
         if let Some(report) = self.sim.poll_event() {
             self.report(0, report);
@@ -377,7 +380,7 @@ impl Trio {
         }
     }
 
-    /// What has arrived first is taken first; false when nothing has arrived.
+    /// Delivers the next message that has arrived; false when there is none.
     fn arrives(&mut self) -> bool {
         let now = self.now.since_start;
         if let Some(page) = self.pages.arrived(now) {
@@ -403,7 +406,7 @@ impl Trio {
         })
     }
 
-    /// An order that knows less halts than there have been does not begin.
+    /// Executes an order, unless it is a motion and a halt came after it was sent.
     fn obey(&mut self, index: usize, order: Order, halts: u64) {
         if halts < self.links[index].halts && order.action.is_motion() {
             let off_centre = match member(index) {

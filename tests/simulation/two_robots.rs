@@ -1,5 +1,5 @@
-//! Two simulated robots in one hall through one engine: each has its own orders, one STOP halts both, and the lost link of one holds
-//! that one alone.
+//! Two simulated robots in one hall with one engine: each has its own orders, one STOP halts both, and a lost link
+//! holds only its own robot.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -26,18 +26,18 @@ fn porter() -> RobotId {
     RobotId::new("porter").expect("a name")
 }
 
-/// The robots, the engine and a store that keeps all at once, in simulated time.
+/// The robots, the engine, and a store that confirms at once, in simulated time.
 struct Pair {
     engine: Engine,
     sims: BTreeMap<RobotId, Sim>,
     journal: Vec<Entry>,
-    /// What left the engine, with the time: orders and halts.
+    /// Orders (with their id) and halts (`None`) that left the engine.
     sent: Vec<(RobotId, Option<OrderId>)>,
     now: Now,
 }
 
 impl Pair {
-    /// `discovery`, which searches, and `porter`, both at home in an empty hall.
+    /// Robots `discovery`, which searches, and `porter`, both at home in an empty hall.
     fn new() -> Pair {
         Pair::with(Engine::new(Settings::default(), Strategy::Snail, "pair".into()))
     }
@@ -85,7 +85,7 @@ impl Pair {
         }
     }
 
-    /// Lets so much time pass.
+    /// Advances the time by `ms` milliseconds.
     fn wait(&mut self, ms: u64) {
         for _ in 0..ms {
             self.now.since_start += Duration::from_millis(1);
@@ -156,7 +156,7 @@ fn the_robot_that_searches_takes_orders_of_the_mission_alone_and_nobody_those_it
     assert_eq!(pair.sent, []);
 }
 
-/// Safety S1: one STOP for both.
+/// Safety S1: one STOP halts both robots.
 #[test]
 fn one_stop_halts_both_and_neither_moves_before_a_start() {
     let mut pair = Pair::new();
@@ -181,7 +181,7 @@ fn one_stop_halts_both_and_neither_moves_before_a_start() {
     pair.propose(FORWARD).unwrap();
 }
 
-/// Safety S8: the answer waits for the other one as well.
+/// Safety S8: the answer also waits for the other robot.
 #[test]
 fn a_stop_is_answered_when_both_stand() {
     let mut pair = Pair::new();
@@ -202,7 +202,7 @@ fn a_stop_is_answered_when_both_stand() {
     assert!(answered(&effects));
 }
 
-/// Safety S3: heat holds both, and that it is cool again moves neither.
+/// Safety S3: heat holds both robots, and cooling moves neither.
 #[test]
 fn heat_halts_both_and_each_waits_for_start_afterwards() {
     let mut pair = Pair::new();
@@ -228,7 +228,7 @@ fn nothing_is_put_away_while_another_robot_moves() {
     assert!(pair.engine.handle_command(reset(), pair.now).is_ok());
 }
 
-/// Safety S3: what one robot reads is not taken for what another source reads, whatever the robot is called.
+/// Safety S3: a robot's reading is never taken for that of another source, whatever the robot's name.
 #[test]
 fn a_robot_that_is_called_like_another_source_cools_nothing_but_itself() {
     let celsius = |degrees| Celsius::new(degrees).unwrap();
@@ -270,7 +270,7 @@ fn a_lost_link_holds_the_robot_whose_link_it_is_and_no_other() {
     }
 }
 
-/// A link that is back sets nothing moving.
+/// A restored link does not start the robot.
 #[test]
 fn a_robot_that_is_reached_again_waits_for_start() {
     let mut pair = Pair::new();
@@ -288,7 +288,7 @@ fn a_robot_that_is_reached_again_waits_for_start() {
 fn an_order_that_is_not_answered_halts_the_robot_that_owes_it() {
     let mut pair = Pair::new();
     pair.both_move();
-    // Nobody hears it any more.
+    // The robot no longer answers.
     pair.sims.remove(&porter());
     pair.sims.insert(porter(), Sim::new(Arc::new(Hall::from_rows("other", &["S"]).unwrap()), SimSettings::new(3, Camera::Stub)));
     while pair.sims.get_mut(&porter()).unwrap().poll_event().is_some() {}
@@ -298,7 +298,7 @@ fn an_order_that_is_not_answered_halts_the_robot_that_owes_it() {
     assert_ne!(pair.engine.snapshot().mission.phase, PhaseName::Fault, "the search goes on");
 }
 
-/// Safety R1: where each robot stands is on record; after a restart all are held.
+/// Safety R1: the place of each robot is recorded; after a restart all robots are held.
 #[test]
 fn after_a_restart_each_robot_is_where_it_was_and_none_moves() {
     let mut pair = Pair::new();

@@ -1,4 +1,4 @@
-//! The MQTT door of the app: our own broker, and our session that publishes the answers.
+//! The MQTT door of the app: the broker, and the session that publishes the answers.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use hallsweep::runtime::handle::Handle;
 use hallsweep::storage::sqlite::MemoryStore;
 use mqtt_gate::Broker;
 
-/// Opens the door on a free port of this machine; it ends when `closed` does. Must be called inside a runtime.
+/// Opens the door on a free local port, until `closed` is set. Must be called inside a runtime.
 pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").await.expect("this machine has a free port");
     let address = listener.local_addr().expect("a bound socket has an address");

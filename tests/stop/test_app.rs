@@ -1,9 +1,11 @@
-//! The real doors on the real loop, with a robot that begins whatever it may and tells of a step that it began although the stop
-//! had been answered; for the test of STOP and for its benchmark. The robot meets nothing: it is not about the search.
+//! The real doors on the real main loop, for the test of STOP and its benchmark. The robot executes every order and
+//! reports each step that it began after the STOP had been answered. The robot meets nothing, because the search does
+//! not matter here.
 //!
 //! ```text
 //!   client ─ HTTP, CoAP, MQTT ─► door ─► loop ─► Wheels ─► Watched { began, late }
-//!                                 └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
+//!                                 └─ halt ─────────┘         ▲ standing: set by the client from the answer to STOP
+//!                                                              until the next START
 //! ```
 
 use std::net::SocketAddr;
@@ -34,27 +36,27 @@ use hallsweep_core::units::Epoch;
 #[path = "broker.rs"]
 mod broker;
 
-/// How long a step or a turn takes: short, so that there are many beginnings.
+/// Duration of a step or a turn: short, so that many steps begin.
 const STEP: Duration = Duration::from_millis(2);
 
-/// What is seen of the robot.
+/// Observations of the robot.
 pub(crate) struct Watched {
-    /// Steps that were begun.
+    /// Number of steps begun.
     pub(crate) began: AtomicU64,
-    /// Of those, the ones begun while the robot had to stand.
+    /// Number of steps begun while the robot had to stand.
     pub(crate) late: AtomicU64,
-    /// Set by the client as soon as it has read the answer to its stop, taken back just before it asks for a START.
+    /// Set by the client when it has read the answer to its STOP, and cleared just before it sends START.
     pub(crate) standing: AtomicBool,
     /// Called with every halt that reaches the robot's port.
     on_halt: Box<dyn Fn(Halts) + Send + Sync>,
 }
 
-/// A running app; it ends when this is dropped.
+/// Running app, which ends when this value is dropped.
 pub(crate) struct TestApp {
     pub(crate) address: SocketAddr,
-    /// Where the CoAP door is.
+    /// Address of the CoAP door.
     pub(crate) coap: SocketAddr,
-    /// Where the MQTT door is.
+    /// Address of the MQTT door.
     pub(crate) mqtt: SocketAddr,
     pub(crate) watched: Arc<Watched>,
     closing: watch::Sender<bool>,
@@ -63,7 +65,7 @@ pub(crate) struct TestApp {
 }
 
 impl TestApp {
-    /// Opens the doors on free ports of this machine. Must be called inside a runtime, on whose threads everything runs.
+    /// Opens the doors on free local ports. Must be called inside a runtime, whose threads run everything.
     pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> TestApp {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
@@ -90,7 +92,7 @@ impl TestApp {
         tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
-        // A START before that is refused.
+        // A START before the link is up is refused.
         let linked = seen.wait_for(|snapshot| !snapshot.mission.holds.contains(&Hold::RobotLink)).await;
         drop(linked.expect("the loop runs"));
         TestApp { address, coap, mqtt, watched, closing, course, _door: end }
@@ -104,7 +106,6 @@ impl Drop for TestApp {
     }
 }
 
-/// The robot.
 struct Wheels {
     side: RobotSide,
     watched: Arc<Watched>,
@@ -130,8 +131,8 @@ impl Wheels {
         }
     }
 
-    /// Begins what it may. Whether it has to stand is looked at first: a stop that is answered after that look has raised the
-    /// halts before it was answered, so that what passes both was begun against the rule.
+    /// Begins an order if no halt forbids it. `standing` is read first: a STOP that is answered after this read has
+    /// raised the halts before its answer, so a step that passes both checks violates the rule.
     async fn obey(&mut self, Stamped { order, halts }: Stamped) -> RobotEvent {
         let must_stand = self.watched.standing.load(Ordering::SeqCst);
         if halts < self.side.halts.now().count {

@@ -1,15 +1,15 @@
-//! Circles of files: files of a crate that import each other, straight or through others. A small one is two halves of one thing; in a
-//! large one nothing can be read or changed by itself.
+//! Cycles of files: files of a crate that import each other, directly or through others. The files of a small cycle
+//! are parts of one thing; no file of a large cycle can be read or changed alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::dependencies::{expanded, from_the_top, is_use, joined_uses, module_path, named_paths};
 use super::reading::{Source, sources};
 
-/// No circle has more files than this.
+/// Maximum number of files in a cycle.
 const FILES: usize = 4;
 
-/// The folders of the crates.
+/// Folders of the crates.
 const CRATES: [&str; 9] = [
     "",
     "crates/behaviour-trees/",
@@ -24,11 +24,11 @@ const CRATES: [&str; 9] = [
 
 type Path = Vec<String>;
 
-/// The files of a crate by their modules, with what each names.
+/// Files of a crate by module, with the paths that each names.
 struct Files {
-    /// What it hands on counts as named.
+    /// Paths that each file names, including those that it re-exports.
     named: BTreeMap<Path, Vec<Path>>,
-    /// What each hands on of others, by the name under which it does.
+    /// Names that each file re-exports from others, with their paths.
     handed_on: BTreeMap<Path, BTreeMap<String, Path>>,
 }
 
@@ -60,7 +60,7 @@ impl Files {
         files
     }
 
-    /// The file in which something of this path stands, however often it is handed on.
+    /// File that defines the item of this path; re-exports are followed.
     fn home(&self, path: &[String]) -> Path {
         let mut path = path.to_vec();
         for _ in 0..8 {
@@ -74,7 +74,8 @@ impl Files {
         path
     }
 
-    /// Whom each file imports. A module that names what is below it is the face of that.
+    /// Files that each file imports. Imports from a module's own submodules do not count, because the module only
+    /// presents them.
     fn arrows(&self) -> BTreeMap<&Path, BTreeSet<Path>> {
         let arrow = |from: &Path, path: &Path| Some(self.home(path)).filter(|to| !to.starts_with(from));
         self.named.iter().map(|(from, named)| (from, named.iter().filter_map(|path| arrow(from, path)).collect())).collect()

@@ -1,22 +1,22 @@
-//! The rules about the crates: the picture of them in `docs/architecture.md` is what the manifests say, and those that others may use have
-//! no word of this program in them.
+//! The rules for the crates: the drawing in `docs/architecture.md` agrees with the manifests, and the crates for
+//! others contain no word of this program.
 
 use super::reading::{files, name, root};
 
-/// What others could not use, were it named there: in whatever letters.
+/// Words that crates for others must not contain, in lower or upper case.
 const OUR_WORDS: [&str; 3] = ["hallsweep", "luggage", "verdict"];
 
-/// The crates that others may use.
+/// Crates that other programs may use.
 const FOR_OTHERS: [&str; 3] = ["crates/behaviour-trees", "crates/coap", "crates/mqtt"];
 
-/// The manifests: of the program, and of each crate.
+/// Manifests of the program and of each crate.
 pub(crate) fn manifests() -> Vec<String> {
     let crates = files(&root().join("crates")).into_iter().filter(|path| path.ends_with("Cargo.toml"));
     let all = std::iter::once(root().join("Cargo.toml")).chain(crates);
     all.map(|path| std::fs::read_to_string(path).expect("a manifest is UTF-8")).collect()
 }
 
-/// Arrows between our crates that the picture has and the manifests have not, or the other way round.
+/// Dependencies between our crates that are only in the drawing or only in the manifests.
 pub(crate) fn differ_from_picture(manifests: &[String], page: &str) -> Vec<String> {
     let names: Vec<String> = manifests.iter().filter_map(|manifest| package(manifest)).collect();
     let mut there: Vec<String> = Vec::new();
@@ -33,7 +33,7 @@ pub(crate) fn differ_from_picture(manifests: &[String], page: &str) -> Vec<Strin
     missing.chain(wrong).collect()
 }
 
-/// The crates and arrows of the drawing: lines of a block that begin with the name of a crate.
+/// Crates and arrows of the drawing: the lines of the block whose first line begins with the name of a crate.
 fn drawn(page: &str, names: &[String]) -> Vec<String> {
     let block = page.split("```").skip(1).step_by(2).find(|block| {
         let first = block.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
@@ -59,7 +59,7 @@ fn section<'a>(manifest: &'a str, title: &'a str) -> impl Iterator<Item = &'a st
     manifest.lines().skip_while(move |line| *line != title).skip(1).take_while(|line| !line.starts_with('['))
 }
 
-/// Words of ours in the crates that others may use.
+/// Words of this program in the crates for others.
 pub(crate) fn our_words() -> Vec<String> {
     let all = FOR_OTHERS.iter().flat_map(|folder| files(&root().join(folder)));
     all.filter_map(|path| Some((name(&path), std::fs::read_to_string(&path).ok()?)))
@@ -69,7 +69,7 @@ pub(crate) fn our_words() -> Vec<String> {
 
 fn our_words_in(name: &str, text: &str) -> Vec<String> {
     let lines = text.lines().enumerate();
-    // Tests of all crates read the same variables.
+    // The tests of all crates read variables with this prefix.
     let lines = lines.map(|(number, line)| (number, line.replace("HALLSWEEP_", "")));
     let hits = lines.filter(|(_, line)| OUR_WORDS.iter().any(|word| line.to_lowercase().contains(word)));
     hits.map(|(number, _)| format!("{name}:{}: a word of this program in a crate for others", number + 1)).collect()

@@ -1,23 +1,29 @@
-//! The dependency rule within the program: which module may name which, and which crates each may use. Between the crates Cargo
-//! holds it.
+//! The dependency rule within the program: which module may name which, and which crates each module may use. Cargo
+//! enforces the rule between the crates.
 //!
 //! ```text
-//!   main → cli     cli → everything but main, doors     app → { access, doors, robots, storage, runtime, config }
-//!   doors → access, runtime, api, phrases, report     report → api, phrases, runtime     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
-//!   access → storage             api → access, runtime     telemetry → api, runtime     runtime, config → themselves
+//!   main → cli                           cli → everything but main, doors
+//!   app → { access, doors, robots, storage, runtime, config }
+//!   doors → access, runtime, api, phrases, report          one door ↛ another
+//!   report → api, phrases, runtime       storage → runtime, api
+//!   robots → config, runtime, storage    access → storage
+//!   api → access, runtime                telemetry → api, runtime
+//!   runtime, config → themselves
 //! ```
-//! Only `robots` makes a robot out of its settings: `app` knows no kind of them. `access` names of `storage` only how a small file is written: the keys lie in the data folder like everything that is kept there.
+//! Only `robots` builds a robot from its settings; `app` knows no kind of robot. `access` names `storage` only to
+//! write a small file, because the keys are stored in the data folder.
 
 use super::reading::{Source, root};
 
-/// A module at the top of the crate, whom it may name, and which crates it may use beside the standard library.
+/// Module at the top of the crate, the modules that it may name, and the crates that it may use besides the standard
+/// library.
 struct Rule {
     module: &'static str,
     modules: &'static [&'static str],
     crates: &'static [&'static str],
 }
 
-/// One line a module; a module without a line here is a finding.
+/// Rules of all modules; a module without a rule is a violation.
 const RULES: [Rule; 13] = [
     Rule {
         module: "access",
@@ -31,9 +37,10 @@ const RULES: [Rule; 13] = [
     },
     Rule {
         module: "api",
-        // The table of commands says what each asks of its sender; what is shown of the simulator is said by its port.
+        // The table of commands contains the required role of each command, and `runtime` defines how the simulator
+        // is shown.
         modules: &["access", "runtime"],
-        // Of the simulator how halls are written in files.
+        // `hallsweep_sim` for the file formats of halls.
         crates: &[
             "behaviour_trees",
             "hallsweep_core",
@@ -111,7 +118,7 @@ const RULES: [Rule; 13] = [
         modules: &[],
         crates: &["figment", "hallsweep_core", "serde", "serde_json", "thiserror", "toml", "tracing_subscriber"],
     },
-    // A line of the log begins with the time as it is written everywhere.
+    // `api` for the format of the time at the beginning of a log line.
     Rule { module: "telemetry", modules: &["api", "runtime"], crates: &["nix", "tracing", "tracing_subscriber"] },
     Rule {
         module: "app",
@@ -137,13 +144,13 @@ const RULES: [Rule; 13] = [
     Rule { module: "main", modules: &["cli"], crates: &["clap"] },
 ];
 
-/// What lies beside the doors for those with connections, and is none itself.
+/// Modules of `doors` that are no doors; every door may use them.
 const SHARED: [&str; 6] = ["connection_limits", "listeners", "log_throttle", "problem", "update_interval", "write_timeout"];
 
-/// The one file of `runtime` that may use `jiff`, because it reads the clock.
+/// Only file of `runtime` that may use `jiff`, because it reads the clock.
 const CLOCK: &str = "src/runtime/clock.rs";
 
-/// Findings of modules named against the rule.
+/// Violations: modules that a file names against the rule.
 pub(crate) fn modules(source: &Source) -> Vec<String> {
     let Some(rule) = rule_for(source) else { return missing(source) };
     let mut findings = Vec::new();
@@ -166,7 +173,7 @@ pub(crate) fn modules(source: &Source) -> Vec<String> {
     findings
 }
 
-/// Findings of crates used against the rule; unit tests may use what they like.
+/// Violations: crates that a file uses against the rule. Unit tests may use any crate.
 pub(crate) fn crates(source: &Source) -> Vec<String> {
     let Some(rule) = rule_for(source) else { return missing(source) };
     let mut findings = Vec::new();
@@ -191,7 +198,7 @@ fn rule_for(source: &Source) -> Option<&'static Rule> {
     RULES.iter().find(|rule| rule.module == module)
 }
 
-/// Whether a file is itself the top of a crate.
+/// Whether a file is the root of a crate.
 fn is_root(source: &Source) -> bool {
     ["src/main.rs", "src/lib.rs"].contains(&source.path.as_str())
 }
@@ -200,19 +207,20 @@ fn is_module(name: &str) -> bool {
     RULES.iter().any(|rule| rule.module == name)
 }
 
-/// The door a file of `doors` belongs to.
+/// Door that a file of `doors` belongs to.
 fn door(source: &Source) -> Option<String> {
     let path = module_path(source);
     (path.first().is_some_and(|top| top == "doors") && path.len() > 1).then(|| path[1].clone())
 }
 
-/// The modules from the top of the crate down to the file: `src/a/b.rs` and `src/a/b/mod.rs` are both `a`, `b`.
+/// Modules from the top of the crate down to the file; `src/a/b.rs` and `src/a/b/mod.rs` both give `a`, `b`.
 pub(crate) fn module_path(source: &Source) -> Vec<String> {
     let path = source.path.trim_start_matches("src/").trim_end_matches(".rs").trim_end_matches("/mod");
     path.split('/').map(str::to_owned).collect()
 }
 
-/// Every path of the crate that the code names, in `use` lines and anywhere else, from the top of the crate, with its line.
+/// Every path of the crate that the code names, in `use` lines or elsewhere, from the top of the crate, with its
+/// line.
 pub(crate) fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
     let file = module_path(source);
     let unit_tests = [file.as_slice(), &["tests".to_owned()]].concat();
@@ -228,7 +236,7 @@ pub(crate) fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
     paths
 }
 
-/// Whether a path begins after this text, and is not the middle of a longer name or path.
+/// Whether a path can begin after this text, which must not end within a longer name or path.
 fn begins_path(before: &str) -> bool {
     let mut letters = before.chars().rev();
     match letters.next() {
@@ -238,7 +246,7 @@ fn begins_path(before: &str) -> bool {
     }
 }
 
-/// Where a path leads that is named in the module `own`; `None` when it climbs out of the crate.
+/// Target of a path that the module `own` names; `None` when the path leaves the crate.
 pub(crate) fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String>> {
     let mut place = own.to_vec();
     for name in path {
@@ -252,7 +260,7 @@ pub(crate) fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String
     Some(place)
 }
 
-/// The lines of code, with a `use` that spans several joined into its first.
+/// Lines of code; a `use` over several lines is joined into its first line.
 pub(crate) fn joined_uses(code: &str) -> Vec<(usize, String)> {
     let mut lines: Vec<(usize, String)> = Vec::new();
     let mut open = false;
@@ -266,7 +274,7 @@ pub(crate) fn joined_uses(code: &str) -> Vec<(usize, String)> {
     lines
 }
 
-/// Whether a line begins a `use`, whoever may see it, or names a crate in the old way.
+/// Whether a line begins a `use` with any visibility, or an `extern crate`.
 pub(crate) fn is_use(line: &str) -> bool {
     let line = line.trim_start();
     let seen_by = line.strip_prefix("pub").map_or(line, |rest| match rest.strip_prefix('(') {
@@ -276,7 +284,7 @@ pub(crate) fn is_use(line: &str) -> bool {
     ["use ", "extern crate "].iter().any(|word| seen_by.trim_start().starts_with(word))
 }
 
-/// Every path that is written here, groups spread out: `a::{b, c::d}` gives `a, b` and `a, c, d`.
+/// All paths of a group: `a::{b, c::d}` gives `a, b` and `a, c, d`.
 pub(crate) fn expanded(path: &str) -> Vec<Vec<String>> {
     let path = path.trim_start();
     if let Some(group) = path.strip_prefix('{') {
@@ -292,7 +300,7 @@ pub(crate) fn expanded(path: &str) -> Vec<Vec<String>> {
     }
 }
 
-/// The members of a group after its opening brace, those of inner groups not set apart.
+/// Members of a group after its opening brace; inner groups are not divided.
 fn members(group: &str) -> Vec<String> {
     let mut members = vec![String::new()];
     let mut depth = 1;
@@ -319,7 +327,7 @@ fn is_word(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
-/// Whether a line of code names the crate: a path that begins with it, or a `use` of it.
+/// Whether a line of code names the crate: in a path that begins with the crate, or in a `use`.
 fn uses(line: &str, name: &str) -> bool {
     line.match_indices(name).any(|(start, _)| {
         let before = begins_path(&line[..start]) && !line[..start].ends_with('.');
@@ -328,7 +336,7 @@ fn uses(line: &str, name: &str) -> bool {
     })
 }
 
-/// The crates of `[dependencies]`, as code names them.
+/// Crates of `[dependencies]`, spelled as in code.
 fn dependencies() -> Vec<String> {
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the manifest is there");
     let section = manifest.split("[dependencies]").nth(1).and_then(|rest| rest.split("\n[").next()).unwrap_or_default();

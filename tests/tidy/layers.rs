@@ -1,13 +1,13 @@
-//! The layers of the core: which of its modules may name which. Cargo holds the rule between the crates, `dependencies` that within the
-//! program.
+//! The layers of the core: which of its modules may name which. Cargo enforces the rule between the crates, and
+//! `dependencies` within the program.
 
 use super::dependencies::named_paths;
 use super::reading::{Source, root, sources};
 
-/// The modules at the top of the core, from the ground up. Each may name its own layer and those below.
+/// Modules at the top of the core, from the lowest layer up. A module may name its own layer and those below.
 const LAYERS: [&[&str]; 10] = [
     &["rng"],
-    // Its modules stand at the top of the crate under their own names.
+    // Its modules are re-exported at the top of the crate.
     &["vocabulary"],
     &["world"],
     &["search"],
@@ -19,14 +19,14 @@ const LAYERS: [&[&str]; 10] = [
     &["engine"],
 ];
 
-/// The layer of a module at the top of the core.
+/// Layer of a module at the top of the core.
 fn layer(module: &str) -> Option<usize> {
     let is_word = || root().join(format!("crates/core/src/vocabulary/{module}.rs")).exists();
     let named = |name: &str| LAYERS.iter().position(|modules| modules.contains(&name));
     named(module).or_else(|| is_word().then(|| named("vocabulary")).flatten())
 }
 
-/// What a file of the core names that lies above it. Its unit tests may name what they like.
+/// Violations: modules of a higher layer that a file of the core names. Unit tests may name any module.
 fn above(source: &Source) -> Vec<String> {
     let path = source.path.trim_start_matches("crates/core/");
     let own = path.trim_start_matches("src/").split(['/', '.']).next().unwrap_or_default();

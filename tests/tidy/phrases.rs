@@ -1,20 +1,20 @@
-//! The rules of phrases: every language has each of them, with the same values in it; each is said somewhere; and none is said that is
-//! not there. It knows just enough of Fluent for that.
+//! The rules of phrases: every language has every phrase with the same values, every phrase is used, and every phrase
+//! that is used exists. The parser understands only as much of Fluent as this needs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::reading::{files, name, root};
 
-/// The languages, by the folders of their files.
+/// Languages, by the folders of their files.
 const LANGUAGES: [&str; 2] = ["en", "it"];
 
-/// Where phrases are said.
+/// Folders that use phrases.
 const PLACES: [&str; 5] = ["src/doors/http", "src/phrases", "src/report", "templates", "static"];
 
-/// What the program says in English anyway: another language may have a sentence of its own for it, and leave it out.
+/// Value with an English sentence of the program; another language may replace it by its own words and leave it out.
 const MAY_BE_LEFT_OUT: &str = "detail";
 
-/// A phrase: the names of the values in it, and where it stands.
+/// Names of the values in a phrase, and whether scripts may use the phrase.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Phrase {
     values: BTreeSet<String>,
@@ -23,7 +23,7 @@ struct Phrase {
 
 type Phrases = BTreeMap<String, Phrase>;
 
-/// What is missing, or there for nobody.
+/// Violations of all rules.
 pub(crate) fn findings() -> Vec<String> {
     let spoken: Vec<Phrases> = LANGUAGES.iter().map(|language| of_files(language)).collect();
     assert!(spoken[0].len() > 400, "only {} phrases were found: the test looks in the wrong place", spoken[0].len());
@@ -50,7 +50,7 @@ fn of_files(language: &str) -> Phrases {
     all
 }
 
-/// The phrases of a file. One that goes on over several lines is indented there.
+/// Phrases of a file. The further lines of a phrase are indented.
 fn of(text: &str, is_for_scripts: bool) -> Phrases {
     let mut phrases = Phrases::new();
     let mut last = None;
@@ -82,7 +82,7 @@ fn differing(one: &Phrases, other: &Phrases) -> Vec<String> {
     differ.map(|id| format!("{id}: {:?} in {}, {:?} in {}", one.get(id), LANGUAGES[0], other.get(id), LANGUAGES[1])).collect()
 }
 
-/// Phrases that no literal names, and that belong to no family of which one is said.
+/// Phrases that no literal names and that belong to no family in use.
 fn unsaid(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
     let families: BTreeSet<&str> = texts.iter().flat_map(|(_, text)| literals_after(text, "say_of(")).collect();
     let is_said = |id: &str| {
@@ -93,7 +93,7 @@ fn unsaid(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
     phrases.keys().filter(|id| !is_said(id)).map(|id| format!("{id}: nobody says it")).collect()
 }
 
-/// Phrases that are said and are not there, by sources and by scripts. What a script says, its page may say as well.
+/// Phrases that sources or scripts use and that do not exist. A page may also use the phrases of its scripts.
 fn unknown(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
     let said = texts.iter().flat_map(|(file, text)| said_in(text).into_iter().map(move |id| (file, id)));
     let is_there = |file: &str, id: &str| phrases.get(id).is_some_and(|phrase| phrase.is_for_scripts || !file.ends_with(".js"));
@@ -102,8 +102,8 @@ fn unknown(phrases: &Phrases, texts: &[(String, String)]) -> Vec<String> {
         .collect()
 }
 
-/// The ids in what is to be said: in the first argument of the call, whichever of them it comes to. A literal that is not all of it may
-/// belong to a condition: it is an id if it looks like nothing else.
+/// Ids in the first argument of a call, in all its alternatives. A literal that is only a part of the argument may
+/// belong to a condition; it counts as an id if it contains a hyphen.
 fn said_in(text: &str) -> Vec<&str> {
     let literals = |rest| first_argument(rest).split('"').skip(1).step_by(2);
     let in_call = |rest: &'_ str| rest.starts_with('"');
@@ -124,7 +124,7 @@ fn first_argument(rest: &str) -> &str {
     &rest[..end.unwrap_or(0)]
 }
 
-/// The literals that stand as the first argument of this call.
+/// Literals that are the first argument of this call.
 fn literals_after<'t>(text: &'t str, call: &str) -> impl Iterator<Item = &'t str> {
     text.split(call).skip(1).filter_map(|rest| rest.strip_prefix('"')?.split('"').next())
 }

@@ -1,22 +1,20 @@
-//! Sources as the rules see them: the text as written, and the code alone, without comments, strings and tests.
-//! It knows just enough of Rust for that; it is no parser.
+//! Sources as the rules see them: the text, and the code without comments, strings and tests. The parser understands
+//! only as much of Rust as this needs.
 
 use std::path::{Path, PathBuf};
 
-/// One source file.
 pub(crate) struct Source {
-    /// Its path from the top of the project, with `/`.
+    /// Path from the top of the project, with `/`.
     pub(crate) path: String,
-    /// What is written in it.
     pub(crate) text: String,
-    /// The same, line for line, with comments and the insides of strings blanked.
+    /// The text with comments and the contents of strings blanked; its lines are the same.
     pub(crate) code: String,
-    /// How many lines come before its unit tests.
+    /// Number of lines before the unit tests.
     pub(crate) lines_without_tests: usize,
 }
 
 impl Source {
-    /// A source with this text, on disk or made up.
+    /// Creates a source with this text, which need not exist on disk.
     pub(crate) fn new(path: &str, text: &str) -> Source {
         let code = code_of(text);
         let lines: Vec<&str> = code.lines().map(str::trim).collect();
@@ -26,7 +24,7 @@ impl Source {
         Source { path: path.to_owned(), text: text.to_owned(), code, lines_without_tests }
     }
 
-    /// The code before the unit tests; empty when the whole file is tests.
+    /// Code before the unit tests; empty when the whole file is tests.
     pub(crate) fn code_without_tests(&self) -> String {
         if self.is_all_tests() {
             return String::new();
@@ -34,28 +32,27 @@ impl Source {
         self.code.lines().take(self.lines_without_tests).collect::<Vec<_>>().join("\n")
     }
 
-    /// Whether the file is the tests of another.
+    /// Whether the file contains only tests.
     pub(crate) fn is_all_tests(&self) -> bool {
         self.path.ends_with("tests.rs") || self.path.contains("/tests/")
     }
 
-    /// A finding at a line, counted from 1.
+    /// Formats a violation; the line is counted from 1.
     pub(crate) fn at(&self, line: usize, what: &str) -> String {
         format!("{}:{line}: {what}", self.path)
     }
 }
 
-/// Every Rust source under a directory of the project.
 pub(crate) fn sources(directory: &str) -> Vec<Source> {
     let files = files(&root().join(directory));
     let rust = files.iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
     rust.map(|path| Source::new(&name(path), &std::fs::read_to_string(path).expect("a source is UTF-8"))).collect()
 }
 
-/// Folders that hold what others wrote, or what a test left.
+/// Folders with third-party files or output of tests.
 const NOT_OURS: [&str; 3] = ["node_modules", "python_modules", "shots"];
 
-/// Every file under a directory, in order. Third-party folders are left out.
+/// Every file under a folder in sorted order, without the folders of `NOT_OURS`.
 pub(crate) fn files(directory: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a directory that can be read").path()).collect();
@@ -64,17 +61,16 @@ pub(crate) fn files(directory: &Path) -> Vec<PathBuf> {
     ours.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// The top of the project.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A path as findings name it.
+/// Path relative to the project, with `/`.
 pub(crate) fn name(path: &Path) -> String {
     path.strip_prefix(root()).expect("a file of the project").to_string_lossy().replace('\\', "/")
 }
 
-/// Blanks comments and the insides of string and character literals; newlines stay where they are.
+/// Blanks comments and the contents of string and character literals, and keeps the newlines.
 fn code_of(text: &str) -> String {
     let mut code = String::with_capacity(text.len());
     let mut rest = text;
@@ -90,7 +86,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// The length of the comment that begins here.
+/// Length of the comment that begins here.
 fn comment(rest: &str) -> Option<usize> {
     if rest.starts_with("//") {
         return Some(rest.find('\n').unwrap_or(rest.len()));
@@ -98,7 +94,7 @@ fn comment(rest: &str) -> Option<usize> {
     rest.starts_with("/*").then(|| rest.find("*/").map_or(rest.len(), |end| end + 2))
 }
 
-/// The length of the string or character literal that begins here.
+/// Length of the string or character literal that begins here.
 fn literal(rest: &str, before: &str) -> Option<usize> {
     let in_word = before.chars().last().is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
     if rest.starts_with('r') && !in_word {
@@ -116,7 +112,7 @@ fn literal(rest: &str, before: &str) -> Option<usize> {
     }
 }
 
-/// The length of a literal in these quotes, escapes minded.
+/// Length of a literal in these quotes, with escapes.
 fn quoted(rest: &str, quote: char) -> usize {
     let mut escaped = false;
     for (place, letter) in rest.char_indices().skip(1) {
@@ -128,7 +124,7 @@ fn quoted(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Whether a quote begins a character and not a lifetime.
+/// Whether a quote begins a character literal and not a lifetime.
 fn is_character(rest: &str) -> bool {
     let mut letters = rest.chars().skip(1);
     let first = letters.next();

@@ -1,14 +1,14 @@
-//! The rule about routes: the HTTP door has one table of them, and nothing adds a route beside it.
+//! The rule for routes: the HTTP door has one table of routes, and no other code adds a route.
 
 use super::reading::Source;
 
-/// The file that builds the router from the table.
+/// File that builds the router from the table.
 const TABLE: &str = "src/doors/http/routes.rs";
 
-/// Where routes could come in.
+/// Folder of the code that could add routes.
 const DOOR: &str = "src/doors/http/";
 
-/// Lines that add routes to a router past the table.
+/// Violations: lines that add routes outside the table.
 pub(crate) fn beside_the_table(source: &Source) -> Vec<String> {
     if source.path == TABLE || !source.path.starts_with(DOOR) {
         return Vec::new();

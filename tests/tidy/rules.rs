@@ -1,21 +1,21 @@
-//! The rules of safety and of the mission: whoever cites one finds it in `docs/safety.md` or `docs/mission.md`, and the tests that the
-//! page of safety names are there.
+//! The rules of safety and of the mission: every cited rule is in `docs/safety.md` or `docs/mission.md`, and the
+//! tests that the page of safety names exist.
 
 use super::reading::Source;
 
-/// The rows of the page's tables that are rules, as `(number, what stands in the row)`.
+/// Rows of the page's tables that are rules, as number and text.
 fn rows(page: &str) -> Vec<(&str, &str)> {
     let rows = page.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" | "));
     rows.filter(|(number, _)| is_number(number)).collect()
 }
 
-/// Whether this is the number of a rule, as `S8`.
+/// Whether a word is the number of a rule, such as `S8`.
 fn is_number(word: &str) -> bool {
     let digits = word.strip_prefix(['S', 'V', 'R', 'D', 'A']).unwrap_or_default();
     !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Places that cite a rule of safety which the page does not have.
+/// Citations of safety rules that the page does not contain.
 pub(crate) fn unknown(source: &Source, page: &str) -> Vec<String> {
     let known: Vec<&str> = rows(page).into_iter().map(|(number, _)| number).collect();
     let cited = |line: &str| -> Vec<String> {
@@ -30,7 +30,7 @@ pub(crate) fn unknown(source: &Source, page: &str) -> Vec<String> {
         .collect()
 }
 
-/// Places that cite a section of the mission which the page does not have.
+/// Citations of mission sections that the page does not contain.
 pub(crate) fn unknown_sections(source: &Source, page: &str) -> Vec<String> {
     let is_there = |number: &str| page.lines().any(|line| line.starts_with(&format!("## §{number} ")));
     let cited = |line: &'_ str| -> Vec<String> {
@@ -45,7 +45,7 @@ pub(crate) fn unknown_sections(source: &Source, page: &str) -> Vec<String> {
         .collect()
 }
 
-/// Rules of the page that name no test, and tests that it names and nobody has written.
+/// Rules of the page without a test, and named tests that do not exist.
 pub(crate) fn untried(page: &str, sources: &[Source]) -> Vec<String> {
     let is_there = |test: &str| sources.iter().any(|source| source.text.contains(&format!("fn {test}(")));
     let of = |(number, row): (&str, &str)| -> Vec<String> {

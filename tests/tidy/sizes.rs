@@ -1,14 +1,14 @@
-//! Rules about size: how long a file and a function may be, tests aside.
+//! Rules about size: maximum lengths of files and functions, without tests.
 
 use super::reading::Source;
 
-/// No file has more lines than this.
+/// Maximum number of lines of a file.
 const FILE: usize = 700;
 
-/// No function has more lines than this, from `fn` to its closing brace.
+/// Maximum number of lines of a function, from `fn` to its closing brace.
 const FUNCTION: usize = 90;
 
-/// A file that is too long.
+/// Violation if the file is too long.
 pub(crate) fn file(source: &Source) -> Vec<String> {
     let lines = source.lines_without_tests;
     if lines <= FILE || source.is_all_tests() {
@@ -17,13 +17,13 @@ pub(crate) fn file(source: &Source) -> Vec<String> {
     vec![source.at(1, &format!("{lines} lines without tests, {FILE} are allowed: divide it"))]
 }
 
-/// Functions that are too long.
+/// Violations: functions that are too long.
 pub(crate) fn functions(source: &Source) -> Vec<String> {
     let long = lengths(source).into_iter().filter(|(_, length)| *length > FUNCTION);
     long.map(|(line, length)| source.at(line, &format!("a function of {length} lines, {FUNCTION} are allowed"))).collect()
 }
 
-/// The first line and the number of lines of every function with a body, tests aside.
+/// First line and number of lines of every function with a body, without tests.
 fn lengths(source: &Source) -> Vec<(usize, usize)> {
     let code = source.code_without_tests();
     let starts = code.match_indices("fn ").filter(|(start, _)| {
@@ -34,7 +34,7 @@ fn lengths(source: &Source) -> Vec<(usize, usize)> {
     starts.filter_map(|(start, _)| Some((lines(&code[..start]) + 1, lines(body(&code[start..])?) + 1))).collect()
 }
 
-/// From `fn` to the brace that closes the body; `None` when there is only a signature.
+/// Text from `fn` to the brace that closes the body; `None` for a signature without a body.
 fn body(code: &str) -> Option<&str> {
     let (mut depth, mut groups) = (0_usize, 0_i32);
     for (place, letter) in code.char_indices() {

@@ -1,19 +1,20 @@
-//! Rules about the project as a whole: no path of one machine, no download address, a container that copies what is there.
+//! Rules for the whole project: no path of one machine, no download address, no link without a target, and a
+//! Dockerfile that copies existing files.
 
 use super::reading::{files, name, root};
 
-/// Where people read: the places of the project that hold text of ours.
+/// Folders of the project that contain our own text.
 const PLACES: [&str; 8] = ["src", "tests", "config", "templates", "static", "docs", ".ci", "benches"];
 
-/// Directories of a builder's own machine. Each is put together so that this file does not find itself.
+/// Folders of a developer's machine. Each name is joined from two parts, so that this file does not violate its own
+/// rule.
 const MACHINE: [&str; 4] = [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/"), concat!("/Us", "ers/")];
 
-/// The text of a file of the project.
 pub(crate) fn text(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// Lines that name a path of somebody's machine.
+/// Lines that name a path of a developer's machine.
 pub(crate) fn machine_paths() -> Vec<String> {
     let mut paths: Vec<_> = PLACES.iter().flat_map(|place| files(&root().join(place))).collect();
     paths.extend(["README.md", "CHANGELOG.md", "Cargo.toml", "Dockerfile"].map(|file| root().join(file)));
@@ -27,7 +28,7 @@ fn machine_paths_in(name: &str, text: &str) -> Vec<String> {
     hits.map(|(number, _)| format!("{name}:{}: a path of one machine", number + 1)).collect()
 }
 
-/// Paths that the container's recipe copies from the project and that are not there.
+/// Paths that the Dockerfile copies from the project and that do not exist.
 pub(crate) fn container_paths(recipe: &str) -> Vec<String> {
     let copies = recipe.lines().filter(|line| line.starts_with("COPY ") && !line.contains("--from="));
     let paths = copies.flat_map(|line| {
@@ -37,7 +38,7 @@ pub(crate) fn container_paths(recipe: &str) -> Vec<String> {
     paths.filter(|path| !root().join(path).exists()).map(|path| format!("Dockerfile copies {path}, which is not there")).collect()
 }
 
-/// Links in our documents that lead to a file which is not there.
+/// Links in our documents to files that do not exist.
 pub(crate) fn dead_links() -> Vec<String> {
     let mut documents: Vec<_> = files(&root().join("docs")).into_iter().filter(|path| name(path).ends_with(".md")).collect();
     documents.extend(["README.md", "CHANGELOG.md"].map(|file| root().join(file)));
@@ -55,8 +56,8 @@ fn dead_links_in(document: &str, text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Lines of pages and scripts with an address that begins at the root of the host, where a proxy may have put something else. Where a
-/// page is shown again (`here`) is a path for the program, not for the browser.
+/// Lines of pages and scripts with an address from the root of the host, where a proxy may serve something else. The
+/// value of `here`, the page to return to, is excepted, because the program and not the browser resolves it.
 pub(crate) fn absolute_addresses() -> Vec<String> {
     let pages = ["templates", "static"].iter().flat_map(|place| files(&root().join(place)));
     let texts = pages.map(|path| (name(&path), std::fs::read_to_string(&path).expect("text")));
@@ -73,7 +74,7 @@ fn absolute_addresses_in(name: &str, text: &str) -> Vec<String> {
     lines.map(|(number, _)| format!("{name}:{}: an address from the root: write ./", number + 1)).collect()
 }
 
-/// Packages whose manifests the container's recipe does not copy: cargo would not build without them.
+/// Packages whose manifests the Dockerfile does not copy; cargo would not build without them.
 pub(crate) fn container_manifests(recipe: &str) -> Vec<String> {
     let packages = std::fs::read_dir(root().join("crates")).expect("the project has crates");
     let manifests = packages.map(|package| name(&package.expect("it can be read").path().join("Cargo.toml")));
@@ -81,7 +82,7 @@ pub(crate) fn container_manifests(recipe: &str) -> Vec<String> {
     missing.map(|manifest| format!("the Dockerfile must copy {manifest} by itself")).collect()
 }
 
-/// Lines of a lock file that say where something was once downloaded from.
+/// Lines of a lock file that contain a download address.
 pub(crate) fn download_addresses(lock: &str) -> Vec<String> {
     let lines = lock.lines().enumerate().filter(|(_, line)| line.contains("\"resolved\"") || line.contains("http://"));
     lines.map(|(number, line)| format!("{}: {}", number + 1, line.trim())).collect()

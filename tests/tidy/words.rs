@@ -1,13 +1,13 @@
-//! Rules about words: the header of every file, the one clock, nothing left undone, names of types that say what they are.
+//! Rules about words: the header of every file, the one clock, no unfinished work, and unambiguous type names.
 
 use std::collections::BTreeMap;
 
 use super::reading::Source;
 
-/// Types of one name: a name that more of them have says nothing where it is read.
+/// Maximum number of types with the same name; a more frequent name says little.
 const TYPES_OF_ONE_NAME: usize = 4;
 
-/// Every file opens with what it is for.
+/// Violation if the file does not begin with a header.
 pub(crate) fn header(source: &Source) -> Vec<String> {
     let first = source.text.lines().next().unwrap_or_default();
     if first.starts_with("//! ") && first.len() > 20 {
@@ -16,8 +16,8 @@ pub(crate) fn header(source: &Source) -> Vec<String> {
     vec![source.at(1, "it must open with `//!`: a sentence on its job, then what is deliberately not here")]
 }
 
-/// Only `runtime/clock.rs` looks at the clock, and examples, benchmarks and binaries of crates, which are programs of their
-/// own; everybody else is told the time.
+/// Violations: readings of the clock outside `runtime/clock.rs`. Examples, benchmarks and binaries of crates are
+/// separate programs and may read it; all other code gets the time as an argument.
 pub(crate) fn clock(source: &Source) -> Vec<String> {
     let is_a_program = ["/examples/", "/benches/", "/src/bin/"].iter().any(|folder| source.path.contains(folder));
     if source.path == "src/runtime/clock.rs" || is_a_program {
@@ -27,7 +27,7 @@ pub(crate) fn clock(source: &Source) -> Vec<String> {
     lines_with(source, &clocks, "take the time as an argument; only runtime::clock reads the clock")
 }
 
-/// No work left for later, no test that does not run.
+/// Violations: unfinished work, and tests that do not run.
 pub(crate) fn undone(source: &Source) -> Vec<String> {
     let mut findings = lines_with(source, &["todo!", "unimplemented!", concat!("#[ig", "nore")], "nothing is left undone here");
     for (number, line) in source.text.lines().enumerate() {
@@ -39,7 +39,7 @@ pub(crate) fn undone(source: &Source) -> Vec<String> {
     findings
 }
 
-/// Names that too many types have, with where these are declared.
+/// Violations: names of too many types, with the places of their declarations.
 pub(crate) fn repeated_types(sources: &[Source]) -> Vec<String> {
     let mut declarations: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for source in sources {
@@ -56,7 +56,7 @@ pub(crate) fn repeated_types(sources: &[Source]) -> Vec<String> {
     declarations.iter().map(words).collect()
 }
 
-/// The type that a line declares. The name of an associated type, whose line is indented, is its trait's.
+/// Type that a line declares. An indented `type` is an associated type, whose name comes from its trait.
 fn declared_type(line: &str) -> Option<&str> {
     let code = line.trim_start();
     let code = match code.strip_prefix("pub") {

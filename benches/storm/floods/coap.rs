@@ -1,4 +1,4 @@
-//! Floods of the CoAP door from this machine, where nobody signs in.
+//! Floods of the CoAP door from this machine, where no sign-in is needed.
 
 use std::io;
 use std::net::UdpSocket;
@@ -9,10 +9,10 @@ use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 use crate::course::Course;
 use crate::http::somewhere;
 
-/// Clients that flood at once.
+/// Number of concurrent clients.
 const CLIENTS: usize = 8;
 
-/// Datagrams that are sent before what came is read.
+/// Datagrams sent before the received ones are read.
 const BURST: u16 = 32;
 
 pub(super) fn gets(course: &Arc<Course>) {
@@ -22,7 +22,7 @@ pub(super) fn gets(course: &Arc<Course>) {
     });
 }
 
-/// Commands with values that are none.
+/// Commands with invalid values.
 pub(super) fn refused(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         let (code, path) = [(3, "temperature"), (2, "commands/goto")][n % 2];
@@ -30,7 +30,7 @@ pub(super) fn refused(course: &Arc<Course>) {
     });
 }
 
-/// What is no message, or half of one.
+/// Invalid or truncated messages.
 pub(super) fn malformed(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         pour(course, n, |id| {
@@ -47,7 +47,7 @@ pub(super) fn malformed(course: &Arc<Course>) {
     });
 }
 
-/// Observers that come from new ports and never answer.
+/// Observers on new ports that never answer.
 pub(super) fn observers(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         let socket = UdpSocket::bind((somewhere(n), 0))?;
@@ -73,7 +73,7 @@ fn request(code: u8, path: &str, id: u16, payload: &[u8]) -> Packet {
     packet
 }
 
-/// Sends what is made of each number as fast as the system takes it, and throws away what comes.
+/// Sends the datagram made for each number as fast as the system accepts it, and discards what it receives.
 fn pour(course: &Course, n: usize, datagram: impl Fn(u16) -> Result<Vec<u8>, coap_lite::error::MessageError>) -> io::Result<()> {
     let socket = UdpSocket::bind((somewhere(n), 0))?;
     socket.connect(course.doors.coap)?;
@@ -83,7 +83,7 @@ fn pour(course: &Course, n: usize, datagram: impl Fn(u16) -> Result<Vec<u8>, coa
         for _ in 0..BURST {
             id = id.wrapping_add(1);
             let datagram = datagram(id).map_err(|error| io::Error::other(error.to_string()))?;
-            // What the system has no room for is lost, as on any net.
+            // A datagram that does not fit into the system's buffers is lost, as on any network.
             let _ = socket.send(&datagram);
         }
         course.did(BURST.into());

@@ -9,29 +9,29 @@ use std::time::Duration;
 use crate::course::Course;
 use crate::http::{Kept, connected, near, request, somewhere};
 
-/// How long anything is waited for.
+/// Time limit of every socket operation.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Connections that are held at once: threads, and connections of each.
+/// Threads that hold connections open, and connections per thread.
 const HOLDING: usize = 4;
 const EACH: usize = 500;
 
-/// A look at all held connections of a thread comes so long after the last.
+/// Interval between two checks of a thread's connections.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// A slow sender says one letter in so many looks.
+/// Checks between two letters of a slow sender.
 const LETTER: usize = 50;
 
-/// Where a connection comes from, and with what it begins.
+/// Source address of a connection, and its first bytes.
 type Source = fn(usize) -> Ipv4Addr;
 type Beginning = fn(&Course, usize) -> Vec<u8>;
 
-/// 2,000 connections that say what is in a body, and of the body one byte: a third without a key.
+/// 2,000 connections that send a head and one byte of the body; a third of them without a key.
 pub(super) fn bodies(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "", (somewhere, body)));
 }
 
-/// The same from the operator's own address.
+/// The flood `bodies` from the operator's own address.
 pub(super) fn bodies_near(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "", (near, body)));
 }
@@ -41,29 +41,29 @@ pub(super) fn heads(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "x", (somewhere, head)));
 }
 
-/// The same from the operator's own address.
+/// The flood `heads` from the operator's own address.
 pub(super) fn heads_near(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "x", (near, head)));
 }
 
-/// Heads of a mebibyte, of somebody without a key.
+/// Heads of 1 MiB from a client without a key.
 pub(super) fn great_heads(course: &Arc<Course>) {
     course.clients(32, |course, n| {
         let mut stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
         let head = format!("GET / HTTP/1.1\r\nHost: {}\r\nX-Long: {}\r\n\r\n", course.doors.http, "x".repeat(1 << 20));
-        // Most of it is not taken any more: what was taken counts.
+        // The door stops reading before the end, so a failed write also counts.
         stream.write_all(head.as_bytes()).inspect_err(|_| course.did(1))?;
         course.did(1);
         Ok(())
     });
 }
 
-/// 2,000 connections on which nothing is said.
+/// 2,000 connections that send nothing.
 pub(super) fn silence(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "", (somewhere, |_, _| Vec::new())));
 }
 
-/// The same from the operator's own address.
+/// The flood `silence` from the operator's own address.
 pub(super) fn silence_near(course: &Arc<Course>) {
     course.clients(HOLDING, |course, n| hold(course, n, "", (near, |_, _| Vec::new())));
 }
@@ -80,7 +80,7 @@ fn head(course: &Course, n: usize) -> Vec<u8> {
     format!("GET /api/v1/state HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {token}\r\nX-Slow: ", course.doors.http).into()
 }
 
-/// Commands that a viewer may not give, on kept connections.
+/// Commands that a viewer may not give, on persistent connections.
 pub(super) fn refused(course: &Arc<Course>) {
     course.clients(32, |course, n| {
         let goto = request("POST", "/api/v1/commands/goto", course.doors.http, Some(&course.doors.viewer), r#"{"x":1,"y":1}"#);
@@ -88,7 +88,7 @@ pub(super) fn refused(course: &Arc<Course>) {
     });
 }
 
-/// Commands of somebody without a key, or with a wrong one.
+/// Commands without a key, or with a wrong one.
 pub(super) fn strangers(course: &Arc<Course>) {
     course.clients(32, |course, n| {
         let command = |token| request("POST", "/api/v1/commands/start", course.doors.http, token, "");
@@ -96,7 +96,7 @@ pub(super) fn strangers(course: &Arc<Course>) {
     });
 }
 
-/// All that can be read, on kept connections.
+/// All readable resources, on persistent connections.
 pub(super) fn reads(course: &Arc<Course>) {
     course.clients(32, |course, n| {
         let paths = ["state", "map", "missions", "luggage", "missions/1/events"].map(|name| format!("/api/v1/{name}"));
@@ -105,7 +105,7 @@ pub(super) fn reads(course: &Arc<Course>) {
     });
 }
 
-/// Requests one behind the other whose answers nobody reads.
+/// Pipelined requests whose answers are not read.
 pub(super) fn pipelines(course: &Arc<Course>) {
     course.clients(64, |course, n| {
         let mut stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
@@ -119,7 +119,7 @@ pub(super) fn pipelines(course: &Arc<Course>) {
         while course.goes_on() {
             match stream.write_all(&many) {
                 Ok(()) => course.did(100),
-                // Nobody takes any more: so it stays, until somebody ends it.
+                // The door has stopped reading; the connection stays open until the door closes it.
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => course.did(1),
                 Err(error) => return Err(error),
             }
@@ -140,18 +140,18 @@ pub(super) fn streams(course: &Arc<Course>) {
     });
 }
 
-/// Connections that come and go, as fast as the system makes them.
+/// Connections that are opened and closed as fast as the system allows.
 pub(super) fn comings(course: &Arc<Course>) {
     course.clients(16, |course, n| {
         let stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
-        // No place of the system is held by what is over.
+        // A reset leaves no socket in TIME_WAIT, so that ports do not run out.
         socket2::SockRef::from(&stream).set_linger(Some(Duration::ZERO))?;
         course.did(1);
         Ok(())
     });
 }
 
-/// Asks this, one after the other, as fast as answers come.
+/// Sends the requests in turn, as fast as answers come.
 fn again(course: &Course, n: usize, requests: &[Vec<u8>]) -> io::Result<()> {
     let mut kept = Kept::to(course.doors.http, somewhere(n), PATIENCE)?;
     for request in requests.iter().cycle() {
@@ -164,7 +164,7 @@ fn again(course: &Course, n: usize, requests: &[Vec<u8>]) -> io::Result<()> {
     Ok(())
 }
 
-/// Holds connections that begin with this and then say a letter now and then; one that was ended is opened anew.
+/// Holds connections that begin with `begin` and then send `letter` at intervals; a closed connection is replaced.
 fn hold(course: &Course, thread: usize, letter: &str, (from, begin): (Source, Beginning)) -> io::Result<()> {
     let mut held: Vec<Option<TcpStream>> = (0..EACH).map(|_| None).collect();
     for look in 0_usize.. {

@@ -1,4 +1,5 @@
-//! Floods of the MQTT door by TCP, all by one viewer. The same are sent to mosquitto, which knows no viewers and takes all of it.
+//! Floods of the MQTT door over TCP, all by one viewer. The same floods are sent to mosquitto, which has no
+//! viewers and accepts all messages.
 
 use std::io::{self, ErrorKind};
 use std::net::Ipv4Addr;
@@ -12,19 +13,19 @@ use crate::http::{near, somewhere};
 use crate::packets::{PINGREQ, PUBACK, RETAIN, SUBACK, UNSUBACK, connect, packet, publish, subscribe, text};
 use crate::wire::{Wire, login};
 
-/// How long anything is waited for.
+/// Time limit of every socket operation.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Clients that flood at once.
+/// Number of concurrent clients.
 const CLIENTS: usize = 8;
 
-/// Packets that are said at once.
+/// Packets per write.
 const BURST: usize = 200;
 
-/// A look at all held connections comes so long after the last.
+/// Interval between two checks of all held connections.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Messages that an operator has had kept, and how deep their topics are.
+/// Number of messages that the operators have retained, and number of levels of their topics.
 const KEPT: usize = 8000;
 const LEVELS: usize = 31;
 
@@ -33,7 +34,7 @@ pub(super) fn refused(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| pour(viewer(course, n)?, course, &command(), BURST));
 }
 
-/// Terms of 4 KB that mean nothing, or nothing that a viewer may do.
+/// Terms of 4 KB that are invalid, or that a viewer may not send.
 pub(super) fn terms(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         let depth = 4000 / 3;
@@ -47,7 +48,7 @@ pub(super) fn pings(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| pour(viewer(course, n)?, course, &PINGREQ, 10 * BURST));
 }
 
-/// 80,000 filters in one packet, again and again.
+/// Repeated packets with 80,000 filters each.
 pub(super) fn unsubscribe(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         let mut wire = viewer(course, n)?;
@@ -62,7 +63,7 @@ pub(super) fn unsubscribe(course: &Arc<Course>) {
     });
 }
 
-/// 64 filters of 31 levels in one packet, over 8,000 kept messages.
+/// Packets with 64 filters of 31 levels, over 8,000 retained messages.
 pub(super) fn filters(course: &Arc<Course>) {
     course.prepare(keep);
     course.clients(CLIENTS, |course, n| {
@@ -79,7 +80,7 @@ pub(super) fn filters(course: &Arc<Course>) {
     });
 }
 
-/// Has all those messages kept, by two operators: one may have half of them kept.
+/// Retains all these messages from two operators, because one operator may retain only half of them.
 fn keep(course: &Course) -> io::Result<()> {
     for (who, name, token) in [(0, OPERATOR, &course.doors.operator), (1, SECOND, &course.doors.second)] {
         let connect = login(&format!("keeper-{name}"), name, token);
@@ -95,7 +96,7 @@ fn keep(course: &Course) -> io::Result<()> {
     Ok(())
 }
 
-/// Topics nobody has named yet, in publications and in filters.
+/// New topic names, in publications and in filters.
 pub(super) fn topics(course: &Arc<Course>) {
     static NAMED: AtomicU64 = AtomicU64::new(0);
     course.clients(CLIENTS, |course, n| {
@@ -131,7 +132,7 @@ pub(super) fn sessions(course: &Arc<Course>) {
     });
 }
 
-/// Subscribers to everything who have stopped reading, and refused commands whose results they are to be told.
+/// Subscribers to all topics that have stopped reading, and refused commands whose results they should receive.
 pub(super) fn stalled(course: &Arc<Course>) {
     course.clients(1, |course, _| {
         hold(
@@ -148,13 +149,13 @@ pub(super) fn stalled(course: &Arc<Course>) {
     course.clients(CLIENTS / 2, |course, n| pour(viewer(course, n)?, course, &command(), BURST));
 }
 
-/// Clients that ask all the time and never read an answer.
+/// Clients that send requests constantly and never read an answer.
 pub(super) fn deaf(course: &Arc<Course>) {
     course.clients(4 * CLIENTS, |course, n| {
         let mut wire = viewer(course, n)?;
         let asked = [&PINGREQ.repeat(50)[..], &subscribe(1, "hallsweep/#", 0), &publish("a", b"", 1, 0, 1)].concat();
         while course.goes_on() {
-            // Whoever is not heard any more stays until it is sent away.
+            // A client whose packets are not read any more stays until the broker disconnects it.
             match wire.say(&asked) {
                 Ok(()) => course.did(52),
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => course.did(1),
@@ -165,12 +166,12 @@ pub(super) fn deaf(course: &Arc<Course>) {
     });
 }
 
-/// Connections that never say who they are, or only half of it.
+/// Connections that send no CONNECT, or only half of one.
 pub(super) fn halves(course: &Arc<Course>) {
     course.clients(4, |course, n| hold(course, 100, |course, session| half(course, somewhere(session), session), n));
 }
 
-/// The same from the operator's own address.
+/// The flood `halves` from the operator's own address.
 pub(super) fn halves_near(course: &Arc<Course>) {
     course.clients(4, |course, n| hold(course, 100, |course, session| half(course, near(session), session), n));
 }
@@ -182,7 +183,7 @@ fn half(course: &Course, from: Ipv4Addr, session: usize) -> io::Result<Wire> {
     Ok(wire)
 }
 
-/// Clients that come, are let in, and go.
+/// Clients that connect, are accepted, and leave.
 pub(super) fn comings(course: &Arc<Course>) {
     course.clients(CLIENTS, |course, n| {
         viewer(course, n)?;
@@ -191,18 +192,18 @@ pub(super) fn comings(course: &Arc<Course>) {
     });
 }
 
-/// What a viewer may not say.
+/// A command that a viewer may not give.
 pub(super) fn command() -> Vec<u8> {
     publish("hallsweep/discovery/command/start", b"{}", 0, 0, 0)
 }
 
-/// A viewer that was let in.
+/// Connection of a viewer that the broker has accepted.
 fn viewer(course: &Course, n: usize) -> io::Result<Wire> {
     let connect = login(&format!("viewer-{n}"), VIEWER, &course.doors.viewer);
     Wire::let_in(course.doors.mqtt, somewhere(n), &connect, PATIENCE)
 }
 
-/// Says this as fast as it is taken, and reads what comes.
+/// Sends a packet as fast as it is accepted, and reads and discards what comes.
 pub(super) fn pour(mut wire: Wire, course: &Course, packet: &[u8], burst: usize) -> io::Result<()> {
     wire.read_idly()?;
     let packets = packet.repeat(burst);
@@ -213,7 +214,7 @@ pub(super) fn pour(mut wire: Wire, course: &Course, packet: &[u8], burst: usize)
     Ok(())
 }
 
-/// Holds so many connections; one that was ended is opened anew.
+/// Holds `count` connections open; a closed connection is replaced.
 pub(super) fn hold(course: &Course, count: usize, open: fn(&Course, usize) -> io::Result<Wire>, thread: usize) -> io::Result<()> {
     let mut held: Vec<Option<Wire>> = (0..count).map(|_| None).collect();
     while course.goes_on() {

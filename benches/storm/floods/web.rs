@@ -1,4 +1,4 @@
-//! Floods of the MQTT door by WebSocket.
+//! Floods of the MQTT door over WebSocket.
 
 use std::io;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::http::somewhere;
 use crate::packets::{PINGREQ, connect};
 use crate::wire::{Wire, login};
 
-/// How long anything is waited for.
+/// Time limit of every socket operation.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Commands that a viewer may not give, and pings.
@@ -26,7 +26,7 @@ pub(super) fn sessions(course: &Arc<Course>) {
     course.clients(4, |course, n| hold(course, 75, viewer, n));
 }
 
-/// Connections that never say who they are, or only half of it.
+/// Connections that send no CONNECT, or only half of one.
 pub(super) fn halves(course: &Arc<Course>) {
     course.clients(4, |course, n| {
         hold(
@@ -43,7 +43,7 @@ pub(super) fn halves(course: &Arc<Course>) {
     });
 }
 
-/// A viewer that has said who it is.
+/// Connection of a viewer that has sent its CONNECT.
 fn viewer(course: &Course, n: usize) -> io::Result<Wire> {
     let mut wire = Wire::web(course.doors.http, somewhere(n), PATIENCE)?;
     wire.say(&login(&format!("web-{n}"), VIEWER, &course.doors.viewer))?;

@@ -1,42 +1,39 @@
-//! A request as the tests mean it, and what a client said to it. How a client is told is in `client`.
+//! A request in the terms of the tests, and the reply of a client. How each client sends the request is in `client`.
 
 use serde_json::Value;
 
-/// One request, for any client.
+/// A request that any client can send.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ask<'a> {
     /// `get`, `put`, `post` or `delete`.
     pub(crate) method: &'static str,
     /// Path and query.
     pub(crate) path: &'a str,
-    /// What is sent.
     pub(crate) payload: Option<&'a str>,
-    /// The format of what is sent; none is said otherwise.
+    /// Content-Format of the payload. `None` omits the option.
     pub(crate) format: Option<u16>,
-    /// The format that is wanted.
+    /// Content-Format that the request accepts.
     pub(crate) accept: Option<u16>,
-    /// Whether it is sent as NON.
+    /// Whether the request is non-confirmable (NON).
     pub(crate) non: bool,
-    /// Whether it goes on observing.
+    /// Whether the request registers an observation.
     pub(crate) observe: bool,
-    /// The size of blocks, bytes, in which the answer is wanted.
+    /// Requested block size of the answer, in bytes.
     pub(crate) block: Option<u16>,
-    /// The size of blocks, bytes, in which the payload is sent by a client that is told this apart.
+    /// Block size of the payload in bytes, for the client that has a separate setting for it.
     pub(crate) upload_block: Option<u16>,
-    /// Further options by number.
+    /// Further options, by number.
     pub(crate) options: Vec<(u16, Vec<u8>)>,
-    /// The first token, where a client can be told one.
+    /// First token, for a client whose token can be set.
     pub(crate) token: Option<&'a str>,
 }
 
-/// What came back.
 #[derive(Debug)]
 pub(crate) struct Reply {
-    /// The code, as `4.09`; `2.xx` from a client that says nothing about success.
+    /// Response code, such as `4.09`. A client that prints no code on success yields `2.xx`.
     pub(crate) code: String,
-    /// What it carried; of a refusal, everything the client printed about it.
+    /// Payload. For a refusal, everything that the client printed about the refusal.
     pub(crate) body: Vec<u8>,
-    /// Everything the client printed.
     pub(crate) all: String,
 }
 
@@ -76,30 +73,28 @@ impl<'a> Ask<'a> {
 }
 
 impl Reply {
-    /// Fails unless it is a success; what it carried.
+    /// Payload of a successful reply. Fails if the reply is not a success.
     pub(crate) fn content(&self) -> &[u8] {
         assert!(self.code.starts_with('2'), "{self:?}");
         &self.body
     }
 
-    /// The same as text.
     pub(crate) fn text(&self) -> &str {
         std::str::from_utf8(self.content()).expect("text is UTF-8")
     }
 
-    /// The same as JSON.
     pub(crate) fn json(&self) -> Value {
         serde_json::from_slice(self.content()).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
-    /// Fails unless it says that the command was accepted.
+    /// Fails unless the reply says that the command was accepted.
     pub(crate) fn accepted(&self) {
         let text = self.text();
         let json: Option<Value> = serde_json::from_str(text).ok();
         assert!(json.map_or(text == "accepted", |json| json["accepted"] == true), "{self:?}");
     }
 
-    /// Fails unless it is a refusal of this code that says why in these words.
+    /// Fails unless the reply is a refusal with this code whose reason contains these words.
     pub(crate) fn refused(&self, code: &str, words: &str) {
         assert_eq!(self.code, code, "{self:?}");
         assert!(self.all.contains(words), "no `{words}` in what the client printed: {self:?}");

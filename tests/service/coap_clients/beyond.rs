@@ -1,5 +1,6 @@
-//! The CoAP door beyond loopback: strangers read and change nothing. In a network namespace that the test makes for itself, where
-//! 10.83.0.1 is nobody's but its own; no datagram leaves it. Where none can be made, the test is left out with a word.
+//! The CoAP interface beyond loopback: strangers can read and cannot change anything. Each test runs in its own
+//! network namespace, in which 10.83.0.1 is an address of the namespace itself, so no datagram leaves it. Without
+//! such a namespace the test is skipped with a message.
 
 use std::process::{Command, Stdio};
 
@@ -10,22 +11,22 @@ use super::{JSON, TEXT, shown, with_each};
 use crate::program::{Program, hallsweep, run};
 use crate::third_party::{left_out, within};
 
-/// An address beyond loopback, inside the namespace.
+/// Address beyond loopback, inside the namespace.
 const ADDRESS: &str = "10.83.0.1";
 
-/// So many seconds may a test take there, each of whose waits is bounded.
+/// Time limit for a test in the namespace, in seconds. Each wait within the test has its own limit.
 const PATIENCE_S: &str = "900";
 
-/// Set in the namespace, so that a test knows that it is there.
+/// Environment variable that tells a test that it runs inside the namespace.
 const INSIDE: &str = "COAP_TESTS_INSIDE";
 
-/// Runs the test of this name once more, in a network namespace of its own with one address beyond loopback; true when that is
-/// where this is.
+/// Returns true inside the namespace. Outside, runs the named test again in a new network namespace with one address
+/// beyond loopback, and returns false.
 fn is_inside(test: &str) -> bool {
     if std::env::var_os(INSIDE).is_some() {
         return true;
     }
-    // Without root, `-r` makes whoever asks the root of the namespace alone.
+    // Without root, `-r` makes the caller root inside the namespace only.
     let made = |program: &str, words: &[&str]| {
         let mut command = Command::new("unshare");
         command.args([
@@ -53,7 +54,7 @@ fn is_inside(test: &str) -> bool {
     false
 }
 
-/// The program with a CoAP door for others, in the namespace.
+/// Starts the program with a CoAP port that is open to others, inside the namespace.
 fn open(hall: &str) -> Program {
     let coap = format!("{ADDRESS}:0");
     let arguments = ["serve", "--http", "127.0.0.1:0", "--coap", &coap, "--seed", "1", "--hall", hall, "--speed", "max"];
@@ -67,8 +68,8 @@ fn a_door_for_others_opens_only_when_the_settings_say_so() {
     assert!(!refused.status.success() && said.contains("coap.open_to_others") && said.contains("10.83.0.1"), "{said}");
 }
 
-/// Whoever can prove its address by an Echo (RFC 9175) reads all; libcoap's client does so by itself, and with aiocoap's library it
-/// takes a line. coap-cli cannot, and is told so.
+/// A client that proves its address by an Echo option (RFC 9175) can read everything. libcoap's command does this by
+/// itself, aiocoap needs one line of code, and coap-cli cannot do it and receives 4.01.
 #[test]
 fn strangers_read_everything_once_they_have_proved_their_address() {
     if !is_inside("strangers_read_everything_once_they_have_proved_their_address") {

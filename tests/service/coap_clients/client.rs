@@ -1,30 +1,30 @@
-//! CoAP clients that others wrote, as users have them: libcoap's command from Debian, aiocoap from PyPI, node's coap-cli from npm.
-//! How each is found, asked, and read. What they are asked is the tests' business.
+//! CoAP clients by other authors, as users install them: libcoap's command from Debian, aiocoap from PyPI, and
+//! coap-cli from npm. This file finds, runs and reads each client; the tests choose the requests.
 
 use std::process::{Command, Output, Stdio};
 
 use super::ask::{Ask, Reply};
 use crate::third_party::{PATIENCE_S, folder, left_out, patiently, python, runs, was_ended};
 
-/// A client. Three, because each reads the RFCs in its own way.
+/// Three clients, because each interprets the RFCs in its own way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Client {
-    /// `coap-client-notls` (Debian's libcoap3-bin).
+    /// `coap-client-notls` from Debian's libcoap3-bin.
     Libcoap,
-    /// `aiocoap-client`, and the library under it for what that command cannot do.
+    /// `aiocoap-client`, or the aiocoap library for requests that this command cannot send.
     Aiocoap,
-    /// `coap` (npm's coap-cli, over node-coap).
+    /// `coap` from npm's coap-cli, which uses node-coap.
     CoapCli,
 }
 
 impl Client {
-    /// All of them.
     pub(crate) const ALL: [Client; 3] = [Client::Libcoap, Client::Aiocoap, Client::CoapCli];
 
-    /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
+    /// Whether the client is installed. If it is missing, a message says what to install, or the test fails under
+    /// `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(crate) fn is_here(self) -> bool {
         let (here, missing) = match self {
-            // It has no `--version`; asked for nothing, it shows how it is used.
+            // The command has no `--version`. Without arguments it prints its usage.
             Client::Libcoap => (
                 Command::new(LIBCOAP).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok(),
                 "coap-client-notls (apt-get install libcoap3-bin)",
@@ -41,18 +41,18 @@ impl Client {
         here || left_out("CoAP", missing)
     }
 
-    /// Asks once, and waits for what it prints.
+    /// Sends one request and reads the reply from the client's output.
     pub(crate) fn ask(self, url: &str, ask: &Ask) -> Reply {
         let output = self.run(url, ask);
         self.reply(&output)
     }
 
-    /// Asks once; everything the client printed. Fails when it does not come to an end.
+    /// Sends one request and returns everything that the client printed. Fails if the client does not end by itself.
     pub(crate) fn run(self, url: &str, ask: &Ask) -> Output {
         self.finish(&self.command(url, ask))
     }
 
-    /// Lets a command of this client come to its end, and returns what it printed.
+    /// Runs a command of this client to its end and returns its output.
     pub(super) fn finish(self, command: &Command) -> Output {
         let output = patiently(command).stdin(Stdio::null()).output();
         let output = output.unwrap_or_else(|error| panic!("{self:?}: {error}"));
@@ -61,7 +61,7 @@ impl Client {
         output
     }
 
-    /// What starts it with this request.
+    /// Command line that sends this request.
     pub(crate) fn command(self, url: &str, ask: &Ask) -> Command {
         let url = format!("{url}{}", ask.path);
         match self {
@@ -72,18 +72,18 @@ impl Client {
         }
     }
 
-    /// What was answered, read from what the client printed. Each shows codes in its own place.
+    /// Reads the reply from the client's output. Each client prints the code in its own place.
     fn reply(self, output: &Output) -> Reply {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         let all = format!("{}\n{said}", String::from_utf8_lossy(&output.stdout));
         let code = match self {
-            // Silent on success; otherwise a line with the code, and what came with it behind.
+            // libcoap prints nothing on success. On an error it prints a line with the code, followed by the payload.
             Client::Libcoap => said.lines().rev().find_map(first_code),
             Client::Aiocoap => said.lines().rev().find_map(|line| first_code(line.rsplit("client:").next()?)),
             Client::CoapCli => said.split('(').rev().find_map(first_code),
         };
         let mut printed = output.stdout.clone();
-        // It ends all that it prints with a newline, which is not of the answer.
+        // libcoap ends its output with a newline that does not belong to the payload.
         if self == Client::Libcoap && printed.last() == Some(&b'\n') {
             printed.pop();
         }
@@ -93,10 +93,10 @@ impl Client {
     }
 }
 
-/// The commands of Debian's package have no plain names; this one knows no DTLS, and needs none.
+/// Debian has no plain `coap-client` command. This variant has no DTLS, which the tests do not need.
 const LIBCOAP: &str = "coap-client-notls";
 
-/// Where npm puts it.
+/// Path at which npm installs coap-cli.
 const COAP_CLI: &str = "node_modules/coap-cli/index.js";
 
 fn libcoap(url: &str, ask: &Ask) -> Command {
@@ -169,7 +169,7 @@ fn aiocoap_library(url: &str, ask: &Ask) -> Command {
 
 fn coap_cli(url: &str, ask: &Ask) -> Command {
     let mut command = Command::new("node");
-    // Without `-n` it ends what it prints with a newline, and changes bytes that are no text.
+    // Without `-n` coap-cli adds a newline, and changes bytes that are not text.
     command.arg(folder().join(COAP_CLI)).arg(ask.method).arg("-n");
     if ask.observe {
         command.arg("-o");
@@ -182,7 +182,7 @@ fn coap_cli(url: &str, ask: &Ask) -> Command {
     }
     let numbers = [(12, ask.format), (17, ask.accept)];
     let numbers = numbers.into_iter().filter_map(|(option, number)| Some((option, number?.to_be_bytes().to_vec())));
-    // It leaves the query of a URL out.
+    // coap-cli drops the query of a URL, so the query is sent as options.
     let (url, query) = url.split_once('?').unwrap_or((url, ""));
     let query = query.split('&').filter(|part| !part.is_empty()).map(|part| (15, part.as_bytes().to_vec()));
     for (number, value) in numbers.chain(query).chain(ask.options.iter().cloned()) {
@@ -195,7 +195,7 @@ fn coap_cli(url: &str, ask: &Ask) -> Command {
     command
 }
 
-/// The exponent by which a size of blocks is written: 0 for 16 bytes, 6 for 1024.
+/// Exponent that encodes a block size: 0 for 16 bytes, 6 for 1024 (RFC 7959).
 fn exponent(size: u16) -> String {
     (size.ilog2() - 4).to_string()
 }
@@ -204,7 +204,7 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A response code at the beginning of a text, as `4.09`.
+/// Response code at the beginning of a text, such as `4.09`.
 fn first_code(text: &str) -> Option<String> {
     let code = text.trim_start().get(..4)?;
     let digits = code.chars().enumerate().all(|(place, letter)| if place == 1 { letter == '.' } else { letter.is_ascii_digit() });

@@ -1,4 +1,5 @@
-//! Commands as three clients give them: accepted, or refused with the reason where a person at that client reads it.
+//! Commands sent by three clients: each is accepted, or refused with a reason in the place where a user of that
+//! client reads it.
 
 use serde_json::json;
 
@@ -63,7 +64,7 @@ fn a_verdict_is_final_and_both_are_told() {
     });
 }
 
-/// The old console's words, under each label that its clients put on them, and under none.
+/// The old console's words are accepted under every Content-Format that its clients send, and without one.
 #[test]
 fn the_old_words_are_taken_under_any_label() {
     with_each(|client| {
@@ -80,7 +81,7 @@ fn the_old_words_are_taken_under_any_label() {
     });
 }
 
-/// The old console sends a stray `w` when it starts: a robot that is idle must not run off. `h` is STOP, always.
+/// The old console sends a stray `w` when it starts, and an idle robot must not move. `h` is always STOP.
 #[test]
 fn the_old_moves_are_refused_unless_they_are_switched_on_and_h_always_halts() {
     with_each(|client| {
@@ -116,7 +117,8 @@ fn the_old_moves_drive_the_robot_when_they_are_switched_on() {
     });
 }
 
-/// A body in sixteen-byte pieces arrives whole, by the two clients that cut one. Safety S4, S8: START and STOP too.
+/// A body in blocks of 16 bytes is reassembled. Only libcoap and aiocoap split a body. Safety S4, S8: START and STOP
+/// in blocks work too.
 #[test]
 fn a_command_in_pieces_is_carried_out_whole() {
     for client in [Client::Libcoap, Client::Aiocoap].into_iter().filter(|client| client.is_here()) {

@@ -1,7 +1,7 @@
-//! The CoAP door with clients that others wrote, each in its own process, against the real program. That the door keeps to the RFCs
-//! is tested beside the endpoint; here it matters that what people have installed works with it.
+//! The CoAP interface with clients by other authors, each in its own process, against the real program. The RFCs are
+//! tested beside the endpoint; these tests check that clients which people have installed work.
 //!
-//! Where a client is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
+//! The part of a missing client is skipped with a message. With `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
 mod ask;
 mod beyond;
@@ -20,7 +20,7 @@ use client::Client;
 
 use crate::program::{Program, hallsweep};
 
-/// Formats by their numbers (IANA, CoAP Content-Formats).
+/// Content-Format numbers (IANA, CoAP Content-Formats).
 const TEXT: u16 = 0;
 const LINKS: u16 = 40;
 const OCTETS: u16 = 42;
@@ -28,26 +28,26 @@ const JSON: u16 = 50;
 const CBOR: u16 = 60;
 const SENML: u16 = 110;
 
-/// Options by their numbers (RFC 7252, section 12.2).
+/// Option numbers (RFC 7252, section 12.2).
 const IF_MATCH: u16 = 1;
 const ETAG: u16 = 4;
 const IF_NONE_MATCH: u16 = 5;
 
-/// The program with this hall at this speed, both doors on free ports.
+/// Starts the program with this hall at this speed, with HTTP and CoAP on free ports.
 fn serve(hall: &str, speed: &str) -> Program {
     let arguments = ["--http", "127.0.0.1:0", "--coap", "127.0.0.1:0", "--seed", "1", "--hall", hall, "--speed", speed];
     Program::started(hallsweep(&["serve"]).args(arguments))
 }
 
-/// Where the CoAP door of a program is, as the beginning of a URL.
+/// Beginning of a URL of the program's CoAP interface.
 fn door(program: &Program) -> String {
     format!("coap://{}", program.coap())
 }
 
-/// Plays a scenario with every client that is there.
+/// Runs a scenario with every installed client.
 fn with_each(scenario: impl Fn(Client)) {
     for client in Client::ALL.into_iter().filter(|client| client.is_here()) {
-        // Seen when the scenario fails.
+        // The test harness prints this when the scenario fails.
         eprintln!("with {client:?}");
         scenario(client);
     }

@@ -1,5 +1,5 @@
-//! A client that observes: started, read while it runs, ended as a user ends it. Which client, and what it makes of what it sees, is
-//! not here.
+//! A client that observes a resource: started, read while it runs, and ended as a user ends it. The choice of the
+//! client and the meaning of its output are elsewhere.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -14,26 +14,26 @@ use super::client::Client;
 use crate::program::Deadline;
 use crate::third_party::ended;
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often what was printed is looked at.
+/// Interval between two looks at the output.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// How the items of `/resourcemodel` begin and end, by which they are told apart: not every client prints something between them.
+/// Beginning and end of each kind of item of `/resourcemodel`. They separate the items, because not every client
+/// prints a separator.
 const ITEMS: [(&str, &str); 3] = [("robot( ", "))"), ("roomMap( ", "' )"), ("luggage( ", "' ) )")];
 
-/// A running client.
 pub(crate) struct Observer {
     client: Client,
     child: Child,
     printed: Arc<Mutex<Vec<u8>>>,
-    /// What it says beside what it observes.
+    /// Standard error: messages apart from the observed resource.
     words: Arc<Mutex<Vec<u8>>>,
 }
 
 impl Observer {
-    /// Lets a client observe, and waits for the first thing that it prints.
+    /// Starts the observation and waits for the first output.
     pub(crate) fn start(client: Client, url: &str, ask: Ask) -> Observer {
         let ask = Ask { observe: true, ..ask };
         let mut command: Command = client.command(url, &ask);
@@ -46,12 +46,11 @@ impl Observer {
         observer
     }
 
-    /// Everything it has printed.
     pub(crate) fn text(&self) -> String {
         text_of(&self.printed)
     }
 
-    /// The end of what it has seen, and of what it said beside.
+    /// The last 2000 bytes of each output stream, for the message of a failed test.
     fn last_words(&self) -> String {
         let end = |text: &str| {
             let begin = text.len().saturating_sub(2_000);
@@ -60,7 +59,7 @@ impl Observer {
         format!("at the end it saw\n{}\nand said\n{}", end(&self.text()), end(&text_of(&self.words)))
     }
 
-    /// Waits until what it has printed is as wanted, and returns that.
+    /// Waits until the output matches, and returns the output.
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&str) -> bool) -> String {
         let deadline = Deadline::within(PATIENCE);
         loop {
@@ -73,20 +72,20 @@ impl Observer {
         }
     }
 
-    /// Waits until the latest of the JSON values it has seen is as wanted, and returns that.
+    /// Waits until the latest observed JSON value matches, and returns that value.
     pub(crate) fn until_json(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let text = self.until(wanted, |text| values(text).last().is_some_and(&is_so));
         values(&text).pop().expect("there was one just now")
     }
 
-    /// Waits until the latest item with this head of `/resourcemodel` is as wanted, and returns that.
+    /// Waits until the latest item of `/resourcemodel` that begins with `head` matches, and returns that item.
     pub(crate) fn until_item(&self, head: &str, wanted: &str, is_so: impl Fn(&str) -> bool) -> String {
         let latest = |text: &str| items(text).into_iter().rfind(|item| item.starts_with(head));
         let text = self.until(wanted, |text| latest(text).is_some_and(|item| is_so(&item)));
         latest(&text).expect("there was one just now")
     }
 
-    /// Ends it as Ctrl-C does.
+    /// Ends the client as Ctrl-C does.
     pub(crate) fn end(mut self) {
         let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
         assert!(told.expect("kill is there").success());
@@ -95,7 +94,7 @@ impl Observer {
     }
 }
 
-/// A test that fails leaves no client behind.
+/// Kills the client, so that a failed test leaves no process behind.
 impl Drop for Observer {
     fn drop(&mut self) {
         let _ = self.child.kill();
@@ -103,7 +102,7 @@ impl Drop for Observer {
     }
 }
 
-/// Keeps what comes out of a pipe.
+/// Collects the output of a pipe in a separate thread.
 fn note(mut pipe: impl Read + Send + 'static) -> Arc<Mutex<Vec<u8>>> {
     let noted = Arc::new(Mutex::new(Vec::new()));
     let into = Arc::clone(&noted);
@@ -120,12 +119,12 @@ fn text_of(noted: &Mutex<Vec<u8>>) -> String {
     String::from_utf8_lossy(&noted.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
 }
 
-/// The whole JSON values in a text, one after another.
+/// Complete JSON values in a text, in order.
 pub(crate) fn values(text: &str) -> Vec<Value> {
     serde_json::Deserializer::from_str(text).into_iter().map_while(Result::ok).collect()
 }
 
-/// The whole items of `/resourcemodel` in a text, one after another.
+/// Complete items of `/resourcemodel` in a text, in order.
 pub(crate) fn items(text: &str) -> Vec<String> {
     let begun = |(head, tail): &(&str, &'static str)| -> Vec<(usize, &'static str)> {
         text.match_indices(head).map(|(place, _)| (place, *tail)).collect()

@@ -1,4 +1,4 @@
-//! A whole mission as an observer sees it, commanded by the same client: what it saw at the end is what stands.
+//! A whole mission that one client commands and observes. The last observed state is the real state.
 
 use serde_json::Value;
 
@@ -8,8 +8,8 @@ use super::observer::{Observer, items, values};
 use super::{JSON, TEXT, door, serve, shown};
 use crate::program::Program;
 
-/// One piece is safe, the next is dangerous, and the robot comes home: `/resourcemodel` and four resources in JSON are observed
-/// meanwhile, by one process each.
+/// One piece is safe, the next is dangerous, and the robot returns home. Five processes observe: one
+/// `/resourcemodel`, and four a JSON resource each.
 fn a_bomb_is_found(client: Client) {
     if !client.is_here() {
         return;
@@ -42,14 +42,14 @@ fn a_bomb_is_found(client: Client) {
     model.end();
 }
 
-/// Waits until `/resourcemodel` has shown a piece with at least this number; its number.
+/// Waits until `/resourcemodel` shows a piece with at least this number, and returns the number of that piece.
 fn waits_for_a_verdict(model: &Observer, least: u64) -> u64 {
     let number = |item: &str| item.split(['\'', ' ', ',']).find_map(|word| word.parse().ok());
     let item = model.until_item("luggage( ", "a piece is found", |item| number(item).is_some_and(|found: u64| found >= least));
     number(&item).expect("it was there just now")
 }
 
-/// The last item of each kind is what follows from the state that stands, to the byte.
+/// Fails unless the last item of each kind matches the current state byte for byte.
 fn shows_what_stands(model: &Observer, program: &Program) {
     let state = program.json("state");
     let (robot, map, luggage) = (shown::robot(&state), shown::map(program), shown::luggage(&state));
@@ -75,7 +75,8 @@ fn coap_cli_sees_a_whole_mission() {
     a_bomb_is_found(Client::CoapCli);
 }
 
-/// The whole state is larger than a datagram: what is observed is the first block of each, and the client fetches the rest.
+/// The whole state is larger than a datagram. A notification carries the first block, and the client fetches the
+/// rest.
 fn everything_is_safe(client: Client) {
     if !client.is_here() {
         return;
@@ -111,7 +112,8 @@ fn aiocoap_observes_the_whole_state_through_a_mission() {
     everything_is_safe(Client::Aiocoap);
 }
 
-/// A hall whose map as one item takes more than a block: its rest is read as the map it was, whatever item changed since.
+/// The map of this hall takes more than one block as an item. The later blocks must belong to the same map, even if
+/// another item changed in the meantime.
 fn a_large_model(client: Client) {
     if !client.is_here() {
         return;
@@ -142,7 +144,7 @@ fn aiocoap_observes_a_map_of_several_blocks() {
     a_large_model(Client::Aiocoap);
 }
 
-/// Sprint 3 of the seed: START and STOP on the page change the resource accordingly, and the page shows the same state.
+/// Sprint 3 of the seed: START and STOP on the page change the resource, and the page shows the same state.
 #[test]
 fn start_and_stop_on_the_page_change_what_is_observed() {
     super::with_each(|client| {
@@ -159,7 +161,7 @@ fn start_and_stop_on_the_page_change_what_is_observed() {
     });
 }
 
-/// Whoever ended an observation is told nothing further; the robot moves on.
+/// A client that ended its observation receives nothing more, and the robot continues.
 #[test]
 fn an_observer_that_goes_away_is_not_missed() {
     super::with_each(|client| {

@@ -1,4 +1,5 @@
-//! The datagrams of the old console and its Californium client, sent as it sent them: byte by byte, by no client's library.
+//! The datagrams of the old console and its Californium client, sent byte by byte as that client sent them, without
+//! any client library.
 
 use std::io::ErrorKind;
 use std::net::{SocketAddr, UdpSocket};
@@ -8,13 +9,13 @@ use super::observer::items;
 use super::{serve, shown};
 use crate::program::Deadline;
 
-/// How long a datagram is waited for.
+/// Longest wait for a datagram.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The first byte of version 1 with a token of 8 bytes, as CON.
+/// First byte of a CON message: version 1, with a token of 8 bytes.
 const CON: u8 = 0x48;
 
-/// Types, codes and options by their numbers (RFC 7252, section 12).
+/// Numbers of types, codes and options (RFC 7252, section 12).
 const ACK: u8 = 2;
 const GET: u8 = 1;
 const PUT: u8 = 3;
@@ -22,13 +23,13 @@ const CHANGED: u8 = 0x44;
 const CONTENT: u8 = 0x45;
 const OBSERVE: u16 = 6;
 
-/// The old console's CoAP client: one socket for all it asks.
+/// The old console's CoAP client, which sends all requests from one socket.
 struct Console {
     socket: UdpSocket,
     next_id: u16,
 }
 
-/// A datagram as the console reads it.
+/// A datagram, parsed.
 #[derive(Debug)]
 struct Message {
     kind: u8,
@@ -47,14 +48,14 @@ impl Console {
         Console { socket, next_id: 0x1e5f }
     }
 
-    /// Asks for `/resourcemodel`, and goes on observing it.
+    /// Sends a GET that observes `/resourcemodel`.
     fn observe(&mut self, token: [u8; 8]) -> Message {
-        // Observe 0 is an option without a value, 5 after it is Uri-Path, of 13 bytes.
+        // 0x60 is Observe (option 6) with an empty value, which means 0. 0x5d is Uri-Path (option 11) with 13 bytes.
         self.send(GET, token, &[&[0x60, 0x5d, 0x00], b"resourcemodel".as_slice()].concat());
         self.receive()
     }
 
-    /// Puts a word to `/resourcemodel`, labelled text/plain, which is an option without a value.
+    /// Sends a PUT of a word to `/resourcemodel`, as text/plain, which is an option with an empty value.
     fn put(&mut self, token: [u8; 8], word: &str) -> u16 {
         self.send(PUT, token, &[&[0xbd, 0x00], b"resourcemodel".as_slice(), &[0x10, 0xff], word.as_bytes()].concat())
     }
@@ -67,12 +68,12 @@ impl Console {
         id
     }
 
-    /// The next datagram; a CON is acknowledged.
+    /// Next datagram. A CON message is acknowledged.
     fn receive(&self) -> Message {
         let mut datagram = [0; 2048];
         let length = loop {
             match self.socket.recv(&mut datagram) {
-                // A child of another test has ended.
+                // A child process of another test ended, and its signal interrupted the read.
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 heard => break heard.expect("the door says something"),
             }
@@ -84,7 +85,7 @@ impl Console {
         message
     }
 
-    /// Reads until the answer to this token is there; everything else that came is kept in `seen`.
+    /// Reads until the answer to this token arrives. All other messages are stored in `seen`.
     fn answer(&self, token: [u8; 8], seen: &mut Vec<Message>) -> Message {
         let deadline = Deadline::within(PATIENCE);
         loop {
@@ -97,7 +98,7 @@ impl Console {
         }
     }
 
-    /// Reads notifications until the items that were seen are as wanted.
+    /// Reads notifications until the items seen so far match.
     fn until(&self, seen: &mut Vec<Message>, wanted: &str, is_so: impl Fn(&[String]) -> bool) {
         let deadline = Deadline::within(PATIENCE);
         while !is_so(&shown_to(seen)) {
@@ -134,7 +135,7 @@ impl Message {
     }
 }
 
-/// A delta or length, with the byte or two that follow it when it is large.
+/// Decodes an option delta or length, including the one or two bytes that extend a large value.
 fn extended(nibble: u8, bytes: &[u8], place: &mut usize) -> u16 {
     let (extra, base) = match nibble {
         13 => (1, 13),
@@ -146,7 +147,7 @@ fn extended(nibble: u8, bytes: &[u8], place: &mut usize) -> u16 {
     value + base
 }
 
-/// The items that were seen, in order.
+/// Items seen so far, in order.
 fn shown_to(seen: &[Message]) -> Vec<String> {
     seen.iter().flat_map(|message| items(&message.payload)).collect()
 }
@@ -161,13 +162,13 @@ fn the_old_console_runs_a_whole_mission_by_its_own_datagrams() {
     assert!(first.observe.is_some() && !items(&first.payload).is_empty(), "{first:?}");
     let mut seen = vec![first];
 
-    // The stray one with which it starts.
+    // The stray command that the old console sends when it starts.
     let id = console.put(*b"stray--w", "w");
     let refused = console.answer(*b"stray--w", &mut seen);
     assert_eq!((refused.kind, refused.id, refused.code >> 5), (ACK, id, 4), "{refused:?}");
     assert!(refused.payload.starts_with("refused: "), "{refused:?}");
 
-    // START came from its page, over MQTT or HTTP.
+    // The old page sent START over MQTT or HTTP, not over CoAP.
     program.press("/startappl").accepted();
     for (found, word, token) in [(1, "safe", *b"verdict1"), (2, "danger", *b"verdict2")] {
         let luggage = |items: &[String]| items.iter().any(|item| item.contains(&format!("'photo {found}, ")));

@@ -1,18 +1,19 @@
-//! What goes over the wire between three clients and the door: messages of the kind that was asked for, tokens that come back,
-//! datagrams of a bounded size, and answers that are lost and sent again without a second effect.
+//! Datagrams between three clients and the program: the requested message types, returned tokens, bounded sizes, and
+//! lost answers that are sent again without a second effect.
 
 use super::ask::Ask;
 use super::client::Client;
 use super::tap::Tap;
 use super::{JSON, OCTETS, serve, with_each};
 
-/// With header and options a block of 1024 bytes stays below what every path carries unfragmented (RFC 7252, section 4.6).
+/// A block of 1024 bytes with header and options stays below the size that every path carries without fragmentation
+/// (RFC 7252, section 4.6).
 const LARGEST: usize = 1152;
 
 const NON: u8 = 1;
 const ACK: u8 = 2;
 
-/// The client sends the same message again, and the door knows it.
+/// The client retransmits the message, and the program recognises the repetition.
 #[test]
 fn an_answer_that_is_lost_is_sent_again_and_nothing_is_done_twice() {
     with_each(|client| {

@@ -1,14 +1,15 @@
-//! A photo of more than 64 KiB, fetched in blocks by every client, is the one that the HTTP door serves, byte for byte.
+//! A photo of more than 64 KiB that a client fetches in blocks equals the photo over HTTP, byte for byte.
 
 use super::ask::Ask;
 use super::client::Client;
 use super::{ETAG, OCTETS, door, serve, with_each};
 use crate::program::Program;
 
-/// With 64-byte blocks and more than 1,024 of them a block's number no longer fits into one byte, and in 16-byte blocks not into two.
+/// Photo size above which a photo has more than 1,024 blocks of 64 bytes and more than 4,096 of 16 bytes. The Block
+/// option then needs two bytes for the former and three for the latter (RFC 7959).
 const LARGE: usize = 64 * 1024;
 
-/// Searches the airport until a piece has a large photo; its path, and the photo.
+/// Searches the airport until a piece has a large photo. Returns the path and the photo.
 fn a_large_photo(program: &Program) -> (String, Vec<u8>) {
     program.command("start").accepted();
     loop {
@@ -22,12 +23,13 @@ fn a_large_photo(program: &Program) -> (String, Vec<u8>) {
     }
 }
 
-/// How a client asks for a photo. coap-cli cannot take an answer in a format that it does not know, and knows no pictures.
+/// Request for a photo. coap-cli does not know the image formats and cannot read an answer in one, so it asks for
+/// octets.
 fn get(client: Client, path: &str) -> Ask<'_> {
     if client == Client::CoapCli { Ask::get(path).accept(OCTETS) } else { Ask::get(path) }
 }
 
-/// Compares without printing either.
+/// Compares two photos without printing them.
 fn same(client: Client, what: &str, seen: &[u8], photo: &[u8]) {
     let differs = seen.iter().zip(photo).position(|(one, other)| one != other);
     assert!(seen == photo, "{client:?}, {what}: {} bytes of {}, the first difference at {differs:?}", seen.len(), photo.len());
@@ -59,7 +61,8 @@ fn a_large_photo_arrives_in_blocks_whose_numbers_take_three_bytes() {
     same(Client::Libcoap, "blocks of 16", reply.content(), &photo);
 }
 
-/// A photo that was taken again is another one, and whoever has the old one is told so.
+/// A client that has the current photo receives 2.03 without a payload. A photo taken again has another tag, so a
+/// client with the old tag receives the new photo.
 #[test]
 fn whoever_has_the_photo_is_told_so_in_four_bytes() {
     let program = serve("seed", "max");

@@ -1,10 +1,11 @@
-//! Every resource in every format it has, as three clients get it, beside what the HTTP door shows at the same moment.
+//! Every resource in each of its formats, read by three clients and compared with the HTTP interface at the same
+//! moment.
 
 use super::ask::Ask;
 use super::client::Client;
 use super::{CBOR, ETAG, JSON, LINKS, SENML, TEXT, door, serve, shown, with_each};
 
-/// The tag of a resource as it stands, read with libcoap's client, which prints options when told to.
+/// Current ETag of a resource, read with libcoap's command, which can print options.
 pub(super) fn tag(door: &str, path: &str) -> Vec<u8> {
     let mut command = Client::Libcoap.command(door, &Ask::get(path).in_blocks_of(1024));
     let output = Client::Libcoap.finish(command.args(["-v", "6", "-o", "/dev/null"]));
@@ -36,7 +37,7 @@ fn every_client_reads_what_the_http_door_shows() {
             robot.content()[0] >> 5 == 5 && robot.content().windows(7).any(|word| word == b"heading"),
             "a CBOR map: {robot:?}"
         );
-        // coap-cli cannot take an answer in a format that it does not know.
+        // coap-cli does not know the SenML format and cannot read an answer in it.
         if client != Client::CoapCli {
             let temperature = get("/temperature", SENML).json();
             let celsius = &state["temperature"]["celsius"];
@@ -87,7 +88,7 @@ fn whoever_has_what_stands_is_told_so() {
     });
 }
 
-/// Every link leads somewhere, and each filter leaves what it should.
+/// Every link leads to a resource, and each filter returns the expected links.
 #[test]
 fn every_client_finds_what_there_is() {
     let program = serve("empty-8x8", "max");

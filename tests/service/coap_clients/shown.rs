@@ -1,10 +1,10 @@
-//! What the CoAP door has to show, worked out from what the HTTP door shows at the same moment.
+//! Expected output of the CoAP interface, derived from the output of the HTTP interface at the same moment.
 
 use serde_json::Value;
 
 use crate::program::Program;
 
-/// The robot's item, as `robot( state(stopped), direction(downDir), position(0, 0))`.
+/// Robot item, such as `robot( state(stopped), direction(downDir), position(0, 0))`.
 pub(crate) fn robot(state: &Value) -> String {
     let robot = &state["robot"];
     let direction = match robot["heading"].as_str().expect("a heading") {
@@ -18,7 +18,7 @@ pub(crate) fn robot(state: &Value) -> String {
     format!("robot( state({doing}), direction({direction}), position({}, {}))", position["x"], position["y"])
 }
 
-/// The map's item, as `roomMap( 'r 1 X @' )`, from the map as text, a line `|r, 1, X, ` a row.
+/// Map item, such as `roomMap( 'r 1 X @' )`. The source is the map as text, with a line such as `|r, 1, X, ` per row.
 pub(crate) fn map(program: &Program) -> String {
     let text = program.read("/api/v1/map", &[("accept", "text/plain")]).text();
     let row = |line: &str| {
@@ -28,14 +28,15 @@ pub(crate) fn map(program: &Program) -> String {
     format!("roomMap( '{}' )", text.lines().map(row).collect::<String>())
 }
 
-/// The latest piece's item, as `luggage( state( 'photo 1, position: (3, 3), date: …' ) )`.
+/// Item of the latest piece, such as `luggage( state( 'photo 1, position: (3, 3), date: …' ) )`.
 pub(crate) fn luggage(state: &Value) -> String {
     let piece = state["luggage"].as_array().and_then(|all| all.last()).expect("a piece was found");
     let (cell, taken) = (&piece["cell"], piece["taken"].as_str().expect("a time"));
     format!("luggage( state( 'photo {}, position: ({}, {}), date: {taken}' ) )", piece["id"], cell["x"], cell["y"])
 }
 
-/// The same state as the CoAP door writes it: photos are found below its own root, and a tag tells takes apart.
+/// State as the CoAP interface writes it: photo paths start at the CoAP root and have no query, because the ETag
+/// distinguishes the takes of a photo.
 pub(crate) fn state(mut state: Value) -> Value {
     for piece in state["luggage"].as_array_mut().expect("a list") {
         let url =

@@ -1,30 +1,30 @@
-//! A tap between a client and the door: it passes datagrams on, remembers them, and loses some of the door's. What they mean is the
-//! tests' business.
+//! A proxy between a client and the program that forwards and records datagrams, and drops some of the program's
+//! answers. The tests interpret the datagrams.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How long the tap listens to one side before it looks whether it is still needed.
+/// Longest wait for one side before the proxy checks whether it is still needed.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// A tap for one client after another.
+/// A proxy that serves one client after another.
 pub(crate) struct Tap {
     address: SocketAddr,
-    /// Lives as long as the tap; its thread ends when it is gone.
+    /// The thread of the proxy ends when this `Arc` is dropped.
     passed: Arc<Mutex<Vec<Datagram>>>,
 }
 
-/// A datagram that came to the tap.
+/// A datagram that reached the proxy.
 #[derive(Clone, Debug)]
 pub(crate) struct Datagram {
-    /// Whether the door sent it.
+    /// Whether the program sent the datagram.
     pub(crate) is_answer: bool,
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Datagram {
-    /// Its type: 0 CON, 1 NON, 2 ACK, 3 RST.
+    /// Message type: 0 CON, 1 NON, 2 ACK, 3 RST.
     pub(crate) fn kind(&self) -> u8 {
         self.bytes[0] >> 4 & 3
     }
@@ -35,7 +35,7 @@ impl Datagram {
 }
 
 impl Tap {
-    /// A tap before this door, that loses the first so many datagrams of it.
+    /// Creates a proxy that drops the first `lost` datagrams from the program.
     pub(crate) fn losing(door: SocketAddr, lost: usize) -> Tap {
         let bound = || {
             let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
@@ -56,7 +56,7 @@ impl Tap {
                 if let Ok((length, from)) = outer.recv_from(&mut bytes) {
                     client = Some(from);
                     note(false, &bytes[..length]);
-                    // The program may be gone, which the client will find out.
+                    // If the program has ended, the client will notice.
                     let _ = inner.send(&bytes[..length]);
                 }
                 while let Ok(length) = inner.recv(&mut bytes) {
@@ -71,12 +71,11 @@ impl Tap {
         Tap { address, passed }
     }
 
-    /// Where it is, as the beginning of a URL.
+    /// Beginning of a URL of the proxy.
     pub(crate) fn url(&self) -> String {
         format!("coap://{}", self.address)
     }
 
-    /// Everything that came to it.
     pub(crate) fn passed(&self) -> Vec<Datagram> {
         self.passed.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

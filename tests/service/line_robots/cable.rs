@@ -1,5 +1,6 @@
-//! A cable between the program and a robot that listens on a port, which can be pulled: nothing passes it any more, and neither end is told.
-//! Nor is the robot told that the program has ended, as over a serial device. What is said over it can be read along.
+//! A cable between the program and a robot that listens on a port. After the cable is pulled nothing passes, and
+//! neither end is told. The robot is not told either that the program has ended, as on a serial device. Tests can
+//! read the lines on the cable.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,7 +15,7 @@ use crate::program::PATIENCE;
 
 /// A cable for one connection.
 pub(crate) struct Cable {
-    /// Where the program finds the robot.
+    /// Address at which the program connects to the robot.
     pub(crate) place: String,
     said: Receiver<String>,
     is_pulled: Arc<AtomicBool>,
@@ -43,7 +44,8 @@ impl Cable {
         self.is_pulled.store(true, Ordering::SeqCst);
     }
 
-    /// The next line at either end that is one of these, whether it has passed or not.
+    /// Next line in either direction that starts with one of these words, even if the pulled cable did not deliver
+    /// it.
     pub(crate) fn until(&self, words: &[&str]) -> String {
         loop {
             let text = self.said.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("nobody says any of {words:?}"));
@@ -54,16 +56,17 @@ impl Cable {
     }
 }
 
-/// Carries what one end says to the other as long as it says something; both connections stay open until the other end has ended too.
+/// Forwards the bytes of one end until that end closes. Both connections stay open until the other end has closed
+/// too.
 fn carry(mut from: TcpStream, mut to: TcpStream, pulled: &AtomicBool, say: &Sender<String>) {
     let (mut bytes, mut lines) = ([0; 1024], LineReader::default());
     while let Ok(count @ 1..) = from.read(&mut bytes) {
         if !pulled.load(Ordering::SeqCst) {
-            // An end that is gone hears nothing; the other is not told.
+            // A write error is ignored: the sender must not learn that the other end is gone.
             let _ = to.write_all(&bytes[..count]);
         }
         for text in bytes[..count].iter().filter_map(|byte| lines.take(*byte)) {
-            // Whoever no longer reads along has read enough.
+            // A test that has dropped its receiver needs no further lines.
             let _ = say.send(text);
         }
     }

@@ -1,4 +1,4 @@
-//! A flood of STOPs at a door, and a robot at the end of a slow wire.
+//! Floods of STOPs at an interface, while the robot is at the end of a slow wire.
 
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
@@ -8,13 +8,14 @@ use super::{Emulator, has, serve};
 use crate::program::PATIENCE;
 use crate::stop_floods::pipelined;
 
-/// Far more than a slow wire carries while they come.
+/// Number of STOPs, far more than the slow wire can carry during the flood.
 const STOPS: usize = 4_000;
 
-/// Halts that may still be under way when the next order is written, or be written by STOPs that the program was still carrying out.
+/// Largest number of halts after the flood: halts on the way when the next order is written, and halts of STOPs that
+/// the program had not finished.
 const STRAGGLERS: usize = 5;
 
-/// The lines up to the next motion, with that at the end.
+/// Lines up to and including the next motion.
 fn until_motion(said: &Receiver<String>) -> Vec<String> {
     let is_motion = |line: &String| line.starts_with(['w', 'a', 'd', 'c']);
     let mut lines = Vec::new();
@@ -28,7 +29,8 @@ fn halts(lines: &[String]) -> usize {
     lines.iter().filter(|line| line.starts_with("h ")).count()
 }
 
-/// Safety S1, S6. Ten halts a second are written at most; behind hundreds the robot would be lost, or hear of the next order seconds later.
+/// Safety S1, S6. At most ten halts a second are written. With hundreds of halts in the queue the link would be lost,
+/// or the next order would arrive seconds later.
 #[test]
 #[expect(clippy::disallowed_methods, reason = "how many halts there may be follows from how long the flood lasts")]
 fn over_a_slow_wire_a_flood_of_stops_leaves_the_link_up_and_the_next_order_in_front() {

@@ -1,5 +1,6 @@
-//! Robots of the line protocol: the program and the emulator as two processes, over TCP and over a pair of pseudo-terminals that lose and
-//! garble bytes. What the wire does to driver and robot is tested beside them, from many seeds.
+//! Robots of the line protocol: the program and the emulator as two processes, over TCP and over a pair of
+//! pseudo-terminals that lose and garble bytes. The effects of a bad wire on the driver and the robot are tested
+//! beside them, with many seeds.
 
 mod cable;
 mod floods;
@@ -19,12 +20,12 @@ use cable::Cable;
 use paced::{PHOTO, PacedRobot, Seen};
 use terminals::Terminals;
 
-/// A robot that is played by a process of its own.
+/// A robot that the emulator plays in its own process.
 pub(crate) struct Emulator {
     pub(crate) child: Child,
-    /// Where it says that it is.
+    /// Address that the emulator has printed.
     pub(crate) place: String,
-    // Stays open until the process ends, so that writing to it never fails.
+    // Stays open until the process ends, so that the emulator's writes never fail.
     _said: BufReader<ChildStdout>,
 }
 
@@ -33,7 +34,7 @@ impl Emulator {
         Emulator::started(&mut hallsweep(&[&["robot-emulator"], arguments].concat()))
     }
 
-    /// Starts this command, and waits until it says where it is.
+    /// Starts this command and waits until it prints its address.
     pub(crate) fn started(command: &mut Command) -> Emulator {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("the emulator starts");
         let mut said = BufReader::new(child.stdout.take().expect("standard output is a pipe"));
@@ -46,7 +47,7 @@ impl Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // It may have ended already, which is as good.
+        // The process may have ended already, which is fine.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -62,7 +63,7 @@ fn has(state: &Value, hold: &str) -> bool {
     state["mission"]["holds"].as_array().expect("the state says what holds the robot").iter().any(|name| name == hold)
 }
 
-/// Presses START, and again whenever the mission waits for it, and calls everything safe, until the hall is explored.
+/// Sends START whenever the mission waits for START, and calls every piece safe, until the hall is explored.
 fn explore(program: &Program) -> Value {
     program.command("start").accepted();
     loop {
@@ -73,7 +74,7 @@ fn explore(program: &Program) -> Value {
             return state;
         }
         if has(&state, "awaitingStart") {
-            // While it is not linked again this is refused.
+            // The program refuses START until the robot is linked again.
             program.command("start");
         }
         if let Some(piece) = undecided(&state) {
@@ -82,7 +83,7 @@ fn explore(program: &Program) -> Value {
     }
 }
 
-/// A piece that waits for its verdict.
+/// Number of a piece without a verdict.
 fn undecided(state: &Value) -> Option<u64> {
     let mut pieces = state["luggage"].as_array().expect("a list").iter();
     pieces.find(|piece| piece["verdict"] == "pending")?["id"].as_u64()
@@ -137,7 +138,7 @@ fn while_nothing_moves_another_robot_takes_the_place_of_one_and_the_mission_goes
     assert_eq!(visited(&explore(&program)), 64);
 }
 
-/// Safety S1. The photo would take 100 s; only when the robot has been told to halt does the rest of it come.
+/// Safety S1. The photo would take 100 s. The rest of the photo must arrive after the robot was told to halt.
 #[test]
 fn a_stop_reaches_the_robot_in_the_middle_of_a_photo_and_the_photo_is_kept() {
     let robot = PacedRobot::listening(1_000, true);
@@ -175,7 +176,7 @@ fn a_robot_whose_cable_is_pulled_halts_by_itself_and_the_mission_is_held() {
     program.until("the mission is held", |state| has(state, "robotLink") && has(state, "awaitingStart"));
 }
 
-/// A program whose robot has just been told to move.
+/// Starts a program and waits until its robot has been told to move.
 fn moving(cable: &Cable) -> Program {
     let program = serve(&cable.place);
     program.command("start").accepted();
@@ -183,7 +184,8 @@ fn moving(cable: &Cable) -> Program {
     program
 }
 
-/// It says that it has halted before anybody else comes to its port, and then where: in the cell in which it was.
+/// Fails unless the robot halts before another client connects to its port, and then reports the cell in which it
+/// was.
 fn halts_by_itself(cable: &Cable, emulator: &Emulator) {
     let halted = cable.until(&["done", "halted", "failed"]);
     assert!(halted.starts_with("halted ") && halted.ends_with(" off"), "{halted}");
@@ -202,7 +204,8 @@ fn a_robot_whose_program_is_killed_halts_by_itself() {
     program.command("start").accepted();
     program.until("it moves", |state| state["robot"]["state"] != "stopped");
     program.killer()();
-    // Time in which it would have come to the end of its step; and who connects halts it as well.
+    // In this time an undisturbed step would have ended. The test must wait, because a new connection halts the robot
+    // as well.
     std::thread::sleep(Duration::from_secs(5));
     let mut wire = TcpStream::connect(&emulator.place).expect("the robot listens");
     wire.set_read_timeout(Some(PATIENCE)).expect("it is a socket");
@@ -211,7 +214,7 @@ fn a_robot_whose_program_is_killed_halts_by_itself() {
     assert!(hello.contains("at=0,0,south off last="), "{hello}");
 }
 
-/// The next line that begins so.
+/// Next line that starts with this text.
 fn line(wire: &mut TcpStream, begins: &str) -> String {
     let mut reader = LineReader::default();
     BufReader::new(wire)

@@ -1,5 +1,5 @@
-//! A robot of the line protocol at a port of this machine whose photos come as slowly as over a serial line: for what must happen meanwhile.
-//! Its body is as simple as can be. What is seen at its port it tells, and when that was.
+//! A robot of the line protocol on a local port whose photos arrive as slowly as over a serial line, for tests of
+//! what happens during a photo. Its body is minimal. It reports the events at its port with their times.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -15,37 +15,37 @@ use hallsweep_core::robot::Parts;
 use hallsweep_core::units::{Now, OrderId, Piece, Pose, WallTime};
 use hallsweep_drivers::line::{BodyRequest, LineReader, LineRobot, RobotName};
 
-/// The bytes of its photos.
+/// Size of a photo, in bytes.
 pub(crate) const PHOTO: usize = 100_000;
 
-/// Deadlines follow from it: nothing here comes to one.
+/// Claimed duration of each action, from which deadlines follow. It is so long that no deadline expires.
 const TIMES: Duration = Duration::from_secs(60);
 
-/// So long the wire is listened to before more is written.
+/// Time for which the robot reads before it writes again.
 const TICK: Duration = Duration::from_millis(1);
 
-/// What was seen at the robot's port.
+/// Event at the robot's port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Seen {
-    /// It began a step forward.
+    /// The robot began a step forward.
     Moves,
-    /// It was told to halt.
+    /// The robot was told to halt.
     Halt,
     PhotoBegins,
     PhotoOver,
 }
 
-/// One robot, for one connection.
+/// A robot that serves one connection.
 pub(crate) struct PacedRobot {
-    /// Where it listens, as `127.0.0.1:40123`.
+    /// Address of the robot, such as `127.0.0.1:40123`.
     pub(crate) place: String,
     pub(crate) seen: Receiver<(Seen, Instant)>,
     bytes_a_second: Arc<AtomicU64>,
 }
 
 impl PacedRobot {
-    /// One whose photos come with so many bytes a second. When it meets luggage it has that in front of it from the beginning; else a step
-    /// lasts until a halt.
+    /// Starts a robot with this photo speed. With `meets_luggage` a piece of luggage is in front of the robot from
+    /// the start; without it a step lasts until a halt.
     pub(crate) fn listening(bytes_a_second: u64, meets_luggage: bool) -> PacedRobot {
         let listener = TcpListener::bind("127.0.0.1:0").expect("this machine has a free port");
         let place = listener.local_addr().expect("it is bound").to_string();
@@ -54,13 +54,13 @@ impl PacedRobot {
         let pace = Arc::clone(&bytes_a_second);
         std::thread::spawn(move || {
             let Ok((stream, _)) = listener.accept() else { return };
-            // It ends with the connection.
+            // Ends with the connection.
             let _ = Life::new(stream, meets_luggage, pace, say).live();
         });
         PacedRobot { place, seen, bytes_a_second }
     }
 
-    /// Lets photos come with so many bytes a second from now on.
+    /// Changes the photo speed from now on.
     pub(crate) fn pace(&self, bytes_a_second: u64) {
         self.bytes_a_second.store(bytes_a_second, Ordering::Relaxed);
     }
@@ -72,11 +72,11 @@ struct Life {
     lines: LineReader,
     begun: Instant,
     meets_luggage: bool,
-    /// The step that lasts until a halt.
+    /// Step that lasts until a halt.
     open: Option<OrderId>,
-    /// The photo on its way, and how much of it is written.
+    /// Photo in transmission, and the number of bytes already written.
     photo: Option<(Arc<[u8]>, usize)>,
-    /// When the wire last took some of it.
+    /// Time of the last write of photo bytes.
     written: Duration,
     bytes_a_second: Arc<AtomicU64>,
     say: Sender<(Seen, Instant)>,
@@ -123,7 +123,7 @@ impl Life {
         let heard = now();
         let texts = bytes.iter().filter_map(|byte| self.lines.take(*byte));
         for _ in texts.filter(|text| text.starts_with("h ")) {
-            // Whoever no longer looks has seen enough.
+            // A test that has dropped its receiver needs no further events.
             let _ = self.say.send((Seen::Halt, heard));
         }
         self.robot.handle_received(bytes, self.now());
@@ -153,7 +153,7 @@ impl Life {
         }
     }
 
-    /// Lines are written at once, photos as slowly as was asked for.
+    /// Writes lines at once, and photos at the requested speed.
     fn write(&mut self) -> std::io::Result<()> {
         while self.write_photo()? {
             let Some(next) = self.robot.poll_output() else { break };
@@ -168,7 +168,7 @@ impl Life {
         Ok(())
     }
 
-    /// Writes as much of the photo as the wire has taken since it was written to last; whether none is left.
+    /// Writes the photo bytes that are due since the last write. Returns whether no photo is left to write.
     fn write_photo(&mut self) -> std::io::Result<bool> {
         let Some((bytes, done)) = &mut self.photo else { return Ok(true) };
         let since = self.begun.elapsed() - self.written;

@@ -1,5 +1,5 @@
-//! Two pseudo-terminals that stand for a serial cable with its two devices, and what goes wrong on it: bytes that are lost, changed or come
-//! from nowhere, from a seed.
+//! Two pseudo-terminals in place of a serial cable and its two devices, with faults from a seed: bytes are lost,
+//! changed or inserted.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -12,29 +12,30 @@ use hallsweep_drivers::line::LineReader;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 pub(crate) struct Terminals {
-    /// The device of the robot.
+    /// Device of the robot.
     pub(crate) robot: String,
-    /// The device of the program.
+    /// Device of the program.
     pub(crate) program: String,
-    /// Held open, so that the cable stays when one end closes its device for a while.
+    /// Kept open, so that the cable survives if one end closes its device for a while.
     _held: [File; 2],
 }
 
 impl Terminals {
-    /// A cable on which, with this likelihood, something goes wrong in what is read at once.
+    /// Creates a cable. For each read, `trouble` is the probability of each kind of fault.
     pub(crate) fn joined(seed: u64, trouble: f64) -> Terminals {
         let ((robot, robot_device), (program, program_device)) = (terminal(), terminal());
         let held = [&robot_device, &program_device].map(|device| File::open(device).expect("the device is there"));
         let copy = |end: &File| end.try_clone().expect("a descriptor is left");
         let there = (copy(&program), copy(&robot), RandomStream::new(seed, "there"));
         for (from, to, chance) in [there, (robot, program, RandomStream::new(seed, "back"))] {
-            // Ends when nobody holds the device any more.
+            // Ends when nothing holds the device any more.
             spawn(move || carry(from, to, chance, trouble));
         }
         Terminals { robot: robot_device, program: program_device, _held: held }
     }
 
-    /// A good cable that carries so many bytes a second each way, and what the program says over it, line by line as it arrives.
+    /// Creates a reliable cable with this speed in each direction. The receiver gets the lines of the program as they
+    /// arrive.
     pub(crate) fn slow(bytes_a_second: u32) -> (Terminals, Receiver<String>) {
         let ((robot, robot_device), (program, program_device)) = (terminal(), terminal());
         let held = [&robot_device, &program_device].map(|device| File::open(device).expect("the device is there"));
@@ -83,7 +84,7 @@ fn carry_slowly(mut from: File, mut to: File, bytes_a_second: u32, say: &Sender<
             return;
         }
         for text in bytes[..count].iter().filter_map(|byte| lines.take(*byte)) {
-            // Whoever no longer reads along has read enough.
+            // A test that has dropped its receiver needs no further lines.
             let _ = say.send(text);
         }
     }

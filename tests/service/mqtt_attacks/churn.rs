@@ -1,5 +1,5 @@
-//! Filters that are asked for and let go of without end by whoever may only look: each packet has its answer, and all of it costs the
-//! program little and others nothing.
+//! Viewers that subscribe to filters and unsubscribe from them without end: each packet gets its answer, the cost for
+//! the program is small, and other clients are not affected.
 
 use std::thread::JoinHandle;
 
@@ -8,19 +8,19 @@ use super::packets::{SUBACK, UNSUBACK, connect_as, packet, subscribe_all, text};
 use super::siege::Siege;
 use crate::access::Folder;
 
-/// So many connections of one key,
+/// Number of connections with the same key.
 const CLIENTS: usize = 48;
 
-/// each ask for so many filters at once and let them go again,
+/// Filters in each SUBSCRIBE, and in the UNSUBSCRIBE that follows it.
 const FILTERS: usize = 60;
 
-/// so often, without waiting for an answer.
+/// Pairs of SUBSCRIBE and UNSUBSCRIBE that each connection sends without waiting for an answer.
 const PAIRS: usize = 400;
 
-/// The most memory that the program may take, in MiB.
+/// Limit for the memory of the program, in MiB.
 const MEMORY_MIB: u64 = 128;
 
-/// A SUBSCRIBE to so many filters, and an UNSUBSCRIBE of all of them.
+/// A SUBSCRIBE to `FILTERS` filters, followed by an UNSUBSCRIBE from all of them.
 fn pair() -> Vec<u8> {
     let filters: Vec<String> = (0..FILTERS).map(|n| format!("a/{n}")).collect();
     let named: Vec<u8> = filters.iter().flat_map(|filter| text(filter)).collect();

@@ -1,5 +1,5 @@
-//! An MQTT client as plain as can be: it sends whatever bytes it is told to, and reads what comes, packet by packet. It knows no
-//! session and answers nothing by itself.
+//! A minimal MQTT client that sends arbitrary bytes and reads the incoming packets one by one. It has no session
+//! state and sends nothing by itself.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -8,27 +8,26 @@ use std::time::Duration;
 use super::five::{bare, dressed, whole};
 use super::packets::{CONNACK, PINGREQ, PINGRESP, SUBACK, publish, subscribe};
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A connection to a broker.
 pub(crate) struct Client {
     stream: TcpStream,
     heard: Vec<u8>,
-    /// Whether MQTT 5 is spoken; who uses it need not know.
+    /// Whether the connection uses MQTT 5. The client converts packets, so callers always use MQTT 3.1.1.
     is_five: bool,
 }
 
-/// What came.
+/// An incoming packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Came {
-    /// Kind and flags.
+    /// Packet type and flags.
     pub(crate) first: u8,
-    /// What follows the length.
+    /// Bytes after the length field.
     pub(crate) body: Vec<u8>,
 }
 
-/// A message that came.
+/// A received message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Message {
     pub(crate) topic: String,
@@ -37,12 +36,12 @@ pub(crate) struct Message {
 }
 
 impl Client {
-    /// A connection on which nothing was said.
+    /// Connects without sending anything.
     pub(crate) fn silent(at: SocketAddr) -> Client {
         Client::speaking(at, false)
     }
 
-    /// The same in MQTT 5, or not.
+    /// Like `silent`, with MQTT 5 if `is_five`.
     pub(crate) fn speaking(at: SocketAddr, is_five: bool) -> Client {
         let stream = TcpStream::connect(at).expect("the broker listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
@@ -51,35 +50,34 @@ impl Client {
         Client { stream, heard: Vec::new(), is_five }
     }
 
-    /// A client that was let in with this CONNECT, if it was.
+    /// Connects with this CONNECT. Returns `None` if the broker refuses.
     pub(crate) fn try_connect(at: SocketAddr, connect: &[u8]) -> Option<Client> {
         Client::try_speaking(at, connect, false)
     }
 
-    /// The same in MQTT 5, or not.
+    /// Like `try_connect`, with MQTT 5 if `is_five`.
     pub(crate) fn try_speaking(at: SocketAddr, connect: &[u8], is_five: bool) -> Option<Client> {
         let mut client = Client::speaking(at, is_five);
         client.say(connect);
         (client.next() == Some(Came { first: CONNACK, body: vec![0, 0] })).then_some(client)
     }
 
-    /// Sends these bytes.
     pub(crate) fn say(&mut self, bytes: &[u8]) {
         assert!(self.try_say(bytes), "the broker takes it");
     }
 
-    /// Sends these bytes to a broker that may have had enough already; whether it took them.
+    /// Sends these bytes and returns whether that worked, since the broker may already have closed the connection.
     pub(crate) fn try_say(&mut self, bytes: &[u8]) -> bool {
         if self.is_five { self.stream.write_all(&dressed(bytes)) } else { self.stream.write_all(bytes) }.is_ok()
     }
 
-    /// Sends no more, and waits for the end of the other side.
+    /// Closes the sending side, and waits until the broker closes the other.
     pub(crate) fn hang_up(mut self) {
         let _ = self.stream.shutdown(std::net::Shutdown::Write);
         while self.next().is_some() {}
     }
 
-    /// The next packet; `None` when the broker has closed the connection.
+    /// Next packet, or `None` if the broker has closed the connection.
     pub(crate) fn next(&mut self) -> Option<Came> {
         loop {
             if let Some((length, head)) = whole(&self.heard) {
@@ -100,7 +98,7 @@ impl Client {
         }
     }
 
-    /// The next packet of this first byte; others are passed over.
+    /// Next packet with this first byte. Other packets are skipped.
     pub(crate) fn until(&mut self, first: u8) -> Came {
         loop {
             let came = self.next().expect("the connection goes on");
@@ -110,7 +108,7 @@ impl Client {
         }
     }
 
-    /// The next message; anything else is passed over.
+    /// Next message. Other packets are skipped.
     pub(crate) fn message(&mut self) -> Message {
         loop {
             if let Some(message) = self.next().expect("the connection goes on").message() {
@@ -119,31 +117,30 @@ impl Client {
         }
     }
 
-    /// Subscribes; the code that it is answered with.
+    /// Subscribes and returns the code in the SUBACK.
     pub(crate) fn subscribe(&mut self, filter: &str, qos: u8) -> u8 {
         self.say(&subscribe(1, filter, qos));
         self.until(SUBACK).body[2]
     }
 
-    /// Publishes at QoS 0.
     pub(crate) fn publish(&mut self, topic: &str, payload: &[u8]) {
         self.say(&publish(topic, payload, 0, 0, 0));
     }
 
-    /// Asks whether the broker is there, and waits until it has said so: everything before that has come through the gate.
+    /// Sends a ping and waits for the answer: by then the broker has processed everything sent before the ping.
     pub(crate) fn settle(&mut self) {
         self.say(&PINGREQ);
         self.until(PINGRESP);
     }
 
-    /// A second way to the same connection, which only says something.
+    /// Second handle of the same connection, for writing from another thread.
     pub(crate) fn mouth(&self) -> TcpStream {
         self.stream.try_clone().expect("the system has descriptors")
     }
 }
 
 impl Came {
-    /// The message, if it is one.
+    /// The packet as a message, if it is a PUBLISH.
     pub(crate) fn message(&self) -> Option<Message> {
         if self.first >> 4 != 3 {
             return None;

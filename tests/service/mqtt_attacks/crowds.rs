@@ -1,4 +1,4 @@
-//! Many at once: clients that say nothing, over TCP and WebSocket, and clients of ever new names. Each newcomer gets in all the same.
+//! Crowds: silent clients over TCP and WebSocket, and clients with ever new names. A new client is still accepted.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -8,13 +8,13 @@ use super::packets::{SUBACK, connect, subscribe, subscribe_all};
 use super::siege::Siege;
 use crate::program::{Deadline, PATIENCE};
 
-/// So many say nothing.
+/// Number of silent clients.
 const IDLE: usize = 300;
 
-/// So many descriptors may come and go with what else is done.
+/// Tolerance for descriptors that other activity opens and closes.
 const SLACK: usize = 16;
 
-/// What a web client says first.
+/// HTTP request with which a web client opens its WebSocket.
 fn opening(host: SocketAddr) -> String {
     format!(
         "GET /mqtt HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
@@ -22,7 +22,7 @@ fn opening(host: SocketAddr) -> String {
     )
 }
 
-/// A web client that was let through and says nothing.
+/// A web client that was accepted and then says nothing.
 pub(crate) fn web_client(host: SocketAddr) -> TcpStream {
     let mut stream = TcpStream::connect(host).expect("the program listens");
     stream.set_read_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
@@ -37,7 +37,7 @@ pub(crate) fn web_client(host: SocketAddr) -> TcpStream {
     stream
 }
 
-/// A message of a web client: masked with nothing, which is a mask as well.
+/// A WebSocket frame of a client. The mask is zero, which is valid.
 pub(crate) fn framed(bytes: &[u8]) -> Vec<u8> {
     let length = u8::try_from(bytes.len()).ok().filter(|length| *length < 126).expect("packets of this test are short");
     [&[0x82, 0x80 | length, 0, 0, 0, 0], bytes].concat()
@@ -49,7 +49,7 @@ fn three_hundred_clients_that_say_nothing_keep_nobody_out() {
     let mut siege = Siege::begin();
     let mut idle: Vec<Client> = (0..IDLE).map(|_| Client::silent(siege.broker)).collect();
     for (n, client) in idle.iter_mut().enumerate() {
-        // Some begin to say who they are.
+        // Some clients send a part of a CONNECT.
         client.say(&connect("slow", 60)[..n % 10]);
     }
     siege.stands();
@@ -84,7 +84,7 @@ fn three_hundred_web_clients_that_say_nothing_keep_nobody_out() {
     siege.stands();
 }
 
-/// Safety A5: a ping of WebSocket is answered, and the answers wait for whoever does not read them.
+/// Safety A5: each WebSocket ping has an answer, which waits if the client does not read.
 #[test]
 fn pings_of_web_clients_that_read_nothing_take_no_memory() {
     let mut siege = Siege::begin();
@@ -93,7 +93,7 @@ fn pings_of_web_clients_that_read_nothing_take_no_memory() {
     let mut clients: Vec<TcpStream> = (0..2).map(|_| web_client(siege.program.address())).collect();
     for (n, client) in clients.iter_mut().enumerate() {
         client.write_all(&framed(&connect(&format!("pinging-{n}"), 0))).expect("the program takes it");
-        // 26 MB, and as much in answers.
+        // 26 MB of pings, and the same amount of answers.
         for _ in 0..200 {
             client.write_all(&ping.repeat(1_000)).expect("the program takes it");
         }
@@ -124,7 +124,8 @@ fn thousands_of_names_filters_and_topics_are_borne() {
     assert!(memory < 150, "{memory} MiB");
 }
 
-/// Home Assistant subscribes to the topics of all its devices in packets of 500 before it comes to hallsweep's.
+/// Home Assistant subscribes to the topics of all its devices in packets of 500 filters; the topics of hallsweep may
+/// come last.
 #[test]
 fn a_client_with_a_thousand_filters_is_served_on_the_last_of_them() {
     Siege::in_both(|mut siege| {

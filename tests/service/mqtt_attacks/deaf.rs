@@ -1,5 +1,5 @@
-//! Clients that publish without pause to whoever reads none of it, themselves above all: each costs little, nobody else anything, and a
-//! STOP behind all of it halts.
+//! Clients that publish without pause to subscribers that read nothing, above all to themselves: each costs little,
+//! other clients are not affected, and a STOP after all the messages halts.
 
 use std::thread::JoinHandle;
 
@@ -9,26 +9,26 @@ use super::siege::Siege;
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
-/// So many clients,
+/// Number of clients that do not read.
 const DEAF: usize = 20;
 
-/// each of which says so much,
+/// Messages that each client publishes.
 const MESSAGES: usize = 100_000;
 
-/// in so many bytes each, which is more than waits anywhere for it,
+/// Size of a message, in bytes. The messages of one client exceed every queue.
 const MESSAGE: usize = 100;
 
-/// may cost so much together, in MiB.
+/// Limit for the additional memory of the program, in MiB, for all clients together.
 const MOST_MIB: u64 = 64;
 
-/// A client that reads what is said there, and reads nothing of it.
+/// A client that subscribes to this filter and reads none of the messages.
 fn deaf(siege: &Siege, n: usize, filter: &str) -> Client {
     let mut client = siege.client(&format!("deaf-{n}"));
     assert_eq!(client.subscribe(filter, 0), 0);
     client
 }
 
-/// They all say what they have to say, each on a topic of its own, and STOP at the end.
+/// Makes each client publish all its messages on its own topic, and a STOP at the end.
 fn say_all(deaf: Vec<Client>) -> Vec<JoinHandle<Client>> {
     let saying = deaf.into_iter().enumerate().map(|(n, mut client)| {
         std::thread::spawn(move || {
@@ -41,7 +41,7 @@ fn say_all(deaf: Vec<Client>) -> Vec<JoinHandle<Client>> {
     saying.collect()
 }
 
-/// The most memory that the program has in use until they have said it; others are served meanwhile.
+/// Highest memory of the program while the clients publish, in MiB. Also checks that other clients are served.
 fn most_mib(siege: &mut Siege, saying: &[JoinHandle<Client>]) -> u64 {
     let mut most = 0;
     while !saying.iter().all(JoinHandle::is_finished) {

@@ -1,7 +1,7 @@
-//! Packets of MQTT 3.1.1 as those of MQTT 5 that say the same, and back: so what is tried in one version is tried in the other, too.
-//! Whatever is no good packet stays as it is.
+//! Conversion between packets of MQTT 3.1.1 and equivalent packets of MQTT 5, so that each test can run in both
+//! versions. Invalid packets are not changed.
 
-/// What a client says, in MQTT 5.
+/// Converts the packets of a client to MQTT 5.
 pub(crate) fn dressed(mut bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     while let Some((length, head)) = whole(bytes) {
@@ -15,7 +15,7 @@ pub(crate) fn dressed(mut bytes: &[u8]) -> Vec<u8> {
     [out, bytes.to_vec()].concat()
 }
 
-/// A body with no properties where properties stand.
+/// Inserts empty properties where MQTT 5 has properties.
 fn with_properties(first: u8, body: &[u8]) -> Option<Vec<u8>> {
     let mut body = body.to_vec();
     match first >> 4 {
@@ -41,7 +41,7 @@ fn text_length(body: &[u8], at: usize) -> Option<usize> {
     Some(usize::from(u16::from_be_bytes([*body.get(at)?, *body.get(at + 1)?])))
 }
 
-/// What a broker says, in MQTT 3.1.1; `None` for what that does not know.
+/// Converts a packet of the broker to MQTT 3.1.1. Returns `None` if that version has no such packet.
 pub(crate) fn bare(first: u8, body: &[u8]) -> Option<Vec<u8>> {
     let mut body = body.to_vec();
     match first >> 4 {
@@ -85,7 +85,7 @@ fn without_properties(body: &mut Vec<u8>, at: usize) {
     body.drain(at..at + own + length);
 }
 
-/// The length of the packet at the head, and where its body begins, when it is there whole.
+/// Length of the first packet and offset of its body, if the packet is complete.
 pub(crate) fn whole(bytes: &[u8]) -> Option<(usize, usize)> {
     let mut body = 0;
     for (place, byte) in bytes.iter().skip(1).take(4).enumerate() {

@@ -1,33 +1,34 @@
-//! More than anybody can take: what a client does not read costs the program little, and others nothing.
+//! Floods beyond what any client can read: messages that a client does not read cost the program little and do not
+//! affect others.
 
 use super::packets::{SUBACK, packet, publish, subscribe_all};
 use super::siege::Siege;
 
-/// So many bytes are published,
+/// Total size of the published messages, in bytes.
 const FLOOD: usize = 200 * 1024 * 1024;
 
-/// in messages of so many.
+/// Size of each message, in bytes.
 const MESSAGE: usize = 16 * 1024;
 
-/// The most memory that the program may take, in MiB.
+/// Limit for the memory of the program, in MiB.
 const MEMORY_MIB: u64 = 128;
 
-/// So many filters are held by so many clients,
+/// Clients that subscribe to 64 filters each.
 const HOLDERS: usize = 24;
 
-/// messages of so many bytes are published on each,
+/// Size of each message for these clients, in bytes.
 const LONGEST: usize = 4_000;
 
-/// so often,
+/// Messages that are published for each filter.
 const ROUNDS: usize = 40;
 
-/// and the program may take so much for all of it, in MiB.
+/// Limit for the memory of the program during these messages, in MiB.
 const READ_MIB: u64 = 64;
 
-/// So many short messages are published that match sixty filters.
+/// Number of short messages, each of which matches sixty filters.
 const SHORT: usize = 200_000;
 
-/// So many messages are more than wait anywhere at once.
+/// Number of messages, more than all queues together can hold.
 const MESSAGES: u32 = 30_000;
 
 #[test]
@@ -71,7 +72,7 @@ fn a_subscriber_that_never_reads_costs_little_and_nobody_else_anything() {
     siege.stands();
 }
 
-/// Short messages cost more than their bytes. Safety A5.
+/// A short message costs more than its bytes. Safety A5.
 #[test]
 fn short_messages_under_many_filters_cost_little_and_nobody_else_anything() {
     let mut siege = Siege::begin();
@@ -90,7 +91,7 @@ fn short_messages_under_many_filters_cost_little_and_nobody_else_anything() {
     siege.stands();
 }
 
-/// What was said and read takes no room any more, under however many topics and filters. Safety A5.
+/// Messages that were sent and read occupy no memory, however many topics and filters there are. Safety A5.
 #[test]
 fn messages_that_were_read_take_no_memory() {
     let mut siege = Siege::begin();
@@ -113,7 +114,7 @@ fn messages_that_were_read_take_no_memory() {
     siege.stands();
 }
 
-/// A topic of six levels, and filters that match it: one for each number below 64.
+/// Filter number `n`, below 64, that matches the topic of six levels. Number 0 is the topic itself.
 fn levels(n: usize) -> String {
     (0..6).map(|level| if n >> level & 1 == 1 { "+" } else { "a" }).collect::<Vec<_>>().join("/")
 }

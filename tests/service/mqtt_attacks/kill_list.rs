@@ -1,4 +1,4 @@
-//! What ends or stops brokers that trust their clients, one after the other, each through the public door.
+//! Input that crashes or blocks brokers which trust their clients, case by case, through the public port.
 
 use std::io::Write;
 
@@ -214,7 +214,7 @@ fn a_client_that_takes_its_leave_in_the_middle_of_a_burst_is_gone_and_no_more() 
     });
 }
 
-/// What hears a STOP before anything is judged hears it with whatever is wrong in it.
+/// A STOP is recognised before its packet is checked, so it may still contain errors.
 #[test]
 fn a_stop_that_wants_its_answer_where_no_topic_is_gets_it_where_answers_are() {
     let mut siege = Siege::begin();

@@ -1,4 +1,5 @@
-//! Ten thousand connections on which something is wrong, several at a time, half of them in MQTT 5. A failure prints its seed; `HALLSWEEP_SEED` plays it again.
+//! Ten thousand faulty connections, several at a time, half of them in MQTT 5. A failure prints its seed, and
+//! `HALLSWEEP_SEED` repeats the run.
 
 use std::net::SocketAddr;
 
@@ -7,16 +8,16 @@ use super::five::dressed;
 use super::packets::{CONNACK, connect, connect_with, packet, publish, subscribe, text};
 use super::siege::Siege;
 
-/// So many connections,
+/// Total number of connections.
 const CONNECTIONS: u64 = 10_000;
 
-/// so many of them at a time.
+/// Number of connections at a time.
 const AT_A_TIME: u64 = 8;
 
-/// Every so many of them the screen must get its next change.
+/// Number of rounds, in each of which the screen must receive changes of the state.
 const LOOKS: u64 = 4;
 
-/// Chance, the same for the same seed (splitmix64).
+/// Pseudo-random numbers, equal for equal seeds (splitmix64).
 struct Chance(u64);
 
 impl Chance {
@@ -28,7 +29,7 @@ impl Chance {
         mixed ^ mixed >> 31
     }
 
-    /// Less than this.
+    /// Number below `bound`.
     fn below(&mut self, bound: usize) -> usize {
         usize::try_from(self.next() % bound as u64).expect("it is less than a usize")
     }
@@ -45,7 +46,7 @@ impl Chance {
         of[self.below(of.len())]
     }
 
-    /// The same with some bytes changed, put in or left out.
+    /// Copy of the bytes with some bytes changed, inserted or removed.
     fn spoilt(&mut self, mut bytes: Vec<u8>) -> Vec<u8> {
         for _ in 0..=self.below(3) {
             let place = self.below(bytes.len());
@@ -77,7 +78,7 @@ const NAMES: [&str; 13] = [
     "unibo/qak/robotmind",
 ];
 
-/// What one of these connections says.
+/// Bytes of one connection.
 fn said(chance: &mut Chance) -> Vec<u8> {
     let is_five = chance.below(2) == 0;
     let dress = |packet: Vec<u8>| if is_five { dressed(&packet) } else { packet };
@@ -103,14 +104,14 @@ fn said(chance: &mut Chance) -> Vec<u8> {
     }
 }
 
-/// So many connections, one after the other.
+/// Opens `connections` connections, one after the other.
 fn pester(broker: SocketAddr, seed: u64, connections: u64) {
     let mut chance = Chance(seed);
     for _ in 0..connections {
         let bytes = said(&mut chance);
         let mut client = Client::silent(broker);
         client.try_say(&bytes);
-        // Some wait to the end, some are gone at once with what they were sent unread.
+        // Some connections wait for the end. Others close at once and leave the answers unread.
         if chance.below(3) > 0 {
             client.hang_up();
         }

@@ -1,5 +1,5 @@
-//! Attacks on our own broker: everything that is known to end or stop brokers, and then everything at once.
-//! Whatever is done, a screen that was there before is served still. Which client sees what, is tested elsewhere.
+//! Attacks on our own broker: every known way to crash or block a broker, and finally all of them at once. A screen
+//! that was connected before is still served. Access to topics is tested elsewhere.
 
 mod churn;
 pub(crate) mod client;

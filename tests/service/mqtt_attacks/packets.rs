@@ -1,9 +1,9 @@
-//! Packets of MQTT 3.1.1, good ones and bad ones, as bytes. Whoever sends them stands in `client`.
+//! Valid and invalid packets of MQTT 3.1.1, as bytes. Their sender is in `client`.
 
-/// Flags of a PUBLISH.
+/// Retain flag of a PUBLISH.
 pub(crate) const RETAIN: u8 = 1;
 
-/// The first bytes of packets that a test looks for or misuses.
+/// First bytes of the packets that a test expects or misuses.
 pub(crate) const CONNACK: u8 = 0x20;
 pub(crate) const PUBACK: u8 = 0x40;
 pub(crate) const PUBREC: u8 = 0x50;
@@ -32,50 +32,50 @@ pub(crate) fn packet(first: u8, body: &[u8]) -> Vec<u8> {
     packet
 }
 
-/// Text after its length.
+/// Text with its length before it.
 pub(crate) fn text(text: &str) -> Vec<u8> {
     let length = u16::try_from(text.len()).expect("texts of tests are short");
     [&length.to_be_bytes()[..], text.as_bytes()].concat()
 }
 
-/// A CONNECT of a client that wants nothing to be remembered.
+/// CONNECT of a client with a clean session.
 pub(crate) fn connect(client_id: &str, keep_alive_s: u16) -> Vec<u8> {
     connect_with(4, 2, keep_alive_s, &text(client_id))
 }
 
-/// A CONNECT of whoever has this key.
+/// CONNECT with this key.
 pub(crate) fn connect_as(client_id: &str, (name, token): (&str, &str)) -> Vec<u8> {
     connect_with(4, 0xC2, 60, &[text(client_id), text(name), text(token)].concat())
 }
 
-/// A CONNECT of this level of the protocol, with these flags and all that follows the keep alive.
+/// CONNECT with this protocol level, these flags, and all fields after the keep alive.
 pub(crate) fn connect_with(level: u8, flags: u8, keep_alive_s: u16, rest: &[u8]) -> Vec<u8> {
     packet(0x10, &[&text("MQTT")[..], &[level, flags], &keep_alive_s.to_be_bytes(), rest].concat())
 }
 
-/// A PUBLISH; `id` is left out at QoS 0.
+/// PUBLISH. `id` is omitted at QoS 0.
 pub(crate) fn publish(topic: &str, payload: &[u8], qos: u8, flags: u8, id: u16) -> Vec<u8> {
     let id = if qos == 0 { Vec::new() } else { id.to_be_bytes().to_vec() };
     packet(0x30 | qos << 1 | flags, &[&text(topic)[..], &id, payload].concat())
 }
 
-/// A SUBSCRIBE to several filters, at QoS 0.
+/// SUBSCRIBE to several filters, at QoS 0.
 pub(crate) fn subscribe_all(id: u16, filters: &[String]) -> Vec<u8> {
     let filters = filters.iter().flat_map(|filter| [&text(filter)[..], &[0]].concat());
     packet(0x82, &id.to_be_bytes().into_iter().chain(filters).collect::<Vec<u8>>())
 }
 
-/// A SUBSCRIBE to one filter.
+/// SUBSCRIBE to one filter.
 pub(crate) fn subscribe(id: u16, filter: &str, qos: u8) -> Vec<u8> {
     packet(0x82, &[&id.to_be_bytes()[..], &text(filter), &[qos]].concat())
 }
 
-/// An UNSUBSCRIBE of one filter.
+/// UNSUBSCRIBE from one filter.
 pub(crate) fn unsubscribe(id: u16, filter: &str) -> Vec<u8> {
     packet(0xA2, &[&id.to_be_bytes()[..], &text(filter)].concat())
 }
 
-/// A packet that is nothing but the id of another.
+/// Packet whose body is only the id of another packet.
 pub(crate) fn ack(first: u8, id: u16) -> Vec<u8> {
     packet(first, &id.to_be_bytes())
 }

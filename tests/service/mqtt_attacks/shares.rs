@@ -1,4 +1,4 @@
-//! What one key may take of what all share: it uses up what is its own, and others are none the worse for it.
+//! Limits per key for shared resources: a key can exhaust only its own share, and other keys are not affected.
 
 use super::client::Client;
 use super::packets::{PUBACK, RETAIN, SUBACK, connect_as, packet, publish, subscribe_all};
@@ -6,28 +6,28 @@ use super::siege::Siege;
 use crate::access::Folder;
 use crate::program::{Deadline, PATIENCE};
 
-/// So many topics are named.
+/// Number of different topics that a client publishes on.
 const TOPICS: usize = 75_000;
 
-/// So many messages are to be kept,
+/// Retained messages that one key publishes.
 const KEPT: usize = 5_000;
 
-/// and so many of one key are.
+/// Retained messages that the broker stores for one key.
 const SHARE: usize = 4_096;
 
-/// So many are kept that filters are looked for in,
+/// Retained messages among which the filters search.
 const SHELF: usize = 8_000;
 
-/// of so many kinds, in as many filters.
+/// Number of different last topic levels, and of filters.
 const KINDS: usize = 64;
 
-/// A client with this key.
+/// Connects a client with this key.
 fn with_key(siege: &Siege, folder: &Folder, name: &str) -> Client {
-    // Without an id of their own, so that the second does not take the first one's place.
+    // The id is empty, so that a second client does not replace the first.
     Client::try_connect(siege.broker, &connect_as("", (name, &folder.token_of(name)))).expect("it is let in")
 }
 
-/// Publishes so many messages that are to be kept, and waits until each is acknowledged.
+/// Publishes `count` retained messages and waits for all acknowledgements.
 fn keep(client: &mut Client, above: &str, count: usize) {
     for numbers in (0..count).collect::<Vec<_>>().chunks(500) {
         let said = numbers.iter().flat_map(|n| publish(&format!("{above}/{n}"), b"x", 1, RETAIN, 7));
@@ -36,9 +36,9 @@ fn keep(client: &mut Client, above: &str, count: usize) {
     }
 }
 
-/// How many kept messages a filter finds.
+/// Number of retained messages that match a filter.
 fn kept(siege: &Siege, filter: &str) -> usize {
-    // They come in the order of their topics, and the others have numbers.
+    // Retained messages arrive in the order of their topics. The other topics end with numbers, so `end` comes last.
     let mut last = siege.client("last");
     let end = filter.replace('#', "end");
     last.say(&publish(&end, b"x", 0, RETAIN, 0));
@@ -97,7 +97,8 @@ fn the_topics_that_a_viewer_names_wear_nothing_out() {
     siege.stands();
 }
 
-/// Safety S7: what a SUBSCRIBE costs does not grow with what others have let keep, and what it costs is taken in turns.
+/// Safety S7: the cost of a SUBSCRIBE does not grow with the retained messages of others, and a long SUBSCRIBE lets
+/// other clients have their turns.
 #[test]
 fn deep_filters_over_thousands_of_kept_messages_hold_nobody_up() {
     let mut siege = Siege::begin();

@@ -1,5 +1,5 @@
-//! A program under attack, with a screen that was there before: whatever is done to the broker, the screen is served as before,
-//! others get in, and the program did not have to begin anew.
+//! A program under attack, and a screen that was connected before. During and after the attack the screen is served,
+//! new clients are accepted, and the broker is not restarted.
 
 use std::fs::File;
 use std::net::SocketAddr;
@@ -12,39 +12,38 @@ use super::packets::{connect, connect_as};
 use crate::access::Folder;
 use crate::program::{Program, hallsweep};
 
-/// The program.
+/// Arguments of the program.
 const SERVE: [&str; 9] = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "empty-8x8", "--speed", "4"];
 
-/// Where the state is.
+/// Topic of the state that the screen follows.
 const STATE: &str = "hallsweep/discovery/state/temperature";
 
-/// Every siege has a file of its own for what its program says.
+/// Number of the next siege, for a separate log file of each program.
 static SIEGES: AtomicUsize = AtomicUsize::new(0);
 
-/// A program under attack.
 pub(crate) struct Siege {
     pub(crate) program: Program,
     pub(crate) broker: SocketAddr,
     screen: Client,
     said: PathBuf,
-    /// Whether those who come speak MQTT 5.
+    /// Whether new clients use MQTT 5.
     pub(crate) is_five: bool,
-    /// The key of the screen and of newcomers, where one is asked for.
+    /// Key of the screen and of new clients, if the broker asks for one.
     key: Option<(String, String)>,
-    /// Degrees that were reported, each time others.
+    /// Last reported temperature in degrees; each report is a different one.
     celsius: u32,
 }
 
 impl Siege {
-    /// Starts the program, and lets the screen come in.
+    /// Starts the program and connects the screen.
     pub(crate) fn begin() -> Siege {
         Siege::of(&mut hallsweep(&SERVE), None)
     }
 
-    /// One after the other in both versions of the protocol.
+    /// Runs a test in MQTT 3.1.1 and then in MQTT 5.
     pub(crate) fn in_both(test: impl Fn(Siege)) {
         for is_five in [false, true] {
-            // Seen when it fails.
+            // The test harness prints this when the test fails.
             eprintln!("in MQTT {}", if is_five { "5" } else { "3.1.1" });
             let mut siege = Siege::begin();
             siege.is_five = is_five;
@@ -52,17 +51,17 @@ impl Siege {
         }
     }
 
-    /// Somebody who has said nothing.
+    /// A connection that has sent nothing.
     pub(crate) fn stranger(&self) -> Client {
         Client::speaking(self.broker, self.is_five)
     }
 
-    /// The same with this router.
+    /// Like `begin`, with this router.
     pub(crate) fn routed_by(router: &str) -> Siege {
         Siege::of(hallsweep(&SERVE).env("HALLSWEEP__MQTT__ROUTER", router), None)
     }
 
-    /// The same where keys are asked for, which are in this folder; the screen has that of the operator.
+    /// Like `begin`, but the program asks for the keys of this folder. The screen has the operator's key.
     pub(crate) fn with_keys(folder: &Folder) -> Siege {
         let mut command = folder.command(&SERVE);
         let key = ("operator".to_owned(), folder.token_of("operator"));
@@ -82,12 +81,12 @@ impl Siege {
         siege
     }
 
-    /// A client that was let in, with this id.
+    /// Connects a client with this id.
     pub(crate) fn client(&self, client_id: &str) -> Client {
         come(self.broker, client_id, self.key.as_ref(), self.is_five).expect("a client is let in")
     }
 
-    /// The screen gets the next change of the state.
+    /// Fails unless the screen receives the next change of the state.
     pub(crate) fn is_served(&mut self) {
         self.celsius = if self.celsius < 20 { self.celsius + 1 } else { 10 };
         let celsius = f64::from(self.celsius) + 0.25;
@@ -101,7 +100,7 @@ impl Siege {
         }
     }
 
-    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, and nothing broke.
+    /// Fails unless the screen is served, a new client connects and finds the state, and the log shows no failure.
     pub(crate) fn stands(&mut self) {
         self.is_served();
         let mut newcomer = self.client("newcomer");
@@ -113,25 +112,25 @@ impl Siege {
         }
     }
 
-    /// The memory that the program has in use, in MiB.
+    /// Resident memory of the program, in MiB.
     pub(crate) fn memory_mib(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.program.id())).expect("it runs");
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("the system says so");
         line.split_whitespace().next().and_then(|kib| kib.parse::<u64>().ok()).expect("a number of KiB") / 1024
     }
 
-    /// How many descriptors the program has in use.
+    /// Number of open descriptors of the program.
     pub(crate) fn descriptors(&self) -> usize {
         std::fs::read_dir(format!("/proc/{}/fd", self.program.id())).expect("it runs").count()
     }
 
-    /// What the program has said on standard error.
+    /// Standard error of the program so far.
     pub(crate) fn said(&self) -> String {
         std::fs::read_to_string(&self.said).expect("the file is there")
     }
 }
 
-/// A client that was let in, with this key where one is asked for.
+/// Connects a client, with the key if there is one.
 fn come(broker: SocketAddr, client_id: &str, key: Option<&(String, String)>, is_five: bool) -> Option<Client> {
     let connect = key.map_or_else(|| connect(client_id, 60), |(name, token)| connect_as(client_id, (name, token)));
     Client::try_speaking(broker, &connect, is_five)
@@ -139,7 +138,7 @@ fn come(broker: SocketAddr, client_id: &str, key: Option<&(String, String)>, is_
 
 impl Drop for Siege {
     fn drop(&mut self) {
-        // Left behind it harms nobody; a failed test leaves it to be read.
+        // A leftover file is harmless. After a failed test it is kept for reading.
         if !std::thread::panicking() {
             let _ = std::fs::remove_file(&self.said);
         }

@@ -1,5 +1,5 @@
-//! Subscribers that do not read, beside others that do: the one who does not loses its own messages alone, and finds the newest when it
-//! reads again.
+//! Subscribers that do not read, beside others that do: a stalled subscriber loses only its own messages, and
+//! receives the newest ones when it reads again.
 
 use std::sync::mpsc;
 
@@ -7,34 +7,34 @@ use super::client::Client;
 use super::packets::{PUBACK, RETAIN, publish, subscribe};
 use super::siege::Siege;
 
-/// So many messages are published,
+/// Total number of published messages.
 const MESSAGES: usize = 60_000;
 
-/// by so many at once.
+/// Number of publishers that run in parallel.
 const PUBLISHERS: usize = 2;
 
-/// Those who read, and as many who do not.
+/// Number of subscribers that read. The same number do not read.
 const READERS: usize = 3;
 
-/// Messages of a kibibyte: more than waits anywhere for one who does not read.
+/// Messages of one KiB each, more than the queue of a stalled subscriber holds.
 const NOISE: usize = 20_000;
 
-/// So many who never read,
+/// Number of subscribers that never read.
 const STALLED: usize = 180;
 
-/// beside so many long messages that are kept,
+/// Number of large retained messages.
 const KEPT: usize = 120;
 
-/// of so many bytes,
+/// Size of a large message, in bytes.
 const LONG: usize = 250 * 1024;
 
-/// and so many that are published after that.
+/// Number of large messages that are published after the retained ones.
 const FLOOD: usize = 300;
 
-/// The most memory that the program may take, in MiB.
+/// Limit for the memory of the program, in MiB.
 const MEMORY_MIB: u64 = 128;
 
-/// Publishes all numbers of one of the publishers.
+/// Publishes all numbers of publisher `of`.
 fn flood(mut client: Client, of: usize) {
     let mine: Vec<usize> = (0..MESSAGES).filter(|n| n % PUBLISHERS == of).collect();
     for numbers in mine.chunks(100) {
@@ -57,7 +57,7 @@ fn those_who_read_miss_nothing_beside_those_who_do_not_where_rumqttd_routes() {
     miss_nothing(Siege::routed_by("rumqttd"));
 }
 
-/// The setting of a program that was built with it does not keep this one from starting.
+/// The setting for rumqttd must not prevent the start of a program that was built without rumqttd.
 #[cfg(not(feature = "rumqttd-router"))]
 #[test]
 fn without_rumqttd_the_programs_own_router_takes_its_place_and_the_console_and_the_log_say_so() {
@@ -123,7 +123,8 @@ fn whoever_fell_behind_gets_the_newest_of_each_topic_when_it_reads_again() {
     assert!(told.payload == b"newest" && !told.is_kept, "as somebody who was here all the time: {told:?}");
 }
 
-/// Safety A5: what waits for them they have in common, and when it is too much the one that has read nothing for longest gives way.
+/// Safety A5: stalled subscribers share one queue limit. If it is exceeded, the subscriber that has not read for the
+/// longest time is evicted.
 #[test]
 fn a_crowd_that_never_reads_costs_little_and_those_who_read_miss_nothing() {
     let mut siege = Siege::begin();
@@ -156,7 +157,7 @@ fn a_crowd_that_never_reads_costs_little_and_those_who_read_miss_nothing() {
         payload.resize(LONG, b'x');
         publisher.say(&publish(&format!("flood/{}", n % 5), &payload, 0, 0, 0));
         most = most.max(siege.memory_mib());
-        // No machine is too slow for this one.
+        // The publisher waits for the reader, so the test works on slow machines.
         has_read.recv().expect("it reads");
     }
     publisher.settle();

@@ -1,4 +1,4 @@
-//! STOP over MQTT under a flood: it halts, whoever shouts. How soon is measured in `benches`.
+//! STOP over MQTT during a flood halts the robot. The latency is measured in `benches`.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,13 +9,13 @@ use super::packets::{connect, publish};
 use super::siege::Siege;
 use crate::journal::holds;
 
-/// So many clients publish as fast as they can,
+/// Number of clients that publish as fast as they can.
 const SHOUTING: usize = 4;
 
-/// and so often the robot is started and stopped meanwhile.
+/// Number of times that the robot is started and stopped during the flood.
 const STOPS: usize = 20;
 
-/// Publishes until it is enough.
+/// Publishes until `is_enough` is set.
 fn shout(mut client: Client, n: usize, is_enough: &AtomicBool) {
     let burst = publish(&format!("shouts/{n}"), &[b'x'; 100], 0, 0, 0).repeat(100);
     let mut mouth = client.mouth();
@@ -25,7 +25,8 @@ fn shout(mut client: Client, n: usize, is_enough: &AtomicBool) {
     client.settle();
 }
 
-/// Safety S4: a client's library sends what was not acknowledged again, however long ago that was. What carries its epoch acts.
+/// Safety S4: a client library sends an unacknowledged message again, however old it is. A START with the current
+/// epoch still works.
 #[test]
 fn a_start_that_a_client_delivers_again_after_a_stop_moves_nothing() {
     const DUP: u8 = 8;
@@ -74,7 +75,7 @@ fn a_stop_halts_while_others_flood_the_broker_and_one_reads_nothing() {
     siege.stands();
 }
 
-/// Safety S8: its message has no end yet, and may never have one.
+/// Safety S8: the WebSocket message has no end yet, and may never have one.
 #[test]
 fn a_stop_over_websocket_halts_when_its_frame_has_come_whole() {
     let siege = Siege::begin();

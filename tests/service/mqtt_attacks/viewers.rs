@@ -1,5 +1,5 @@
-//! What somebody may try who has a viewer's key: floods of all that is refused, more connections than there are places. A STOP halts
-//! beside it, from whoever comes and from whoever is there. How soon is measured in `benches`.
+//! Attacks with a viewer's key: floods of refused packets, and more connections than the broker accepts. A STOP from
+//! a new client or from a connected one still halts. The latency is measured in `benches`.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,16 +12,16 @@ use crate::program::{Deadline, PATIENCE};
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
-/// Where it is told what became of it.
+/// Topic of the results of STOP.
 const STOPPED: &str = "hallsweep/discovery/command/stop/result";
 
-/// So often an operator stops the robot beside a viewer who does it without pause.
+/// Number of STOPs by an operator beside a viewer that sends STOP without pause.
 const PRESSES: usize = 20;
 
-/// More connections than the broker has places.
+/// Number of connections, more than the broker accepts.
 const CROWD: usize = 300;
 
-/// A program whose MQTT door asks for keys.
+/// A program whose MQTT interface asks for keys.
 fn site(name: &str) -> Site {
     Site::new(name, &["MQTT__REQUIRE_PASSWORD"])
 }
@@ -42,7 +42,7 @@ impl Site {
         client
     }
 
-    /// The robot is started, and halts at what is done then.
+    /// Starts the robot, runs `stop`, and waits until the robot is held.
     fn halts(&self, stop: impl FnOnce()) {
         self.program.command("start").accepted();
         self.program.until("nothing holds the robot", |state| !holds(state, "operator"));
@@ -51,7 +51,7 @@ impl Site {
     }
 }
 
-/// What a viewer floods the broker with.
+/// Floods that a viewer can send, each with a name.
 fn floods() -> Vec<(&'static str, Vec<u8>)> {
     let filters: Vec<u8> = (0..20_000).flat_map(|n| text(&n.to_string())).collect();
     let deep: Vec<u8> = (0..64).flat_map(|n| [text(&format!("{}z{n}", "+/".repeat(16))), vec![0]].concat()).collect();
@@ -66,7 +66,7 @@ fn floods() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// Safety S1, S7: from a newcomer, from one who is there, and over HTTP.
+/// Safety S1, S7: STOP from a new client, from a connected one, and over HTTP.
 #[test]
 fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
     let site = site("viewer-floods");
@@ -79,7 +79,7 @@ fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
                 scope.spawn(move || {
                     let mut client = site.viewer(&format!("flood-{n}"));
                     while !is_enough.load(Ordering::SeqCst) {
-                        // Whoever reads no answers is sent away, and comes again.
+                        // The broker disconnects a client that reads no answers. The client connects again.
                         if client.mouth().write_all(flood).is_err() {
                             client = site.viewer(&format!("flood-{n}"));
                         }
@@ -96,7 +96,7 @@ fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
     }
 }
 
-/// Safety S9: the places of results are not all a viewer's.
+/// Safety S9: a viewer cannot occupy all places for results.
 #[test]
 fn an_operators_stop_has_its_result_beside_a_viewer_who_does_nothing_but_stop() {
     let site = site("viewer-stops");
@@ -113,7 +113,7 @@ fn an_operators_stop_has_its_result_beside_a_viewer_who_does_nothing_but_stop() 
             });
         }
         let _enough = Enough(&is_enough);
-        // The flood's own results come first, so that it is there.
+        // The first result belongs to the flood, and shows that the flood has started.
         assert_eq!(operator.message().topic, STOPPED);
         for press in 0..PRESSES {
             let own = format!("press-{press}");
@@ -126,7 +126,7 @@ fn an_operators_stop_has_its_result_beside_a_viewer_who_does_nothing_but_stop() 
     });
 }
 
-/// The floods end when this does, also when a test fails.
+/// Ends the floods when it is dropped, even if the test fails.
 struct Enough<'a>(&'a AtomicBool);
 
 impl Drop for Enough<'_> {
@@ -152,7 +152,8 @@ fn one_viewer_with_three_hundred_connections_keeps_nobody_out() {
     drop(crowd);
 }
 
-/// Safety S1: subscribers who read nothing are waited for, and the flood with them; its end is not.
+/// Safety S1: the broker slows a flood down while subscribers read nothing, but a STOP at the end of the flood does
+/// not wait.
 #[test]
 fn a_stop_behind_its_senders_own_flood_halts_although_subscribers_read_nothing() {
     let site = site("own-flood");

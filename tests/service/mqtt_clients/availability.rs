@@ -1,5 +1,5 @@
-//! Whether the program is there, and what stands: a newcomer is told at once what the broker keeps, and the end is said before it
-//! comes.
+//! Availability and retained state: a new client receives the current state at once, and the program announces its
+//! end in advance.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use super::told::Hello;
 use super::{AVAILABILITY, OURS, with_each};
 use crate::program::Program;
 
-/// How long the program may take to end.
+/// Longest time for the end of the program.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 #[test]
@@ -33,7 +33,8 @@ fn a_newcomer_is_told_what_stands() {
         program.command("start").accepted();
         program.until_phase("explored");
         let state = program.json("state");
-        // What is kept is as it stands a moment later at the latest; only then there is nothing more to come.
+        // Retained messages follow the state after a moment. Only when they match is no further message to be
+        // expected.
         let early = RunningClient::begin(client, &program, Hello::following(&[OURS], 0));
         let shown = |name: &str| format!("hallsweep/discovery/state/{name}");
         let resources = ["mission", "robot", "map", "luggage", "temperature", "alarms", "retrieval", "log"];

@@ -1,5 +1,5 @@
-//! MQTT clients that others wrote, as users have them: mosquitto's commands from Debian, paho-mqtt from PyPI, MQTT.js from npm over
-//! TCP and over WebSocket. How each is found and started; what they are told is the tests' business.
+//! MQTT clients by other authors, as users install them: mosquitto's commands from Debian, paho-mqtt from PyPI, and
+//! MQTT.js from npm over TCP and WebSocket. This file finds and starts each client; the tests choose its actions.
 
 use std::net::SocketAddr;
 use std::process::{Command, Stdio};
@@ -8,25 +8,24 @@ use super::told::{Hello, Say};
 use crate::program::Program;
 use crate::third_party::{folder, left_out, patiently, python, runs};
 
-/// A client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Client {
-    /// `mosquitto_sub` and `mosquitto_pub` (Debian's mosquitto-clients).
+    /// `mosquitto_sub` and `mosquitto_pub` from Debian's mosquitto-clients.
     Mosquitto,
-    /// The library paho-mqtt of PyPI.
+    /// The library paho-mqtt from PyPI.
     Paho,
-    /// The library `mqtt` of npm, over TCP.
+    /// The library `mqtt` from npm, over TCP.
     MqttJs,
-    /// The same over WebSocket.
+    /// The library `mqtt` from npm, over WebSocket.
     MqttJsWeb,
-    /// The same in MQTT 5.
+    /// The same clients in MQTT 5.
     MosquittoFive,
     PahoFive,
     MqttJsFive,
     MqttJsWebFive,
 }
 
-/// What a client is made of.
+/// Software behind a client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Library {
     Mosquitto,
@@ -35,7 +34,6 @@ pub(crate) enum Library {
 }
 
 impl Client {
-    /// All of them.
     pub(crate) const ALL: [Client; 8] = [
         Client::Mosquitto,
         Client::Paho,
@@ -47,7 +45,6 @@ impl Client {
         Client::MqttJsWebFive,
     ];
 
-    /// What it is made of.
     pub(crate) const fn library(self) -> Library {
         match self {
             Client::Mosquitto | Client::MosquittoFive => Library::Mosquitto,
@@ -56,26 +53,25 @@ impl Client {
         }
     }
 
-    /// Whether it speaks MQTT 5.
     pub(crate) const fn is_five(self) -> bool {
         matches!(self, Client::MosquittoFive | Client::PahoFive | Client::MqttJsFive | Client::MqttJsWebFive)
     }
 
-    /// Whether it comes by WebSocket.
+    /// Whether the client connects by WebSocket.
     pub(crate) const fn is_web(self) -> bool {
         matches!(self, Client::MqttJsWeb | Client::MqttJsWebFive)
     }
 
-    /// Whether it is mosquitto's command.
     pub(crate) fn is_mosquitto(self) -> bool {
         self.library() == Library::Mosquitto
     }
 
-    /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
+    /// Whether the client is installed. If it is missing, a message says what to install, or the test fails under
+    /// `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(crate) fn is_here(self) -> bool {
         let (here, missing) = match self.library() {
             Library::Mosquitto => (
-                // Both commands end with 1 after they have shown how they are used.
+                // Both commands print their usage and exit with 1.
                 [SUB, PUB].iter().all(|name| Command::new(name).arg("--help").stdin(Stdio::null()).output().is_ok()),
                 "mosquitto_sub and mosquitto_pub (apt-get install mosquitto-clients)",
             ),
@@ -91,12 +87,12 @@ impl Client {
         here || left_out("MQTT", missing)
     }
 
-    /// Where it comes to: by WebSocket on the port of the console.
+    /// Address for this client: WebSocket clients use the port of the console.
     pub(super) fn door(self, program: &Program) -> SocketAddr {
         if self.is_web() { program.address() } else { program.mqtt() }
     }
 
-    /// What starts it, so that it comes in as told and prints what it hears.
+    /// Command that connects as `hello` says and prints what it receives.
     pub(super) fn command(self, door: SocketAddr, hello: &Hello) -> Command {
         let (mut command, script) = match self.library() {
             Library::Mosquitto => return mosquitto_sub(door, hello, self.is_five()),
@@ -112,7 +108,7 @@ impl Client {
 const SUB: &str = "mosquitto_sub";
 const PUB: &str = "mosquitto_pub";
 
-/// Publishes one message with mosquitto's command, and returns what that printed; fails when it does.
+/// Publishes one message with mosquitto's command and returns its output. Fails if the command fails.
 pub(super) fn mosquitto_pub(door: SocketAddr, hello: &Hello, say: Say, is_five: bool) -> String {
     let mut command = Command::new(PUB);
     at(&mut command, door, hello, is_five);
@@ -131,7 +127,7 @@ pub(super) fn mosquitto_pub(door: SocketAddr, hello: &Hello, say: Say, is_five: 
     said
 }
 
-/// Commands there, and waits for the answer there, with mosquitto's command: the answer, with its properties.
+/// Publishes a command and waits for the answer with `mosquitto_rr`. Returns the answer with its properties.
 pub(crate) fn mosquitto_rr(port: u16, command: &str, answer: &str) -> serde_json::Value {
     let mut asked = Command::new("mosquitto_rr");
     asked.args(["-h", "127.0.0.1", "-p", &port.to_string(), "-V", "mqttv5", "-t", command, "-e", answer, "-n", "-F", "%j"]);
@@ -140,7 +136,7 @@ pub(crate) fn mosquitto_rr(port: u16, command: &str, answer: &str) -> serde_json
 }
 
 fn mosquitto_sub(door: SocketAddr, hello: &Hello, is_five: bool) -> Command {
-    // Its words about the connection would wait in the pipe otherwise.
+    // `stdbuf` flushes each line; otherwise messages about the connection would stay in the command's buffer.
     let mut command = Command::new("stdbuf");
     command.args(["-oL", SUB]);
     at(&mut command, door, hello, is_five);

@@ -1,5 +1,5 @@
-//! The three doors agree: a mission is followed on the event stream, by observing over CoAP and over MQTT at once. A revision that is
-//! seen on two of them has the same content on both, and the last one is the same on all.
+//! The three interfaces agree: a mission is followed on the event stream, by CoAP observations and over MQTT at the
+//! same time. A revision seen on two of them has the same content on both, and the last revision is the same on all.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,28 +19,28 @@ use crate::program::{Deadline, Program};
 use crate::replica::patched;
 use crate::stream::Events;
 
-/// The resources that carry their revision.
+/// Resources that carry their revision.
 const REVISED: [&str; 4] = ["mission", "robot", "map", "temperature"];
 
-/// Those that do not.
+/// Resources without a revision.
 const UNREVISED: [&str; 2] = ["luggage", "alarms"];
 
-/// The last temperature that is reported: whoever sees it has seen everything before.
+/// Last reported temperature. An interface that shows it has shown everything before it.
 const LAST: f64 = 19.25;
 
-/// How long the doors may take to show what stands, and how often they are looked at meanwhile.
+/// Longest wait for the interfaces to show the current state, and the interval between two checks.
 const PATIENCE: Duration = Duration::from_secs(60);
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// What was seen at a door: of each resource each revision.
+/// Content of each resource at each revision, as seen at one interface.
 type Seen = BTreeMap<(&'static str, u64), Value>;
 
-/// A door that is watched in a thread of its own.
+/// Observations of an interface that a separate thread watches.
 #[derive(Clone, Default)]
 struct Watched(Arc<Mutex<Seen>>);
 
 impl Watched {
-    /// Notes a resource; what carries the revision of one that was noted must be the same.
+    /// Records a resource. Fails if the same revision was recorded with another content.
     fn note(&self, resource: &'static str, content: Value) {
         let revision = content["revision"].as_u64().unwrap_or_else(|| panic!("{resource} without a revision: {content}"));
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -52,7 +52,7 @@ impl Watched {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Whether its newest of each resource is what stands.
+    /// Whether the newest record of each resource equals the current state.
     fn shows(&self, state: &Value) -> bool {
         let seen = self.seen();
         REVISED.iter().all(|resource| {
@@ -66,7 +66,8 @@ fn is_last(temperature: &Value) -> bool {
     temperature["celsius"] == LAST
 }
 
-/// The event stream; the map comes by changed cells. At the end it tells what it saw last of what carries no revision.
+/// Follows the event stream, which sends the map as changed cells. At the end the thread returns the last content of
+/// the resources without a revision.
 fn follow_stream(program: &Program) -> (Watched, JoinHandle<BTreeMap<&'static str, Value>>) {
     let (watched, mut events) = (Watched::default(), Events::open(program, None));
     let into = watched.clone();
@@ -93,7 +94,7 @@ fn follow_stream(program: &Program) -> (Watched, JoinHandle<BTreeMap<&'static st
     (watched, thread)
 }
 
-/// Every resource is observed by a client of its own, until it is told to end.
+/// Observes every resource with a separate client until `ended` is set.
 fn observe(program: &Program, ended: &Arc<AtomicBool>) -> (Watched, Vec<JoinHandle<()>>) {
     let watched = Watched::default();
     let threads = REVISED.map(|resource| {
@@ -106,7 +107,7 @@ fn observe(program: &Program, ended: &Arc<AtomicBool>) -> (Watched, Vec<JoinHand
                     assert_eq!(reply.code, "2.05");
                     into.note(resource, serde_json::from_str(&reply.text).expect("JSON in one datagram"));
                 }
-                // There is none while the robot waits for a verdict.
+                // No notification arrives while the robot waits for a verdict.
                 news = client.next().ok();
             }
         })
@@ -114,7 +115,7 @@ fn observe(program: &Program, ended: &Arc<AtomicBool>) -> (Watched, Vec<JoinHand
     (watched, threads.into())
 }
 
-/// What a subscriber has heard.
+/// Messages that a subscriber has received so far.
 fn watched(process: &RunningClient) -> Watched {
     let watched = Watched::default();
     for message in process.heard() {
@@ -126,7 +127,7 @@ fn watched(process: &RunningClient) -> Watched {
     watched
 }
 
-/// One door gives START, another says safe, a third danger.
+/// Runs a mission: START over MQTT, the verdict *safe* over CoAP, and *danger* over HTTP.
 fn a_mission(program: &Program, process: &mut RunningClient) {
     process.say(Say::plain(&command("start"), "").at(1));
     let first = program.until_asked();
@@ -140,7 +141,7 @@ fn a_mission(program: &Program, process: &mut RunningClient) {
     program.put("/api/v1/temperature", &json!({"celsius": LAST}).to_string()).accepted();
 }
 
-/// Waits until every door shows what stands, and returns that.
+/// Waits until every interface shows the current state, and returns that state.
 fn until_all_show(program: &Program, shows: impl Fn(&Value) -> bool) -> Value {
     let deadline = Deadline::within(PATIENCE);
     loop {
@@ -153,7 +154,7 @@ fn until_all_show(program: &Program, shows: impl Fn(&Value) -> bool) -> Value {
     }
 }
 
-/// What was seen at both is the same at both; how much that was of each resource.
+/// Fails if a revision seen at both interfaces differs. Returns the number of common revisions of each resource.
 fn compare(one: &Seen, other: &Seen) -> BTreeMap<&'static str, usize> {
     let mut both = BTreeMap::new();
     for (revision, content) in one {
@@ -165,7 +166,8 @@ fn compare(one: &Seen, other: &Seen) -> BTreeMap<&'static str, usize> {
     both
 }
 
-/// What carries no revision is compared when everything stands; CoAP shows each piece below its own root.
+/// Compares the resources without a revision when nothing changes any more. CoAP shows photo paths below its own
+/// root.
 fn compare_the_rest(program: &Program, state: &Value, stream: &BTreeMap<&'static str, Value>, process: &RunningClient) {
     for resource in UNREVISED {
         assert_eq!(stream[resource], state[resource]);
@@ -188,7 +190,7 @@ fn the_three_doors_agree_through_a_mission() {
     if !Client::Mosquitto.is_here() {
         return;
     }
-    // Fast, and slow enough for the doors to see the search in the same steps now and then.
+    // Fast, but slow enough for the interfaces to see some of the same steps of the search.
     let program = Program::serve("seed", "20");
     let ended = Arc::new(AtomicBool::new(false));
     let (stream, streaming) = follow_stream(&program);
@@ -202,7 +204,7 @@ fn the_three_doors_agree_through_a_mission() {
 
     let [stream, coap, mqtt] = [&stream, &coap, &watched(&process)].map(Watched::seen);
     for both in [compare(&stream, &coap), compare(&stream, &mqtt), compare(&coap, &mqtt)] {
-        // The search was seen on both, and not its end alone.
+        // Both interfaces saw the search, and not only its end.
         assert!(both.len() == REVISED.len() && both["robot"] > 2 && both["map"] > 2, "{both:?}");
     }
     compare_the_rest(&program, &state, &others, &process);

@@ -1,10 +1,10 @@
-//! What only MQTT 5 can, with a client that somebody else wrote.
+//! Features of MQTT 5 only, with clients by other authors.
 
 use super::client::{Client, mosquitto_rr};
 use crate::program::Program;
 use crate::third_party::{folder, patiently, python};
 
-/// Each is named in the script.
+/// Number of scenarios in `five.py`, each of which prints a line.
 const SCENARIOS: usize = 10;
 
 #[test]
@@ -22,7 +22,7 @@ fn what_only_mqtt_5_can_is_as_paho_expects_it() {
     assert_eq!(said.lines().filter(|line| line.starts_with("ok ")).count(), SCENARIOS, "{said}");
 }
 
-/// Its sender asks and waits, as at any other broker.
+/// The sender asks and waits for the answer, as at any other broker.
 #[test]
 fn a_command_is_a_question_with_an_answer() {
     if !Client::MosquittoFive.is_here() {

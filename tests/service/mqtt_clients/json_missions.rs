@@ -1,5 +1,6 @@
-//! Whole missions over the JSON topics alone, driven and watched by one client: it knows the state by what the broker keeps, and
-//! what became of its commands by their results. What it saw at the end is what the HTTP door shows.
+//! Whole missions over the JSON topics alone, driven and watched by one client, which knows the state from retained
+//! messages and the outcome of its commands from their results. The last state that it saw is the state at the HTTP
+//! interface.
 
 use serde_json::{Value, json};
 
@@ -9,13 +10,13 @@ use super::told::{Hello, Message, Say};
 use super::{AVAILABILITY, OURS, command, results};
 use crate::program::Program;
 
-/// Where it is told what happens.
+/// Topic of the log lines.
 const EVENT: &str = "hallsweep/discovery/event";
 
-/// The resources that have a topic.
+/// Resources with a topic.
 const RESOURCES: [&str; 7] = ["mission", "robot", "map", "luggage", "temperature", "alarms", "log"];
 
-/// A console that speaks JSON.
+/// A console that uses JSON.
 struct Console<'a> {
     process: RunningClient<'a>,
     given: u32,
@@ -28,7 +29,7 @@ impl Console<'_> {
         Console { process, given: 0 }
     }
 
-    /// Gives a command under a name of its own, and returns what became of it.
+    /// Sends a command with a new id, and returns the result.
     fn give(&mut self, name: &str, mut body: Value) -> Value {
         self.given += 1;
         let id = format!("command-{}", self.given);
@@ -50,7 +51,7 @@ impl Console<'_> {
         self.process.until_newest(&state(resource), wanted, |message| is_so(&message.json())).json()
     }
 
-    /// Waits until another piece than `before` waits for its verdict, and returns its number.
+    /// Waits until a piece other than `before` is pending, and returns its number.
     fn until_asked(&self, before: u64) -> u64 {
         let another = |luggage: &Value| pending(luggage).is_some_and(|piece| piece != before);
         let luggage = self.until_state("luggage", "another piece waits for its verdict", another);
@@ -61,7 +62,7 @@ impl Console<'_> {
         self.until_state("mission", phase, |mission| mission["phase"] == phase);
     }
 
-    /// The newest of each resource is what stands, and it was told everything that happened, in order.
+    /// Fails unless the newest message of each resource matches the state and all events arrived in order.
     fn shows_what_stands(self, program: &Program) {
         for resource in RESOURCES {
             self.until_state(resource, "as it stands", |seen| *seen == program.json("state")[resource]);
@@ -86,7 +87,8 @@ fn pending(luggage: &Value) -> Option<u64> {
     luggage.as_array()?.iter().find(|piece| piece["verdict"] == "pending")?["id"].as_u64()
 }
 
-/// One piece is safe and the next is dangerous; STOP and heat in between hold what they hold; the alarm is acknowledged.
+/// One piece is safe, and the next is dangerous. STOP and heat hold the robot in between, and the alarm is
+/// acknowledged.
 fn a_bomb_is_found(client: Client) {
     if !client.is_here() {
         return;
@@ -152,7 +154,7 @@ fn mqtt_js_in_a_browser_finds_a_bomb_over_the_json_topics_in_mqtt_5() {
     a_bomb_is_found(Client::MqttJsWebFive);
 }
 
-/// Everything is safe, and the robot is sent home once on the way.
+/// Every piece is safe, and the robot is sent home once during the search.
 fn everything_is_safe(client: Client) {
     if !client.is_here() {
         return;

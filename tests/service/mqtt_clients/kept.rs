@@ -1,4 +1,4 @@
-//! What clients let the broker keep: all of it reaches whoever comes later, however much it is, and can be taken away again.
+//! Retained messages of clients: all of them reach a later client, however many there are, and they can be removed.
 
 use super::client::Client;
 use super::running::RunningClient;
@@ -6,7 +6,7 @@ use super::told::{Hello, Say};
 use super::with_each;
 use crate::program::Program;
 
-/// So many topics: more than router and clients have under way at once, many times.
+/// Number of topics, many times more than the router and the clients process at once.
 const TOPICS: usize = 5_000;
 
 fn topic(number: usize) -> String {
@@ -15,7 +15,7 @@ fn topic(number: usize) -> String {
 
 #[test]
 fn five_thousand_kept_messages_reach_a_newcomer() {
-    // Mosquitto's command publishes one message at a time.
+    // Mosquitto's command publishes one message at a time, which is too slow here.
     let Some(client) = [Client::Paho, Client::MqttJs].into_iter().find(|client| client.is_here()) else { return };
     let program = Program::serve("empty-8x8", "max");
     let mut writer = RunningClient::begin(client, &program, Hello::speaking());

@@ -1,7 +1,7 @@
-//! The MQTT door with clients that others wrote, each in its own process, against the real program and its own broker. That the gate
-//! keeps to the standard is tested beside it; here it matters that what people have installed works with it.
+//! The MQTT interface with clients by other authors, each in its own process, against the real program and its own
+//! broker. The standard is tested beside the gate; these tests check that clients which people have installed work.
 //!
-//! Where a client is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
+//! The part of a missing client is skipped with a message. With `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
 mod availability;
 pub(crate) mod client;
@@ -22,27 +22,27 @@ mod web;
 use client::Client;
 use told::Message;
 
-/// Where everything of ours is.
+/// Filter of all topics of the program.
 const OURS: &str = "hallsweep/discovery/#";
 
-/// Where it stands whether the program is there.
+/// Topic that says whether the program is running.
 const AVAILABILITY: &str = "hallsweep/discovery/availability";
 
-/// The topic of a command of ours.
+/// Topic of a command.
 fn command(name: &str) -> String {
     format!("hallsweep/discovery/command/{name}")
 }
 
-/// The results of a command that were heard.
+/// Received results of a command.
 fn results(heard: &[Message], name: &str) -> Vec<serde_json::Value> {
     let topic = format!("{}/result", command(name));
     heard.iter().filter(|message| message.topic == topic).map(Message::json).collect()
 }
 
-/// Plays a scenario with every client that is there.
+/// Runs a scenario with every installed client.
 fn with_each(scenario: impl Fn(Client)) {
     for client in Client::ALL.into_iter().filter(|client| client.is_here()) {
-        // Seen when the scenario fails.
+        // The test harness prints this when the scenario fails.
         eprintln!("with {client:?}");
         scenario(client);
     }

@@ -1,5 +1,5 @@
-//! Whole missions over the old topics alone, driven and watched by one client: it knows the state by the words of the resource model
-//! and commands by the words of the old console. What it saw at the end is what stands.
+//! Whole missions over the old topics alone, driven and watched by one client, which reads the state in the words of
+//! the resource model and sends commands in the words of the old console. The last state that it saw is the real one.
 
 use serde_json::Value;
 
@@ -10,7 +10,7 @@ use super::told::{Hello, Say};
 use super::with_each;
 use crate::program::{Program, hallsweep};
 
-/// An old console, and the program it works with.
+/// An old console that is connected to a program.
 struct Console<'a> {
     process: RunningClient<'a>,
     qos: u8,
@@ -18,7 +18,8 @@ struct Console<'a> {
 
 impl Console<'_> {
     fn of(client: Client, program: &Program) -> Console<'static> {
-        // As the old console did it; but what two processes publish keeps its order only if each is told that it has arrived.
+        // QoS 0, as in the old console. Mosquitto publishes each message from a new process, and only an
+        // acknowledgement (QoS 1) keeps their order.
         let qos = u8::from(client.is_mosquitto());
         Console { process: RunningClient::begin(client, program, Hello::following(&[EVENTS], 0)), qos }
     }
@@ -41,7 +42,7 @@ impl Console<'_> {
         self.process.until(wanted, |heard| (newest(heard, head) == Some(wanted)).then_some(()));
     }
 
-    /// Waits until it is said, in these words among others, why a command was refused.
+    /// Waits until a command is refused with a reason that contains these words.
     fn until_refused(&self, words: &str) {
         let says = |(content, number): (&str, u64)| number == 0 && content.contains("refused: ") && content.contains(words);
         self.process.until(words, |heard| model(heard).into_iter().any(says).then_some(()));
@@ -53,7 +54,7 @@ impl Console<'_> {
         self.process.until("the robot at home", |heard| newest(heard, "robot").is_some_and(is_home).then_some(()));
     }
 
-    /// The newest of each kind is what follows from the state that stands, to the byte, and no message was left out.
+    /// Fails unless the newest message of each kind matches the state byte for byte, and no message is missing.
     fn shows_what_stands(self, program: &Program) {
         let state = program.json("state");
         self.until_newest("robot", &robot(&state));
@@ -68,7 +69,7 @@ fn holds(state: &Value, hold: &str) -> bool {
     state["mission"]["holds"].as_array().is_some_and(|holds| holds.iter().any(|it| it == hold))
 }
 
-/// One piece is safe, the next is dangerous; STOP and heat in between hold what they hold.
+/// One piece is safe, and the next is dangerous. STOP and heat hold the robot in between.
 fn a_bomb_is_found(client: Client) {
     if !client.is_here() {
         return;
@@ -135,7 +136,7 @@ fn mqtt_js_in_a_browser_finds_a_bomb_over_the_old_topics_in_mqtt_5() {
     a_bomb_is_found(Client::MqttJsWebFive);
 }
 
-/// Everything is safe, and the robot is sent home once on the way.
+/// Every piece is safe, and the robot is sent home once during the search.
 fn everything_is_safe(client: Client) {
     if !client.is_here() {
         return;
@@ -173,7 +174,8 @@ fn mqtt_js_explores_a_hall_over_the_old_topics() {
     everything_is_safe(Client::MqttJs);
 }
 
-/// The old console with a camera that fails now and then: it is told so, and why SAFE is not taken; what goes on takes the photo again.
+/// The camera sometimes fails. The old console is told of it and of the reason why SAFE is refused; `continueExplore`
+/// takes the photo again.
 #[test]
 fn a_hall_is_explored_over_the_old_topics_although_the_camera_fails() {
     with_each(|client| {
@@ -183,7 +185,7 @@ fn a_hall_is_explored_over_the_old_topics_although_the_camera_fails() {
         console.say("startAppl");
         let (mut refused, mut seen) = (0, 0);
         for number in 1..=3 {
-            // What is told of a piece, since the console last acted.
+            // Next message about a piece since the console's last action.
             let told = |console: &Console, seen: usize| {
                 console.process.until("what is told of a piece", |heard| {
                     let told: Vec<&str> =
@@ -214,7 +216,7 @@ fn a_hall_is_explored_over_the_old_topics_although_the_camera_fails() {
     });
 }
 
-/// In both forms, and as the halt of the robot's own words.
+/// STOP as an event, as a dispatch, and as the halt among the robot's own commands.
 #[test]
 fn every_client_stops_a_robot_that_moves() {
     with_each(|client| {

@@ -1,4 +1,5 @@
-//! A message commands once, when it is published: not as often as it is sent again, and not when somebody comes later.
+//! A message acts as a command once, when it is published: repetitions do not act again, and a later client does not
+//! trigger it again.
 
 use serde_json::Value;
 
@@ -7,7 +8,7 @@ use super::told::{Hello, Message, Say};
 use super::{AVAILABILITY, command, results, with_each};
 use crate::program::Program;
 
-/// How often STOP was given: the epoch counts that.
+/// Number of STOPs so far: each STOP raises the epoch by one.
 fn stops(program: &Program) -> u64 {
     program.json("state")["mission"]["epoch"].as_u64().expect("an epoch")
 }
@@ -31,7 +32,7 @@ fn a_command_acts_once_at_every_qos() {
     });
 }
 
-/// Safety S4, for what a broker keeps: START when it is said, and never again.
+/// Safety S4, for messages with the retain flag: a START acts when it is published, and never again.
 #[test]
 fn a_command_that_was_to_be_kept_acts_when_it_is_said_and_not_later() {
     with_each(|client| {

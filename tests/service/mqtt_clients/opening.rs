@@ -1,4 +1,5 @@
-//! How the door is opened and closed: a port that is taken is said with what to do, and without MQTT everything else is there.
+//! Opening and closing the MQTT interface: an occupied port is reported with a remedy, and without MQTT everything
+//! else works.
 
 use std::net::TcpListener;
 
@@ -31,7 +32,7 @@ fn without_mqtt_the_other_doors_are_there() {
     assert!(program.last_words().iter().all(|line| !line.contains("mqtt://")), "it has no such door");
 }
 
-/// Two robots at their own brokers, or at one, are told apart by their topics.
+/// Two robots at separate brokers, or at one broker, are distinguished by their topics.
 #[test]
 fn the_names_of_the_topics_are_settings() {
     with_each(|client| {

@@ -1,5 +1,5 @@
-//! Who gets in with which key, and what he may do there. That every pair of role and topic is as it should be is tested beside the
-//! gate; here each kind of refusal reaches real clients.
+//! Access by key, and the rights of each key. The table of roles and topics is tested beside the gate; these tests
+//! check that each kind of refusal reaches real clients.
 
 use super::client::{Client, Library};
 use super::running::RunningClient;
@@ -10,12 +10,12 @@ use crate::program::Program;
 
 const ROBOT: &str = "hallsweep/discovery/state/robot";
 
-/// The HTTP door is open, so that the state can be looked at; its own door to MQTT is not these tests'.
+/// HTTP stays open, so that tests can read the state. MQTT over WebSocket on the HTTP port is not tested here.
 fn site(name: &str) -> Site {
     Site::new(name, &["MQTT__REQUIRE_PASSWORD"])
 }
 
-/// Clients that come by the port of MQTT itself.
+/// Runs a scenario with every client that uses the MQTT port.
 fn with_each_by_tcp(scenario: impl Fn(Client)) {
     with_each(|client| {
         if !client.is_web() {
@@ -30,7 +30,7 @@ fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
     let site = site("mqtt-login");
     with_each_by_tcp(|client| {
         RunningClient::knock(client, &site.program, Hello::speaking()).until_refused(5);
-        // One each: whoever goes on showing wrong keys waits longer each time.
+        // One wrong key per client library, because the delay grows with each wrong key.
         let wrong = format!("{}0", &site.operator[1..]);
         let (name, password) = match client.library() {
             Library::Mosquitto => ("operator", &wrong),
@@ -42,7 +42,7 @@ fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
     });
 }
 
-/// Safety A1: beyond loopback keys are asked for without being told to.
+/// Safety A1: beyond loopback the broker asks for keys without a setting for it.
 #[test]
 fn a_broker_for_others_asks_for_keys() {
     let folder = Folder::new("mqtt-others");
@@ -83,7 +83,7 @@ fn a_viewer_watches_and_stops_and_does_nothing_else() {
     assert!(events.contains("\"lobby\"") && events.contains("\"mqtt\""), "{events}");
 }
 
-/// Safety A4: what is published where only the program speaks reaches nobody, and neither does what viewers publish.
+/// Safety A4: messages on topics that only the program may publish reach nobody, and neither do messages of viewers.
 #[test]
 fn what_is_published_on_a_forbidden_topic_reaches_nobody() {
     let site = site("mqtt-topics");
@@ -132,7 +132,7 @@ fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
         witness.until_newest("site/last", "the will", |message| message.payload == "gone");
         witness.say(Say::plain("site/end", "").at(1));
         witness.until_newest("site/end", "the end", |_| true);
-        // In MQTT 5 mosquitto's command asks for its will when it takes its leave (reason 0x04), and that is not this question.
+        // In MQTT 5 mosquitto's command asks for its will when it disconnects (reason 0x04), so it is excepted.
         if client != Client::MosquittoFive {
             assert!(witness.heard().iter().all(|message| message.topic != "site/left"), "who takes its leave leaves no will");
         }
@@ -140,7 +140,7 @@ fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
     });
 }
 
-/// As MQTT Explorer does at once: `$SYS/#` is refused, and everything else is served.
+/// MQTT Explorer subscribes to `$SYS/#` at once. That filter is refused, and the others are served.
 #[test]
 fn a_filter_that_cannot_be_had_is_refused_and_the_connection_lives() {
     with_each(|client| {

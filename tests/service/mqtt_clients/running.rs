@@ -1,5 +1,5 @@
-//! A client at work: started, read while it runs, told what to say, ended as users end it or broken off. Which client, and what it
-//! makes of what it hears, is not here.
+//! A running client: started, read while it runs, told what to publish, and ended in order or killed. The choice of
+//! the client and the meaning of its output are elsewhere.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::SocketAddr;
@@ -13,41 +13,40 @@ use super::told::{Hello, Message, Say};
 use crate::program::{Deadline, Program};
 use crate::third_party::ended;
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often what was printed is looked at.
+/// Interval between two looks at the output.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// A running client.
 pub(crate) struct RunningClient<'a> {
     client: Client,
     door: SocketAddr,
     hello: Hello<'a>,
     child: Child,
-    /// Lines for its standard input, which ends when this is gone.
+    /// Lines for the client's standard input, which is closed when this is dropped.
     input: Option<mpsc::Sender<String>>,
     printed: Arc<Mutex<Printed>>,
     said: usize,
 }
 
-/// What it has printed.
+/// Output of the client.
 #[derive(Default)]
 struct Printed {
     heard: Vec<Message>,
-    /// What it says of its connection.
+    /// Messages of the client about its connection.
     words: Vec<String>,
 }
 
 impl<'a> RunningClient<'a> {
-    /// Starts a client, and waits until it is let in and subscribed.
+    /// Starts a client and waits until it is connected and subscribed.
     pub(crate) fn begin(client: Client, program: &Program, hello: Hello<'a>) -> RunningClient<'a> {
         let process = RunningClient::knock(client, program, hello);
         process.until_word("Subscribed");
         process
     }
 
-    /// Starts a client, and does not wait for anything.
+    /// Starts a client without waiting.
     pub(crate) fn knock(client: Client, program: &Program, hello: Hello<'a>) -> RunningClient<'a> {
         let door = client.door(program);
         let mut command = client.command(door, &hello);
@@ -60,19 +59,19 @@ impl<'a> RunningClient<'a> {
         RunningClient { client, door, hello, child, input, printed, said: 0 }
     }
 
-    /// Publishes a message; at QoS 0 it is handed over when this returns, else it is acknowledged.
+    /// Publishes a message. At QoS 0 it has been sent when this returns, otherwise it has been acknowledged.
     pub(crate) fn say(&mut self, say: Say) {
         self.say_all(std::slice::from_ref(&say));
     }
 
-    /// Publishes messages, one behind the other.
+    /// Publishes messages in order.
     pub(crate) fn say_all(&mut self, all: &[Say]) {
         if self.client.is_mosquitto() {
             all.iter().for_each(|say| drop(mosquitto_pub(self.door, &self.hello, *say, self.client.is_five())));
             return;
         }
         let lines = all.iter().map(|say| format!("{}\n", say.json())).collect();
-        // Whether it still reads is seen by whether it says so.
+        // A send error is ignored: the wait below shows whether the client still reads.
         let _ = self.input.as_ref().expect("it has not left yet").send(lines);
         self.said += all.len();
         let said = self.said;
@@ -82,23 +81,23 @@ impl<'a> RunningClient<'a> {
         });
     }
 
-    /// Everything that it has heard.
+    /// All messages that the client has received.
     pub(crate) fn heard(&self) -> Vec<Message> {
         self.printed().heard.clone()
     }
 
-    /// Waits until something can be found in what it has heard, and returns that.
+    /// Waits until `find` succeeds on the received messages, and returns its result.
     pub(crate) fn until<T>(&self, wanted: &str, find: impl Fn(&[Message]) -> Option<T>) -> T {
         self.wait(wanted, |printed| find(&printed.heard))
     }
 
-    /// Waits for the newest message on a topic to be as wanted, and returns it.
+    /// Waits until the newest message on a topic matches, and returns it.
     pub(crate) fn until_newest(&self, topic: &str, wanted: &str, is_so: impl Fn(&Message) -> bool) -> Message {
         let newest = |heard: &[Message]| heard.iter().rfind(|message| message.topic == topic).filter(|it| is_so(it)).cloned();
         self.until(&format!("{topic}: {wanted}"), newest)
     }
 
-    /// Waits until it says that it was refused for this reason, a return code of CONNACK.
+    /// Waits until the client reports a refusal with this return code of CONNACK.
     pub(crate) fn until_refused(&self, code: u8) {
         let reason = match code {
             4 => "bad user name or password",
@@ -112,24 +111,24 @@ impl<'a> RunningClient<'a> {
         });
     }
 
-    /// What it was granted for each filter: a QoS, or 128, whatever the reason.
+    /// Granted code for each filter: a QoS, or 128 for any refusal.
     pub(crate) fn granted(&self) -> Vec<u8> {
         let word = self.until_word("Subscribed");
         let codes = word.rsplit(": ").next().expect("codes").split(", ");
         codes.map(|code| code.parse::<u8>().expect("a code").min(128)).collect()
     }
 
-    /// Waits until it says something of its connection that begins so, and returns that.
+    /// Waits for a message about the connection with this beginning, and returns it.
     pub(crate) fn until_word(&self, beginning: &str) -> String {
         self.until_words(beginning, |words| words.iter().find(|word| word.starts_with(beginning)).cloned())
     }
 
-    /// Waits until something can be found in what it says of its connection.
+    /// Waits until `find` succeeds on the messages about the connection, and returns its result.
     pub(crate) fn until_words<T>(&self, wanted: &str, find: impl Fn(&[String]) -> Option<T>) -> T {
         self.wait(wanted, |printed| find(&printed.words))
     }
 
-    /// Lets it take its leave, as a user does, and waits for its end.
+    /// Ends the client in order, as a user does, and waits for its end.
     pub(crate) fn leave(mut self) {
         if self.client.is_mosquitto() {
             let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
@@ -140,7 +139,7 @@ impl<'a> RunningClient<'a> {
         assert!(has_ended, "{:?} did not end when it was told to; {}", self.client, self.printed().end());
     }
 
-    /// Ends it without a word to the broker.
+    /// Kills the client, so that the broker receives no DISCONNECT.
     pub(crate) fn break_off(mut self) {
         self.child.kill().expect("it runs");
         self.child.wait().expect("it ends");
@@ -165,7 +164,7 @@ impl<'a> RunningClient<'a> {
 }
 
 impl Printed {
-    /// What it heard and said at last.
+    /// The last received messages and connection messages, for the message of a failed test.
     fn end(&self) -> String {
         let heard = &self.heard[self.heard.len().saturating_sub(10)..];
         let words = &self.words[self.words.len().saturating_sub(30)..];
@@ -173,7 +172,7 @@ impl Printed {
     }
 }
 
-/// A test that fails leaves no client behind.
+/// Kills the client, so that a failed test leaves no process behind.
 impl Drop for RunningClient<'_> {
     fn drop(&mut self) {
         let _ = self.child.kill();
@@ -181,7 +180,7 @@ impl Drop for RunningClient<'_> {
     }
 }
 
-/// What is sent is written by a thread of its own, so that a client that does not read holds up no test.
+/// A separate thread writes the input, so that a client that does not read does not block the test.
 fn tell(mut pipe: impl Write + Send + 'static) -> mpsc::Sender<String> {
     let (input, lines) = mpsc::channel::<String>();
     std::thread::spawn(move || while lines.recv().is_ok_and(|line| pipe.write_all(line.as_bytes()).is_ok()) {});

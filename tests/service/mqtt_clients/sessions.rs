@@ -1,4 +1,5 @@
-//! Clients that come back, and clients that come twice: what was said meanwhile is not lost, and one of two makes room.
+//! Sessions: a client that returns receives the messages of its absence, and of two clients with one id only one
+//! stays.
 
 use super::client::Client;
 use super::running::RunningClient;
@@ -49,10 +50,10 @@ fn a_client_that_is_not_remembered_gets_what_is_said_from_now_on() {
     });
 }
 
-/// The later one has the name, as section 3.1.4 of the standard has it.
+/// The later client keeps the id (MQTT 3.1.1, section 3.1.4).
 #[test]
 fn of_two_clients_with_one_id_the_later_stays() {
-    // Mosquitto's command would come back at once, and send the other away in its turn.
+    // Mosquitto's command would reconnect at once and displace the other client in turn.
     for client in Client::ALL.into_iter().filter(|client| !client.is_mosquitto() && client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
         let hello = || Hello::following(&[NEWS, AVAILABILITY], 1).called("twin");
@@ -65,10 +66,10 @@ fn of_two_clients_with_one_id_the_later_stays() {
     }
 }
 
-/// A client may be silent for as long as it likes: keepalive 0 (section 3.1.2.10).
+/// Keepalive 0 lets a client be silent without limit (section 3.1.2.10).
 #[test]
 fn a_client_without_a_keepalive_is_served() {
-    // Mosquitto's command knows no 0.
+    // Mosquitto's command does not accept keepalive 0.
     for client in Client::ALL.into_iter().filter(|client| !client.is_mosquitto() && client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
         let mut silent = RunningClient::begin(client, &program, Hello { keepalive_s: 0, ..Hello::following(&[NEWS], 1) });

@@ -1,27 +1,27 @@
-//! What a client is told to do, and what it heard. How it is told is in `client`.
+//! Instructions to a client, and the messages that it received. How each client gets its instructions is in `client`.
 
 use serde_json::{Value, json};
 
-/// How a client comes in.
+/// How a client connects.
 #[derive(Clone, Debug)]
 pub(crate) struct Hello<'a> {
-    /// Its id; empty: none of its own.
+    /// Client id. Empty if the client has none.
     pub(crate) id: &'a str,
-    /// Whether it is to be remembered while it is away.
+    /// Whether the session survives a disconnection.
     pub(crate) remembered: bool,
     /// Name and password.
     pub(crate) login: Option<(&'a str, &'a str)>,
-    /// How long it may be silent, in seconds.
+    /// Keep alive, in seconds.
     pub(crate) keepalive_s: u16,
-    /// What is published for it when it is gone without a word.
+    /// Will: message that the broker publishes if the client disappears.
     pub(crate) will: Option<Say<'a>>,
-    /// Headers of the request, where it comes by WebSocket.
+    /// Headers of the HTTP request of a WebSocket client.
     pub(crate) headers: Vec<(&'a str, &'a str)>,
-    /// The filters it subscribes to, each with its QoS.
+    /// Filters of the subscription, each with its QoS.
     pub(crate) follow: Vec<(&'a str, u8)>,
 }
 
-/// Something to be published.
+/// Message to publish.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Say<'a> {
     pub(crate) topic: &'a str,
@@ -30,29 +30,29 @@ pub(crate) struct Say<'a> {
     pub(crate) retain: bool,
 }
 
-/// A message that a client heard.
+/// A received message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Message {
     pub(crate) topic: String,
     pub(crate) payload: String,
     pub(crate) qos: u64,
-    /// Whether it had been kept before the client came.
+    /// Whether the broker had stored the message before the subscription.
     pub(crate) kept: bool,
 }
 
 impl<'a> Hello<'a> {
-    /// A newcomer that follows these filters with this QoS.
+    /// A new client that subscribes to these filters with this QoS.
     pub(crate) fn following(filters: &[&'a str], qos: u8) -> Hello<'a> {
         let follow = filters.iter().map(|filter| (*filter, qos)).collect();
         Hello { id: "", remembered: false, login: None, keepalive_s: 60, will: None, headers: Vec::new(), follow }
     }
 
-    /// One that publishes, and follows only whether the program is there: mosquitto's command does not come to follow nothing.
+    /// A client that publishes. It subscribes to the availability only because mosquitto's command needs a filter.
     pub(crate) fn speaking() -> Hello<'a> {
         Hello::following(&[super::AVAILABILITY], 0)
     }
 
-    /// One that is remembered under this id while it is away.
+    /// Gives the client this id and a persistent session.
     pub(crate) fn remembered(self, id: &'a str) -> Hello<'a> {
         Hello { id, remembered: true, ..self }
     }
@@ -73,7 +73,7 @@ impl<'a> Hello<'a> {
         Hello { login: Some((name, password)), ..self }
     }
 
-    /// As the scripts are told it.
+    /// Instruction for the scripts.
     pub(super) fn json(&self, at: std::net::SocketAddr, web: bool, five: bool) -> Value {
         let (name, password) = self.login.unwrap_or_default();
         let headers: serde_json::Map<String, Value> =
@@ -87,7 +87,7 @@ impl<'a> Hello<'a> {
 }
 
 impl<'a> Say<'a> {
-    /// Once at most.
+    /// Message with QoS 0.
     pub(crate) const fn plain(topic: &'a str, payload: &'a str) -> Say<'a> {
         Say { topic, payload, qos: 0, retain: false }
     }
@@ -100,14 +100,14 @@ impl<'a> Say<'a> {
         Say { retain: true, ..self }
     }
 
-    /// As the scripts are told it.
+    /// Instruction for the scripts.
     pub(super) fn json(self) -> Value {
         json!({"topic": self.topic, "payload": self.payload, "qos": self.qos, "retain": self.retain})
     }
 }
 
 impl Message {
-    /// From a line of JSON that a client printed, as `mosquitto_sub -F %j` does.
+    /// Parses a line of JSON that a client printed in the format of `mosquitto_sub -F %j`.
     pub(super) fn read(line: &str) -> Message {
         let read: Value = serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
         let text = |name: &str| read[name].as_str().unwrap_or_default().to_owned();
@@ -115,7 +115,7 @@ impl Message {
         Message { topic: text("topic"), payload: text("payload"), qos, kept: read["retain"] == 1 }
     }
 
-    /// What it says, in JSON.
+    /// Payload as JSON.
     pub(crate) fn json(&self) -> Value {
         serde_json::from_str(&self.payload).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }

@@ -1,4 +1,4 @@
-//! `/mqtt`, the way of web clients: who gets in by it. What is said there is as by TCP.
+//! `/mqtt`, the WebSocket path for web clients, and its access rules. The MQTT messages are the same as over TCP.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -11,7 +11,7 @@ use super::told::{Hello, Say};
 use crate::access::{Site, sign_in};
 use crate::program::Program;
 
-/// Asks for a WebSocket with these headers, and returns what is answered first: to an upgrade the line of its status.
+/// Sends a WebSocket request with these headers, and returns the beginning of the answer, with the whole head.
 fn knock(program: &Program, headers: &str) -> String {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a time-out can be set");

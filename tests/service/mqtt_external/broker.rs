@@ -1,5 +1,5 @@
-//! Brokers that others wrote, each in a folder and on a port of its own: started, killed and started again. What is said on them is
-//! the tests' business.
+//! Brokers by other authors, each with its own folder and port: started, killed and restarted. The tests choose the
+//! messages.
 
 use std::io::Write;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -13,41 +13,40 @@ use crate::kill::Folder;
 use crate::program::Deadline;
 use crate::third_party::runs;
 
-/// How long a broker may take to open its port: far longer than it takes.
+/// Longest time until a broker opens its port. It is far longer than needed.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often that is looked at.
+/// Interval between two checks of that port or of the log.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// Ports are sought from here on, below those that the system gives to connections: a port that is closed for a while must not be
-/// taken by one of those.
+/// First port for brokers. It is below the range that the system uses for outgoing connections, so that none of them
+/// takes the port of a broker that is down.
 const PORTS: u16 = 20_000;
 
-/// The login that a broker asks for, where it asks.
+/// Login of a broker that asks for one.
 pub(crate) const LOGIN: (&str, &str) = ("robot", "a-test-only-password");
 
-/// The certificate of the broker that is reached by TLS.
+/// Certificate of the broker with TLS.
 pub(crate) const CERTIFICATE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/service/tls/test-only-certificate.pem");
 
-/// And its key.
+/// Key of that certificate.
 const KEY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/service/tls/test-only-key.pem");
 
-/// Which broker, and how it lets in.
+/// A broker and its kind of access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Debian's mosquitto, which lets everybody in.
+    /// Debian's mosquitto, open to everybody.
     Mosquitto,
-    /// The same, with which MQTT 5 is spoken.
+    /// Debian's mosquitto, used with MQTT 5.
     MosquittoFive,
-    /// The same, which asks for name and password.
+    /// Debian's mosquitto, with a name and a password.
     MosquittoWithLogin,
-    /// The same, by TLS.
+    /// Debian's mosquitto, over TLS.
     MosquittoByTls,
-    /// Debian's nats-server, with its JetStream, without which it speaks no MQTT.
+    /// Debian's nats-server with JetStream, which it needs for MQTT.
     Nats,
 }
 
-/// A broker.
 pub(crate) struct Broker {
     kind: Kind,
     port: u16,
@@ -56,14 +55,15 @@ pub(crate) struct Broker {
 }
 
 impl Kind {
-    /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
+    /// Whether the broker is installed. If it is missing, a message says what to install, or the test fails under
+    /// `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(crate) fn is_here(self) -> bool {
         let (program, package) = (self.program(), if self == Kind::Nats { "nats-server" } else { "mosquitto" });
         let runs = Command::new(program).arg("-h").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
         runs || left_out(&format!("{program} (apt-get install {package})"))
     }
 
-    /// The command; Debian has servers where not everybody's shell looks.
+    /// Path of the program. Debian installs servers in a folder that is not on every user's `PATH`.
     fn program(self) -> &'static str {
         let (name, beside) = match self {
             Kind::Nats => ("nats-server", "/usr/sbin/nats-server"),
@@ -76,7 +76,7 @@ impl Kind {
 }
 
 impl Broker {
-    /// Starts one; the name is that of the test.
+    /// Starts a broker. `name` is the name of the test.
     pub(crate) fn start(kind: Kind, name: &str) -> Broker {
         let mut broker = Broker { kind, port: free_port(), folder: Folder::new(&format!("mqtt-{name}")), child: None };
         let path = broker.folder.path().join("broker.conf");
@@ -85,7 +85,7 @@ impl Broker {
         broker
     }
 
-    /// Kills it, so that it takes no leave of anybody.
+    /// Kills the broker, so that it disconnects no client in order.
     pub(crate) fn kill(&mut self) {
         if let Some(mut child) = self.child.take() {
             let _ = child.kill();
@@ -93,7 +93,7 @@ impl Broker {
         }
     }
 
-    /// Starts it where it was before, and waits until its port is open.
+    /// Starts the broker again on the same port, and waits until the port is open.
     pub(crate) fn start_again(&mut self) {
         let settings = self.folder.path().join("broker.conf");
         let log = std::fs::File::create(self.folder.path().join("broker.log")).expect("the folder can be written");
@@ -107,23 +107,22 @@ impl Broker {
         }
     }
 
-    /// Which it is.
     pub(crate) fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// Its port, on loopback.
+    /// Port on loopback.
     pub(crate) fn port(&self) -> u16 {
         self.port
     }
 
-    /// As `mqtt.broker` names it.
+    /// URL of the broker, in the form of `mqtt.broker`.
     pub(crate) fn url(&self) -> String {
         let scheme = if self.kind == Kind::MosquittoByTls { "mqtts" } else { "mqtt" };
         format!("{scheme}://127.0.0.1:{}", self.port)
     }
 
-    /// Waits until it has written this.
+    /// Waits until the log contains these words.
     pub(crate) fn until_it_says(&self, words: &str) {
         let deadline = Deadline::within(PATIENCE);
         while !self.log().contains(words) {
@@ -132,14 +131,13 @@ impl Broker {
         }
     }
 
-    /// What it wrote.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("broker.log")).unwrap_or_default()
     }
 
     fn settings(&self) -> String {
         let (port, folder) = (self.port, self.folder.text());
-        // Started by root, mosquitto becomes somebody who may not read the folder.
+        // If root starts mosquitto, it changes to a user who may not read the folder.
         let mosquitto = format!("user root\npersistence false\nlistener {port} 127.0.0.1\n");
         match self.kind {
             Kind::Mosquitto | Kind::MosquittoFive => format!("{mosquitto}allow_anonymous true\n"),
@@ -169,19 +167,19 @@ impl Drop for Broker {
     }
 }
 
-/// Says that a test is left out, and why; fails instead when everything must be there.
+/// Reports that a test is skipped and why. Fails instead if `HALLSWEEP_REQUIRE_CLIENTS=1`.
 fn left_out(missing: &str) -> bool {
     let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
     assert!(!required, "the tests of the MQTT door need {missing}");
-    // Written past the test harness, which would keep it to itself.
+    // Written to standard error directly, because the test harness would capture a print.
     writeln!(std::io::stderr(), "a test of the MQTT door is left out: it needs {missing}").expect("standard error is open");
     false
 }
 
-/// A port that nobody listens at, and no other test of this run was given.
+/// Port on which nothing listens and that no other test of this run has received.
 fn free_port() -> u16 {
     static NEXT: AtomicU16 = AtomicU16::new(0);
-    // Runs beside this one begin elsewhere.
+    // The process id separates test runs that happen at the same time.
     let first = PORTS + u16::try_from(std::process::id() % 1000).expect("it is below 1000") * 10;
     loop {
         let port = first + NEXT.fetch_add(1, Ordering::Relaxed);

@@ -1,5 +1,5 @@
-//! The whole program at somebody else's broker: a mission driven and watched by its messages alone, in JSON and in the old words, and
-//! a broker that is away in the middle of one.
+//! The whole program at an external broker: a mission driven and watched over messages alone, in JSON and in the old
+//! words, and a broker that is away during a mission.
 
 use std::time::Duration;
 
@@ -10,13 +10,13 @@ use super::subscriber::TestSubscriber;
 use crate::mqtt_clients::client::{Client, mosquitto_rr};
 use crate::program::{Program, hallsweep};
 
-/// Everything of this robot.
+/// Filter of all topics of this robot.
 const OURS: &str = "hallsweep/discovery/#";
 
-/// Everything of the original system.
+/// Filter of all topics of the original system.
 const OLD: &str = "unibo/qak/#";
 
-/// The program in this hall at this speed, with this broker.
+/// Starts the program with this hall, speed and broker.
 fn serve(broker: &Broker, hall: &str, speed: &str) -> Program {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", hall, "--speed", speed];
     let mut command = hallsweep(&arguments);
@@ -33,20 +33,20 @@ fn serve(broker: &Broker, hall: &str, speed: &str) -> Program {
     Program::started(&mut command)
 }
 
-/// Gives a command in JSON, and waits for its own result.
+/// Sends a command in JSON and waits for its result.
 fn give(subscriber: &TestSubscriber, name: &str, mut payload: Value, id: &str) -> Value {
     payload["id"] = id.into();
     subscriber.say(&format!("hallsweep/discovery/command/{name}"), &payload.to_string());
     subscriber.json(&format!("hallsweep/discovery/command/{name}/result"), |result| result["id"] == id)
 }
 
-/// The same, which must be accepted.
+/// Like `give`, for a command that must be accepted.
 fn accepted(subscriber: &TestSubscriber, name: &str, payload: Value, id: &str) {
     let result = give(subscriber, name, payload, id);
     assert_eq!(result["accepted"], true, "{name}: {result}");
 }
 
-/// Whoever reads that it is there is heard.
+/// Waits until the program is online. From then on it receives commands.
 fn until_online(subscriber: &TestSubscriber) {
     subscriber.until("online", |said| said.topic.ends_with("/availability") && &said.payload[..] == b"online");
 }
@@ -55,7 +55,7 @@ fn until_phase(subscriber: &TestSubscriber, phase: &str) {
     subscriber.json("hallsweep/discovery/state/mission", |mission| mission["phase"] == phase);
 }
 
-/// The number of the piece that waits for its verdict after this one.
+/// Waits for a pending piece with a number above `after`, and returns its number.
 fn until_asked(subscriber: &TestSubscriber, after: u64) -> u64 {
     let is_next = |piece: &&Value| piece["verdict"] == "pending" && piece["id"].as_u64().is_some_and(|id| id > after);
     let waits = |pieces: &Value| pieces.as_array()?.iter().find(is_next)?["id"].as_u64();
@@ -63,7 +63,7 @@ fn until_asked(subscriber: &TestSubscriber, after: u64) -> u64 {
     waits(&pieces).expect("it was there just now")
 }
 
-/// A search, a safe piece, a dangerous one, and the mission put away.
+/// Runs a search with a safe and a dangerous piece, and puts the mission away.
 fn over_json(kind: Kind, name: &str) {
     if !kind.is_here() {
         return;
@@ -80,7 +80,7 @@ fn over_json(kind: Kind, name: &str) {
     let second = until_asked(&subscriber, first);
     accepted(&subscriber, "verdict", json!({"luggage": second, "verdict": "danger"}), "c");
     until_phase(&subscriber, "bombLocated");
-    // Whoever comes now sees how things stand.
+    // A later subscriber receives the current state.
     let late = TestSubscriber::at(&broker, "hallsweep/discovery/state/+");
     let alarms = late.json("hallsweep/discovery/state/alarms", |alarms| alarms.as_array().is_some_and(|all| !all.is_empty()));
     for (place, alarm) in alarms.as_array().expect("a list").iter().enumerate() {
@@ -90,14 +90,14 @@ fn over_json(kind: Kind, name: &str) {
     until_phase(&TestSubscriber::at(&broker, OURS), "idle");
 }
 
-/// What the old console shows of the messages it hears: their contents, and their numbers without a gap.
+/// The old console's view of the messages: their contents, and their numbers without a gap.
 struct Console {
     subscriber: TestSubscriber,
     last: u64,
 }
 
 impl Console {
-    /// The next content like this.
+    /// Next content that matches.
     fn until(&mut self, wanted: &str, is_it: impl Fn(&str) -> bool) -> String {
         loop {
             let said = self.subscriber.next(wanted);
@@ -115,18 +115,18 @@ impl Console {
         }
     }
 
-    /// An event, as the old buttons publish it.
+    /// Sends an event, as the old buttons do.
     fn event(&self, name: &str) {
         self.subscriber.say("unibo/qak/events", &format!("msg({name},event,js,none,{name},1)"));
     }
 
-    /// A dispatch, as others do.
+    /// Sends a dispatch, as other old clients do.
     fn dispatch(&self, name: &str) {
         self.subscriber.say("unibo/qak/robotmind", &format!("msg({name},dispatch,js,robotmind,{name},1)"));
     }
 }
 
-/// The same in the old words, of which every one has the same sender and number.
+/// Runs a mission in the old words. All its messages have the same sender and number.
 fn over_old_topics(kind: Kind, name: &str) {
     if !kind.is_here() {
         return;
@@ -145,8 +145,8 @@ fn over_old_topics(kind: Kind, name: &str) {
     program.until_phase("bombLocated");
 }
 
-/// A broker that is killed in the middle of a mission is missed by nobody else; when it is back, everything stands there as it is by
-/// then, and commands are heard.
+/// Kills the broker during a mission: everything else keeps working. When the broker is back, it receives the current
+/// state, and commands work again.
 fn away(kind: Kind, name: &str) {
     if !kind.is_here() {
         return;
@@ -170,7 +170,8 @@ fn away(kind: Kind, name: &str) {
     until_phase(&subscriber, "bombLocated");
 }
 
-/// Whatever somebody else keeps on topics of ours, or takes away, stands there as we say it a moment later, and the log says so once.
+/// If another client overwrites or removes a retained message of the program, the program restores it after a
+/// moment, and logs this once per topic.
 fn replaced(kind: Kind, name: &str, larger: &[&str]) {
     if !kind.is_here() {
         return;
@@ -269,7 +270,7 @@ fn a_mission_goes_on_while_nats_is_away() {
     away(Kind::Nats, "away-nats");
 }
 
-/// By TLS only the program speaks here: that it ends with its farewell shows in what mosquitto wrote.
+/// The test has no TLS subscriber, so the log of mosquitto shows the farewell of the program.
 #[test]
 fn the_program_takes_leave_of_a_broker_it_reached_by_tls() {
     if !Kind::MosquittoByTls.is_here() {
@@ -283,7 +284,8 @@ fn the_program_takes_leave_of_a_broker_it_reached_by_tls() {
     broker.until_it_says("Received DISCONNECT from hallsweep-discovery");
 }
 
-/// Where its sender wants it, but not where hallsweep alone speaks; and what is said has properties.
+/// The answer goes to the topic that the sender names, unless only hallsweep may publish there. Messages carry
+/// properties.
 #[test]
 fn a_command_at_mosquitto_is_answered_where_its_sender_wants_it() {
     if !Kind::MosquittoFive.is_here() || !Client::MosquittoFive.is_here() {
@@ -300,7 +302,7 @@ fn a_command_at_mosquitto_is_answered_where_its_sender_wants_it() {
     );
     let properties = &answer["properties"];
     assert_eq!((&properties["content-type"], &properties["user-properties"]["by"]), (&json!("application/json"), &json!("mqtt")));
-    // The one that is asked for below is the first on this topic.
+    // The first result on this topic belongs to the command below.
     let answer = mosquitto_rr(broker.port(), "hallsweep/discovery/command/stop", "hallsweep/discovery/command/stop/result");
     assert_eq!(answer["topic"], "hallsweep/discovery/command/stop/result", "as it would be anyhow");
 }

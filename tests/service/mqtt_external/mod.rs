@@ -1,7 +1,7 @@
-//! The MQTT door through somebody else's broker: mosquitto and NATS as Debian has them, started by the test. What the session does
-//! before a broker of any kind is tested beside it; here it matters that it gets on with these.
+//! The MQTT interface through an external broker: mosquitto and NATS from Debian, started by the test. The session is
+//! tested beside its code with any kind of broker; these tests check that it works with these two.
 //!
-//! Where a broker is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
+//! The part of a missing broker is skipped with a message. With `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
 mod broker;
 mod missions;

@@ -1,4 +1,4 @@
-//! The session alone, with a state made by hand, and a broker that is killed and started again.
+//! The session alone, with an artificial state, and a broker that is killed and restarted.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,14 +23,14 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
 use super::subscriber::TestSubscriber;
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 const ROBOT: &str = "hallsweep/discovery/state/robot";
 
 const AVAILABILITY: &str = "hallsweep/discovery/availability";
 
-/// A session and what it is told.
+/// A session with its inputs and outputs.
 struct TestApp {
     runtime: Runtime,
     states: watch::Sender<Arc<Snapshot>>,
@@ -72,7 +72,7 @@ impl TestApp {
         TestApp { runtime, states, given, shutdown, session }
     }
 
-    /// From now on the robot's sonar measures this.
+    /// Changes the sonar distance of the robot in the state.
     fn measure(&self, distance_cm: u16) {
         self.states.send_modify(|state| {
             let mut newer = Snapshot::clone(state);
@@ -83,30 +83,30 @@ impl TestApp {
         });
     }
 
-    /// Waits until a command has come.
+    /// Waits until a command arrives.
     fn is_given_something(&mut self) {
         let given = soon(&self.runtime, self.given.recv()).expect("a command comes");
         assert!(matches!(given, Some(Envelope::Command(..))), "{given:?}");
     }
 
-    /// Ends it.
+    /// Ends the session.
     fn end(self) {
         self.shutdown.send(()).expect("it runs");
         soon(&self.runtime, self.session).expect("it ends").expect("it did not panic");
     }
 }
 
-/// Waits for this, but not for ever.
+/// Waits for a future for at most `PATIENCE`.
 fn soon<T>(runtime: &Runtime, what: impl Future<Output = T>) -> Option<T> {
     runtime.block_on(async { tokio::time::timeout(PATIENCE, what).await.ok() })
 }
 
-/// Whether the robot is shown with this sonar.
+/// Waits until the robot is published with this sonar distance.
 fn measures(subscriber: &TestSubscriber, distance_cm: u16) {
     subscriber.json(ROBOT, |robot| robot["sonar"] == distance_cm);
 }
 
-/// A broker that was killed hears, as soon as it is back, what the state is by then; and commands are heard there again.
+/// After its restart a killed broker receives the current state, and commands work there again.
 fn check(kind: Kind, name: &str) {
     if !kind.is_here() {
         return;

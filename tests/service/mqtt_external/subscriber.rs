@@ -1,4 +1,5 @@
-//! Somebody at a broker who listens and speaks, by rumqttc as well: that other clients understand the same is tested elsewhere.
+//! A client at a broker that subscribes and publishes. It uses rumqttc, as the program does; other clients are tested
+//! elsewhere.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,16 +12,15 @@ use serde_json::Value;
 
 use super::broker::{Broker, LOGIN};
 
-/// How long anything is waited for: far longer than it takes, even on a busy machine.
+/// Longest wait for anything. It is far longer than needed, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Between two attempts to connect.
+/// Pause between two attempts to connect.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Larger than any message here.
+/// Maximum packet size in bytes, larger than any message here.
 const LARGEST: usize = 4 << 20;
 
-/// Somebody who listens.
 pub(crate) struct TestSubscriber {
     client: Client,
     coming: mpsc::Receiver<Publish>,
@@ -28,7 +28,7 @@ pub(crate) struct TestSubscriber {
 }
 
 impl TestSubscriber {
-    /// Connects, as often as it takes, and listens to this filter from then on: first what the broker has kept, then what is said.
+    /// Connects, after as many attempts as needed, and subscribes to this filter. The retained messages arrive first.
     pub(crate) fn at(broker: &Broker, filter: &str) -> TestSubscriber {
         static SUBSCRIBERS: AtomicUsize = AtomicUsize::new(0);
         let name = format!("subscriber-{}", SUBSCRIBERS.fetch_add(1, Ordering::Relaxed));
@@ -43,7 +43,7 @@ impl TestSubscriber {
                 let is_over = match event {
                     Ok(Event::Incoming(Packet::ConnAck(_))) => speaker.try_subscribe(&filter, QoS::AtLeastOnce).is_err(),
                     Ok(Event::Incoming(Packet::SubAck(_))) => {
-                        // Nobody waits for it a second time.
+                        // Only the first subscription is awaited.
                         let _ = begin.send(());
                         false
                     }
@@ -63,14 +63,13 @@ impl TestSubscriber {
         TestSubscriber { client, coming, heard: RefCell::default() }
     }
 
-    /// The next message.
     pub(crate) fn next(&self, wanted: &str) -> Publish {
         let next = self.coming.recv_timeout(PATIENCE);
         next.unwrap_or_else(|error| panic!("never heard: {wanted} ({error})"))
     }
 
-    /// The first message like this, of all that were heard and are to come: a state may be told before the result of the command
-    /// that led to it.
+    /// First matching message among all received and future ones: a state may arrive before the result of the command
+    /// that caused it.
     pub(crate) fn until(&self, wanted: &str, is_it: impl Fn(&Publish) -> bool) -> Publish {
         let mut heard = self.heard.borrow_mut();
         let mut place = 0;
@@ -85,18 +84,18 @@ impl TestSubscriber {
         }
     }
 
-    /// The first JSON on this topic that is like this.
+    /// First JSON message on this topic that matches.
     pub(crate) fn json(&self, topic: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let read = |publish: &Publish| serde_json::from_slice::<Value>(&publish.payload).unwrap_or_default();
         read(&self.until(topic, |publish| publish.topic == topic && is_it(&read(publish))))
     }
 
-    /// Says something.
+    /// Publishes a message.
     pub(crate) fn say(&self, topic: &str, payload: &str) {
         self.client.publish(topic, QoS::AtLeastOnce, false, payload).expect("it is connected");
     }
 
-    /// Says something that the broker is to keep; nothing: that it is to keep nothing.
+    /// Publishes a retained message. An empty payload removes the retained message.
     pub(crate) fn keep(&self, topic: &str, payload: &str) {
         self.client.publish(topic, QoS::AtLeastOnce, true, payload).expect("it is connected");
     }

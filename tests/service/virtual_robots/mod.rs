@@ -1,4 +1,4 @@
-//! The whole program with a virtual robot: a double of its page and of its servers, as they were in its versions.
+//! The whole program with a virtual robot: a double of the robot's page and servers, in each of their versions.
 
 #[path = "../../../crates/drivers/tests/virtual_robot/page.rs"]
 #[expect(dead_code, reason = "no page is slow here, and no scene is told")]
@@ -18,9 +18,9 @@ use self::standing::VirtualRobot;
 use crate::kill::Folder;
 use crate::program::{Deadline, Program, hallsweep};
 
-/// A room of so many cells in which a mission does not take long.
+/// A small room, in which a mission is short.
 fn small_room() -> Scene {
-    // Quicker than usual, and not so quick that a busy machine counts.
+    // Faster than usual, but not so fast that delays of a busy machine matter.
     Scene { speed: 0.25, ..Scene::empty(19.0, 15.0) }
 }
 
@@ -52,18 +52,19 @@ fn in_mid_step(robot: &VirtualRobot) {
         assert!(!deadline.has_passed(), "it never moved");
         std::thread::sleep(Duration::from_millis(2));
     }
-    // Longer than it takes to tell it so.
+    // Longer than the program needs to be told of the move.
     std::thread::sleep(Duration::from_millis(120));
 }
 
-/// The room as the map shows it in text: four columns and three rows.
+/// The room as a text map: four columns and three rows.
 const MAP: &str = "|1, 1, 1, 1, X, \n|1, 1, 1, 1, X, \n|1, 1, 1, 1, X, \n|X, X, X, X, X, \n";
 
 fn map(program: &Program) -> String {
     program.read("/api/v1/map", &[("Accept", "text/plain")]).text().replace('r', "1")
 }
 
-/// A data folder with what is kept of such a robot, and the mark that it is out of date, since the disk could not be written.
+/// A data folder with the stored state of a virtual robot, marked as out of date because the disk could not be
+/// written.
 pub(crate) fn remembered(by: &str) -> Folder {
     let robot = VirtualRobot::standing_in(small_room(), Version::First);
     let folder = Folder::new(&format!("virtual-robot-kept-{by}"));
@@ -100,7 +101,7 @@ fn both_kinds_of_virtual_robot_explore_their_room_to_the_end() {
     }
 }
 
-/// Its server waits for ever for the end of an old move.
+/// The server waits for ever for the end of an old move.
 #[test]
 fn a_server_that_refuses_every_move_is_a_fault_in_words_and_stop_sends_it_an_alarm() {
     let robot = VirtualRobot::standing_in(small_room(), Version::Year2023);
@@ -119,7 +120,7 @@ fn a_server_that_refuses_every_move_is_a_fault_in_words_and_stop_sends_it_an_ala
     }
 }
 
-/// Nobody else can: the driver believes what it counts.
+/// Console and report must say it, because the driver trusts its own counting of steps.
 #[test]
 fn console_and_report_say_that_a_map_was_made_without_a_scene_file_and_with_one_they_do_not() {
     let scene = small_room();
@@ -201,7 +202,7 @@ fn a_cut_cable_a_dead_server_and_a_killed_program_hold_the_mission_and_start_goe
     assert_eq!((&state["mission"]["phase"], map(&program).as_str()), (&"explored".into(), MAP), "{:#}", state["mission"]);
 }
 
-/// What has no camera is shown as what it is.
+/// A robot without a camera is shown a drawing in place of a photo.
 #[test]
 fn a_bag_is_shown_by_a_drawing_and_the_verdict_is_obeyed() {
     let mut scene = small_room();
@@ -218,7 +219,7 @@ fn a_bag_is_shown_by_a_drawing_and_the_verdict_is_obeyed() {
     assert_eq!(robot.cell(), (0, 0));
 }
 
-/// The room of the double as its scene file, with walls all around.
+/// The room of the double as a scene file, with walls all around.
 fn scene_file(scene: &Scene) -> String {
     let (width, height) = scene.floor;
     let (x, y) = (scene.player.0 / width + 0.5, scene.player.1 / height + 0.5);
@@ -234,7 +235,8 @@ fn scene_file(scene: &Scene) -> String {
     )
 }
 
-/// Its page draws half as many frames as the scene file counts on, so that without a measurement each step would be half a cell.
+/// The page draws half as many frames as the scene file assumes, so that without a measurement each step would be
+/// half a cell.
 #[test]
 fn with_the_scene_file_the_first_motion_measures_how_long_a_cell_takes() {
     let scene = small_room();

@@ -1,4 +1,4 @@
-//! The doubles of the virtual robot's page and servers in real time, at a port of this machine.
+//! The doubles of the virtual robot's page and servers in real time, on a local port.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -14,11 +14,11 @@ use tokio_tungstenite::tungstenite::Message;
 use super::page::{Page, Scene};
 use super::server::{Client, Server, Version};
 
-/// A server and its page, until it is dropped.
+/// A server and its page, which run until this is dropped.
 pub(crate) struct VirtualRobot {
     shared: Arc<Shared>,
     address: SocketAddr,
-    /// Closed when this is dropped, and with it the server's thread ends.
+    /// Closed on drop, which ends the thread of the server.
     _end: tokio::sync::oneshot::Sender<()>,
 }
 
@@ -56,17 +56,16 @@ impl VirtualRobot {
         self.address
     }
 
-    /// The server as it is now.
     pub(crate) fn server(&self) -> MutexGuard<'_, Server> {
         self.shared.server()
     }
 
-    /// Cuts all connections, without a word.
+    /// Cuts all connections without a notice.
     pub(crate) fn cut(&self) {
         self.shared.clients.lock().expect("nobody panicked").clear();
     }
 
-    /// The cell in which the robot really stands.
+    /// Cell in which the robot really is.
     pub(crate) fn cell(&self) -> (i32, i32) {
         self.server().page.as_ref().expect("a page is open").cell().0
     }
@@ -83,7 +82,7 @@ async fn serve(shared: Arc<Shared>, listener: TcpListener, version: Version) {
     loop {
         let Ok((stream, from)) = listener.accept().await else { return };
         let shared = Arc::clone(&shared);
-        // As a system does with a port at which nobody listens any more.
+        // A refused connection is closed at once, as on a port on which nothing listens.
         let Some(client) = shared.server().connect(&from.ip().to_string()) else { continue };
         let (say, said) = unbounded_channel();
         shared.clients.lock().expect("nobody panicked").insert(client, say);
@@ -100,7 +99,7 @@ async fn serve(shared: Arc<Shared>, listener: TcpListener, version: Version) {
     }
 }
 
-/// Lets time pass in the page, and brings what the server says to its clients.
+/// Advances the time in the page, and delivers the messages of the server to its clients.
 async fn live(shared: Arc<Shared>) {
     loop {
         tokio::time::sleep(Duration::from_millis(1)).await;
@@ -112,7 +111,7 @@ async fn live(shared: Arc<Shared>) {
         }
         for (client, bytes) in std::mem::take(&mut server.sent) {
             if let Some(say) = clients.get(&client) {
-                // One that has gone hears nothing any more.
+                // A client that has disconnected receives nothing.
                 let _ = say.send(bytes);
             }
         }
@@ -135,7 +134,7 @@ async fn speak(shared: &Shared, mut stream: TcpStream, mut said: UnboundedReceiv
     }
 }
 
-/// What had come before the cable was cut.
+/// Processes the bytes that had arrived before the connection was cut.
 fn heard_before(shared: &Shared, stream: &TcpStream) {
     let mut bytes = vec![0; 4096];
     if let Ok(count @ 1..) = stream.try_read(&mut bytes) {

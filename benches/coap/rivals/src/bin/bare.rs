@@ -1,15 +1,15 @@
-//! A bound: one socket, one codec, and nothing else that a server needs. No deduplication, no retransmission, no limits, one
-//! thread. `/temperature` is what was last put there and is told to whoever asked once to observe it; `/large` is 50 kB.
+//! A lower bound: one socket, one codec and one thread, without deduplication, retransmission or limits.
+//! `/temperature` returns what was last put there and notifies its observers; `/large` is 50 kB.
 
 use std::net::SocketAddr;
 
 use coap_lite::{CoapOption, ContentFormat, MessageClass, MessageType, Packet, RequestType, ResponseType};
 use tokio::net::UdpSocket;
 
-/// The bytes of `/large`: 49 blocks of 1,024.
+/// Size of `/large` in bytes: 49 blocks of 1,024.
 const LARGE: usize = 49 * 1024;
 
-/// A block of it.
+/// Size of a block, in bytes.
 const BLOCK: usize = 1024;
 
 fn main() {
@@ -17,7 +17,7 @@ fn main() {
     runtime.block_on(serve());
 }
 
-/// What is served, and to whom it is told.
+/// Served resources and the observers of the temperature.
 struct TestApp {
     temperature: Vec<u8>,
     large: Vec<u8>,
@@ -66,7 +66,7 @@ impl TestApp {
         answer
     }
 
-    /// The block that is asked for; blocks of 1,024 bytes only.
+    /// Adds the requested block to the answer; the block size is always 1,024 bytes.
     fn block(&self, asked: &Packet, answer: &mut Packet) {
         let option = asked.get_first_option(CoapOption::Block2).map_or(&[][..], Vec::as_slice);
         let number = option.iter().fold(0, |value, byte| value << 8 | usize::from(*byte)) >> 4;
@@ -84,7 +84,7 @@ impl TestApp {
         }
     }
 
-    /// What all observers are told: NON, once.
+    /// Notifications for all observers, non-confirmable and sent once.
     fn notifications(&mut self) -> Vec<(SocketAddr, Vec<u8>)> {
         let temperature = &self.temperature;
         let number = &mut self.number;

@@ -1,5 +1,5 @@
-//! A server on coap-rs as its examples make one: `/temperature` is what was last put there and can be observed, `/large` is
-//! 50 kB. Messages, observers and blocks are all coap-rs's own.
+//! A server on coap-rs as its examples build one: `/temperature` returns what was last put there and can be observed,
+//! `/large` is 50 kB. coap-rs itself handles messages, observers and blocks.
 
 use std::net::SocketAddr;
 use std::sync::{Arc, PoisonError, RwLock};
@@ -9,12 +9,11 @@ use coap::server::UdpCoapListener;
 use coap_lite::{CoapRequest, ContentFormat, RequestType, ResponseType};
 use tokio::net::UdpSocket;
 
-/// The bytes of `/large`: 49 blocks of 1,024.
+/// Size of `/large` in bytes: 49 blocks of 1,024.
 const LARGE: usize = 49 * 1024;
 
 type Request = Box<CoapRequest<SocketAddr>>;
 
-/// What is served.
 #[derive(Default)]
 struct TestApp {
     temperature: RwLock<Vec<u8>>,
