@@ -1,5 +1,5 @@
-//! Says to the linker what Cargo.toml cannot: the line numbers that a release carries for its backtraces are compressed. Only Linux
-//! has them in the program itself.
+//! Passes an option to the linker that Cargo.toml cannot express: it compresses the line numbers that a release has
+//! for its backtraces. Only on Linux are these line numbers in the program itself.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,5 +1,6 @@
-//! The only file that names every door: binds the ports, joins core, robots, store and doors, and ends them in order. The parts
-//! are in their own rooms; `robots` decides which robots there are, and `threads` which threads.
+//! The only file that names every door (HTTP, CoAP, MQTT). It binds the ports, joins the core, the robots, the
+//! store and the doors, and ends them in order. The parts are in their own folders; `robots` decides which robots
+//! there are, and `threads` decides which threads.
 //!
 //! ```text
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
@@ -56,20 +57,20 @@ use ports::Ports;
 pub use ports::{BoundPort, Doors};
 use threads::Threads;
 
-/// Time after which work that is unfinished at the end of the program (drawing a photo) is abandoned.
+/// Time after which unfinished work, such as drawing a photo, is abandoned at the end of the program.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
 
-/// Maximum wait for the robot before requests are answered.
+/// Maximum wait for the link to the robot before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// Serves until SIGINT, SIGTERM or SIGHUP. Calls `announce` with the real ports and the way to sign in, as soon as requests are
-/// answered.
+/// Serves until SIGINT, SIGTERM or SIGHUP. As soon as requests are answered, calls `announce` with the real ports and
+/// the way to sign in.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
-/// Like `serve`, but `robot` replaces the searching robot of the settings, so that measurements at a robot's port include the
-/// real doors.
+/// Like `serve`, but `robot` replaces the searching robot of the settings. With it a benchmark can measure at the
+/// robot's end, through the real doors.
 pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
@@ -100,7 +101,7 @@ async fn serve_hall(
     let secret = access::chance()?;
 
     let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
-    // Keys come last, when nothing else can prevent the start, because a key that is created is also shown to the user.
+    // Keys come last, when nothing else can prevent the start: a key that is created is also shown to the user.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
@@ -158,8 +159,8 @@ fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppE
     Listeners::new(bound).map_err(AppError::System)
 }
 
-/// Waits until the robot is linked, so that START works as soon as the address is printed. The program also serves when the robot
-/// cannot be reached.
+/// Waits for the link to the robot, so that START works as soon as the address is printed. If the robot cannot be
+/// reached, the program starts without it.
 async fn find_robot(handle: &Handle) {
     let mut states = handle.watch();
     let linked = states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink));
@@ -168,7 +169,7 @@ async fn find_robot(handle: &Handle) {
     }
 }
 
-/// `other` replaces the searching robot of the settings.
+/// Starts the core and the robots. `other` replaces the searching robot of the settings.
 async fn start(
     settings: &Settings,
     mut robots: Robots,
@@ -197,7 +198,7 @@ async fn start(
     };
     let (links, sides): (Vec<_>, Vec<_>) = robots.ids().map(ends).unzip();
     if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &links[0].1, halter, &clock).await {
-        // Robots and map must be in the same hall at the next start as well.
+        // At the next start the robots and the map must be in the same hall too.
         robots.keep_other_hall();
     }
     engine.note_venue(robots.venue(), clock.now());
@@ -216,8 +217,8 @@ async fn start(
 
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
-    // Distinguishes the revisions of this run from those of other runs: the start time, and random bytes because the clock may
-    // be set back.
+    // Distinguishes the revisions of this run from those of other runs. It has the start time, and random bytes
+    // because the clock may be set back.
     let [a, b, c, d, ..] = access::chance().unwrap_or_default();
     let run = format!("{:x}{:08x}", now.wall.unix_ms, u32::from_be_bytes([a, b, c, d])).into();
     let mut engine = match recalled {
@@ -228,7 +229,7 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
             engine
         }
     };
-    // A stop that is missing in the record takes effect now; a recorded stop changes nothing.
+    // A stop that is missing in the journal takes effect now; a recorded stop changes nothing.
     engine.handle_halt(epoch, now);
     for sensor in &settings.sensors {
         engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);

@@ -42,14 +42,14 @@ pub struct Cli {
     serve: Serve,
 }
 
-/// What to do.
+/// The subcommands of `hallsweep`.
 #[derive(Debug, Subcommand)]
 pub enum Subcommands {
     /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT, SIGTERM or SIGHUP (the default).
     Serve(Serve),
     /// Run one simulated mission at full speed, without network ports, and print the map and the result.
     Explore(explore::Explore),
-    /// Answers with the command of the program that compares strategies since this release; so does `tune`.
+    /// Prints which command of another program replaces this one.
     #[command(hide = true, disable_help_flag = true)]
     Evaluate(Moved),
     /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and the result.
@@ -71,14 +71,14 @@ pub enum Subcommands {
     Roomba(roomba::Roomba),
     /// Simulate a robot that speaks the line protocol, over TCP or a serial device, until SIGINT, SIGTERM or SIGHUP.
     RobotEmulator(robot_emulator::RobotEmulator),
-    /// Answers as `evaluate` does.
+    /// Prints which command of another program replaces this one.
     #[command(hide = true, disable_help_flag = true)]
     Tune(Moved),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
 
-/// The flags of `serve`; each wins over the environment and the settings file.
+/// The flags of `serve`. Each flag overrides the environment and the settings file.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Serve {
     /// Name of a built-in hall, or a hall file (.toml, MovingAI .map, ROS .yaml, or the .txt map of old clients).
@@ -139,7 +139,7 @@ impl Search {
     }
 }
 
-/// Whatever was asked of a command that is one of `hallsweep-evaluation` now.
+/// The arguments of a command that was moved to `hallsweep-evaluation`.
 #[derive(Args, Clone, Debug)]
 pub struct Moved {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -156,7 +156,6 @@ impl Moved {
     }
 }
 
-/// The flags of `healthcheck`.
 #[derive(Args, Clone, Debug)]
 pub struct Healthcheck {
     /// Address of the running hallsweep; by default the address in its settings, on this machine.
@@ -209,7 +208,7 @@ impl Serve {
     }
 }
 
-/// The flags that name a data folder, for a command about what is kept.
+/// The flags that name a data folder, for commands that use stored data.
 #[derive(Args, Clone, Debug)]
 struct Folder {
     /// The data folder.
@@ -234,7 +233,7 @@ impl Folder {
     }
 }
 
-/// The settings of this start. Starts the log, whose first lines name settings without effect.
+/// Loads the settings of this start, and starts the log. The first lines of the log name settings without effect.
 fn settings(sources: &Sources) -> Result<Settings, Failure> {
     let settings = config::load(sources)?;
     telemetry::start(&settings.log);
@@ -259,8 +258,8 @@ pub fn end(ended: Result<(), Failure>) -> ExitCode {
     code
 }
 
-/// Prints the addresses of a program that goes on running. Uses a thread of its own, because standard output may be a full pipe
-/// that nobody reads.
+/// Prints the addresses of a program that continues to run. Uses a separate thread, because standard output may be a
+/// full pipe that nobody reads.
 fn announce(text: String) {
     let printing = std::thread::Builder::new().name("announcement".to_owned()).spawn(move || {
         if let Err(failure) = print(&text) {
@@ -272,7 +271,7 @@ fn announce(text: String) {
     }
 }
 
-/// Prints a text and a line break: the only place that writes to standard output.
+/// Prints a text and a line break. No other function writes to standard output.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let printed = writeln!(out, "{text}").and_then(|()| out.flush());

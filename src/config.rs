@@ -1,5 +1,6 @@
-//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags. Here
-//! settings are only parsed, and refused when they are wrong; they take effect elsewhere.
+//! The settings of the program, complete and checked before anything starts. They come from the defaults, the file,
+//! the environment and the flags; each of these overrides the ones before it. Here settings are only parsed, and
+//! refused when they are wrong. They take effect elsewhere.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,18 +40,19 @@ pub struct Settings {
     pub hall: String,
     /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
     pub hall_start: Option<(u32, u32)>,
-    /// Where the hall's name was set, such as `flag --hall`, for the error when the hall cannot be read.
+    /// Where the name of the hall was set, such as `flag --hall`. The error names this place when the hall cannot be
+    /// read.
     pub hall_origin: String,
     pub http: HttpSettings,
     /// Address of the CoAP resources, over UDP; `None` for no CoAP door.
     pub coap: Option<Bind>,
     pub mqtt: MqttSettings,
     pub old_clients: OldClients,
-    /// Distance from a bomb that people must keep, in metres.
+    /// Distance in metres that people must keep from a bomb.
     pub evacuation_m: f64,
-    /// Folder of everything that outlives the program; `None` to store nothing.
+    /// Folder for everything that is kept after the program ends; `None` to store nothing.
     pub store: Option<PathBuf>,
-    /// Days for which a mission stays in the journal after it was put away; 0 for ever.
+    /// Number of days for which a mission stays in the journal after it was put away; 0 means for ever.
     pub keep_days: u32,
     pub robot: RobotSettings,
     /// The other robots by their names; none by default.
@@ -69,16 +71,16 @@ pub struct Settings {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HttpSettings {
     pub bind: Bind,
-    /// Whether a key is required: always beyond loopback, and on loopback if set.
+    /// Whether a key is required. Keys are always required beyond loopback; on loopback the setting decides.
     pub asks_for_keys: bool,
-    /// Host names of the console and the API, beside the machine's own.
+    /// Host names of the console and the API, in addition to the machine's own names.
     pub hosts: Vec<String>,
     pub tls: Option<TlsFiles>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OldClients {
-    /// Whether old clients may drive the robot by hand; old clients may always halt it.
+    /// Whether old clients may drive the robot by hand. They may always halt the robot.
     pub manual_driving: bool,
 }
 
@@ -93,11 +95,11 @@ pub struct TlsFiles {
 pub struct RobotSettings {
     pub kind: RobotKind,
     pub address: RobotAddress,
-    /// Bits a second of a serial line.
+    /// Speed of a serial line in bits per second.
     pub baud: u32,
     /// Time for a cell, unless the robot reports it.
     pub step: Duration,
-    /// The scene file of the virtual robot's page, which tells its driver the distances.
+    /// The scene file of the virtual robot's page, which tells the driver the distances.
     pub scene: Option<PathBuf>,
     pub speed: Speed,
     pub seed: u64,
@@ -107,11 +109,11 @@ pub struct RobotSettings {
     pub photo_failure_rate: f64,
     /// Standard deviation of the front sonar, in centimetres.
     pub sonar_noise_cm: f64,
-    /// Number of cells ahead that the sonar reports as free or not; 0 when the search does not use the sonar.
+    /// Number of cells ahead that the sonar reports as free or occupied; 0 when the search does not use the sonar.
     pub sonar_cells: u8,
 }
 
-/// Number of mishaps of the simulated pair, for practice.
+/// How many mishaps happen to the simulated pair, so that operators can practise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PairMishaps {
     pub slips: u32,

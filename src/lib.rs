@@ -6,10 +6,11 @@
 //!     │                                        └─── handle_event ◄───┼──── RobotEvent ◄───────┘
 //!     └────── watch<Arc<Snapshot>> ◄── World ──┘                     └─► Record ─► store ─► Recorded ─► handle_event
 //! ```
-//! Writes travel right, facts travel left. `hallsweep_core` depends on nobody, which Cargo enforces; within the program
-//! `tests/tidy.rs` enforces the rule: doors know `runtime` and `api`; robots and storage know `runtime`, and robots their
-//! settings; doors and robots never know each other, nor one door another; only `app` and the command line know them all. Read
-//! `docs/architecture.md` next, then `hallsweep_core::mission`.
+//! Commands go from left to right, facts go from right to left. `hallsweep_core` depends on `behaviour-trees` and on
+//! no other part of the program, which Cargo enforces. Within the program `tests/tidy.rs` enforces these rules. Doors
+//! (HTTP, CoAP, MQTT) use `runtime` and `api`. Robots and storage use `runtime`; robots also use their settings.
+//! Doors and robots never use each other, and no door uses another door. Only `app` and the command line use all of
+//! these. Read `docs/architecture.md` next, then `hallsweep_core::mission`.
 
 pub mod access;
 pub mod api;

@@ -1,5 +1,5 @@
-//! Log lines on standard error, filtered by the setting `log.filter`. Messages that an operator must see are in the log of the
-//! state instead, which the console shows.
+//! Log lines on standard error, filtered by the setting `log.filter`. Messages that an operator must see are in
+//! another log instead: it is part of the state, and the console shows it.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt;
@@ -27,17 +27,18 @@ const ROUTER: &str = "router-";
 /// Maximum wait at the end of the program for lines that are not written yet.
 const LAST_LINES: Duration = Duration::from_secs(1);
 
-/// The queue for standard error in a program that must not wait for it; without one, lines are written at once.
+/// The queue for standard error, in a program that must not wait for it. Without a queue, lines are written at once.
 static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
-/// Queues lines from now on, so that no thread waits for standard error or panics because of it, and no write stops or ends the
-/// program (safety S11). For programs that run until they are ended.
+/// Queues lines from now on. So no thread waits for standard error or panics because of it, and no write stops or
+/// ends the program (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
-    // The system stops a program that writes to a terminal in the background under `tostop`, and ends a program that writes
-    // beyond a limit for files. Where these signals are blocked, as in all threads that start from here on, the write succeeds
-    // or fails instead.
+    // Two signals could stop or end the program. The system sends one signal to a background program that writes to a
+    // terminal under `tostop`. It sends the other signal to a program that writes beyond a limit for files. Both are
+    // blocked in all threads that start from here on. There the write succeeds or fails instead.
     let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
-    // A system that cannot start this thread cannot start the threads of the doors either, and the start fails there.
+    // If the system cannot start this thread, it cannot start the threads of the doors either, and the start fails
+    // there.
     let Ok(queue) = Queue::start(io::stderr()) else { return };
     if QUEUE.set(queue).is_ok() {
         panic::set_hook(Box::new(note_panic));
@@ -63,7 +64,7 @@ fn put(text: &[u8]) {
     }
 }
 
-/// The writer for the lines of the log. It never returns an error, because the formatter would report an error on standard
+/// The writer for the lines of the log. It never returns an error. The formatter would report an error on standard
 /// error itself, and panic.
 struct Lines;
 
@@ -89,7 +90,8 @@ pub fn start(filter: &str) {
     }
 }
 
-/// The time of day in the format of the rest of the program: in the zone of this machine, or in the zone that `TZ` sets.
+/// The time of day, in the same format as in the rest of the program. The zone is that of this machine, or the zone
+/// that `TZ` sets.
 struct WallClock(Clock);
 
 impl FormatTime for WallClock {
@@ -98,8 +100,9 @@ impl FormatTime for WallClock {
     }
 }
 
-/// Logs a panic of a thread. The standard library's hook writes to standard error directly, and may block there. The thread of
-/// the MQTT router always ends in a panic, which becomes a line of the log, like its restart.
+/// Logs a panic of a thread. The standard library's hook is not used: it writes to standard error directly, and may
+/// block there. The thread of the MQTT router always ends in a panic, which becomes a line of the log, like its
+/// restart.
 fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
     let thread = std::thread::current();
     let name = thread.name().unwrap_or("<unnamed>");
@@ -108,20 +111,21 @@ fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
         return;
     }
     say(format_args!("thread '{name}' {panicked}"));
-    // The backtrace is captured only if `RUST_BACKTRACE` asks for it.
+    // The backtrace is captured only if `RUST_BACKTRACE` is set.
     let backtrace = Backtrace::capture();
     if backtrace.status() == BacktraceStatus::Captured {
         say(backtrace);
     }
 }
 
-/// The filter without the lines of the MQTT router, unless it names them: they refer to connections by numbers of their
-/// own, and cost time with every message. The gate logs the important events.
+/// The filter without the lines of the MQTT router, unless the filter names them. These lines refer to connections by
+/// numbers of their own, and cost time with every message. The gate of our own broker logs the important events.
 fn without_router(filter: &str) -> String {
     if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }
 
-/// Logs only a warning, since other software sets such variables too: see `Sources::ignored`.
+/// Warns of unknown variables. It is only a warning, since other software sets such variables too: see
+/// `Sources::ignored`.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is not a setting: write settings as HALLSWEEP__SECTION__KEY");
@@ -148,7 +152,7 @@ mod tests {
         assert!(EnvFilter::builder().parse(without_router("warn,hallsweep=debug")).is_ok());
     }
 
-    /// Set only for the child process of the test.
+    /// Environment variable that is set only for the child process of the test.
     const CHILD: &str = "HALLSWEEP_PANICKING_CHILD";
 
     #[test]
@@ -162,7 +166,7 @@ mod tests {
         end();
     }
 
-    /// Safety S11. The hook belongs to a whole process, so this test starts itself again.
+    /// Safety S11. The hook belongs to a whole process, so this test starts its own program as a child process.
     #[cfg(unix)]
     #[test]
     fn a_panic_is_said_without_waiting_for_whoever_reads() {

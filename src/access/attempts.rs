@@ -1,5 +1,5 @@
-//! Delays the refusal of wrong keys: the more wrong keys came from a network, the longer. Right keys are not delayed, so nobody
-//! can slow down somebody who has a right key.
+//! Delays the refusal of a wrong key. The delay grows with the number of wrong keys from the same network. Right keys
+//! are not delayed, so nobody can slow down a person who has a right key.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -7,13 +7,13 @@ use std::time::Duration;
 
 use super::network::Network;
 
-/// Delay of the first refusal; it doubles with each further refusal.
+/// Delay of the first refusal. Each further refusal doubles the delay.
 const FIRST: Duration = Duration::from_millis(250);
 
-/// Maximum delay: the client's connection stays open meanwhile.
+/// Maximum delay. The client's connection stays open during the delay.
 const LONGEST: Duration = Duration::from_secs(4);
 
-/// Time without wrong keys after which a network is forgotten: as long as a person needs to find the right key.
+/// A network is forgotten after this time without a wrong key. A person needs about this time to find the right key.
 const FORGOTTEN: Duration = Duration::from_secs(600);
 
 /// Maximum number of remembered networks; the network with the oldest wrong key is forgotten first.
@@ -29,7 +29,8 @@ struct Wrong {
 }
 
 impl Attempts {
-    /// Counts a wrong key from this network at `now` (since the start of the program); returns the delay of its refusal.
+    /// Counts a wrong key from this network. `now` is the time since the start of the program. Returns the delay of
+    /// the refusal.
     pub fn wrong(&self, network: Network, now: Duration) -> Duration {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if all.len() >= NETWORKS && !all.contains_key(&network) {

@@ -1,5 +1,5 @@
-//! Who is admitted, and who a sender is: everybody on this machine, or whoever has a key. Each door decides how a client shows
-//! its key.
+//! Who is admitted, and who a client is. Either everybody on this machine is admitted, or everybody who has a key.
+//! Each door (HTTP, CoAP, MQTT) decides how a client sends its key.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use super::role::{Need, Role};
 
 #[derive(Clone, Debug)]
 pub enum Access {
-    /// Everybody on this machine, as the operator; nobody else.
+    /// Admits everybody on this machine as the operator, and nobody else.
     Open,
     Keys(Keyring),
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Caller {
-    /// Somebody on this machine, at an open door.
+    /// A client on this machine, where no key is required.
     Here,
     Known(SignedIn),
 }
@@ -29,7 +29,7 @@ impl Access {
         (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
     }
 
-    /// The key by which quotas are counted; `None` without a key.
+    /// Name of the key for which the caller's quotas are counted; `None` when no keys are required.
     pub fn key_of(&self, caller: &Caller) -> Option<Arc<str>> {
         match self {
             Access::Open => None,
@@ -54,7 +54,8 @@ impl Caller {
         }
     }
 
-    /// Name of the caller in records and on pages: the key, followed by the person who gave a name, such as `operator (Anna)`.
+    /// The caller's name in records and on pages: the name of the key. If a person gave a name, it follows in
+    /// brackets, as in `operator (Anna)`.
     pub fn signature(&self) -> Arc<str> {
         match self {
             Caller::Known(SignedIn { name, person: Some(person), .. }) => format!("{name} ({person})").into(),
@@ -69,7 +70,7 @@ impl Caller {
         }
     }
 
-    /// The error is a message for the caller.
+    /// Checks that the caller has the right `need`. The error is a message for the caller.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Faults of keys, their names and their file. `Display` is the message for whoever runs the program.
+//! Errors of keys, key names and the key file. `Display` is the message for the person who runs the program.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ pub enum AccessError {
     Chance(String),
     #[error("the keys cannot be read from {}: {error}; let the user who runs hallsweep read this file", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
-    /// Other users than the owner can read or write the file, and may know the keys.
+    /// Users other than the owner can read or write the file. They may know the keys.
     #[error(
         "other users can read or write the keys in {} (mode {mode:03o}): make the file private with `chmod 600`, then replace \
          each key with `hallsweep token rotate NAME`", .path.display()
@@ -31,7 +31,7 @@ pub enum AccessError {
     Taken(String),
     #[error("there is no key `{name}`; the existing keys are {}", .there.join(", "))]
     Unknown { name: String, there: Vec<String> },
-    /// Without this key nobody could command the robot.
+    /// This key cannot be removed, because without it nobody could command the robot.
     #[error("`{0}` is the last operator's key: add another with `hallsweep token add NAME --role operator` first")]
     LastOperator(String),
     #[error("there are {0} keys, which is the maximum: remove a key first")]

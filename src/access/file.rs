@@ -1,5 +1,5 @@
-//! The contents of the key file: TOML that a person can read. `storage::private_file` decides who may read the file and how it
-//! is replaced; keys are in `keys`.
+//! The contents of the key file: TOML that a person can read. `storage::private_file` finds out who may read the
+//! file, and replaces it. The keys themselves are in `keys`.
 
 use std::fs;
 use std::io;
@@ -14,7 +14,7 @@ use super::token::Token;
 use crate::storage::names;
 use crate::storage::private_file::{PrivateFile, Readers};
 
-/// Maximum size in bytes: ten times the size of the most keys that may exist.
+/// Maximum size of the file in bytes: ten times the size that the maximum number of keys needs.
 const LARGEST: u64 = 128 * 1024;
 
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
@@ -28,7 +28,7 @@ const NAME: &str = "use 1 to 32 letters, digits, - and _";
 #[derive(Clone, Debug)]
 pub struct KeyFile(PrivateFile);
 
-/// Tells versions of the file apart without reading it.
+/// Identifies a version of the file, so that a change can be noticed without reading the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stamp(Vec<i64>);
 
@@ -72,13 +72,13 @@ impl KeyFile {
         Ok(Some((keys, readers)))
     }
 
-    /// Excludes other programs that change the keys until the returned lock is dropped. Waits two seconds at most.
+    /// Keeps other programs from changing the keys until the returned lock is dropped. Waits two seconds at most.
     pub fn alone(&self) -> Option<fs::File> {
         self.0.alone()
     }
 
-    /// Replaces the file, and returns once it is on disk; after a failure the old one is unchanged. Creates the folder when there
-    /// is none.
+    /// Replaces the file, and returns when the new file is on disk. After a failure the old file is unchanged.
+    /// Creates the folder if it does not exist.
     pub fn write(&self, keys: &Keys) -> Result<(), AccessError> {
         self.0.replace(written(keys).as_bytes()).map_err(|error| AccessError::Unwritable { path: self.path().to_owned(), error })
     }
@@ -89,8 +89,8 @@ impl KeyFile {
 
     fn understood(&self, text: &str) -> Result<Keys, AccessError> {
         let malformed = |problem: String| AccessError::Malformed { path: self.path().to_owned(), problem };
-        // TOML's message about a mistake may quote any word of the file, and any word may be a token: only the place is passed
-        // on, with our own words.
+        // TOML's error message may quote any word of the file, and any word may be a token. So the error has only the
+        // line number and our own words.
         let read: Written = toml::from_str(text).map_err(|error| {
             let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             malformed(format!("line {} cannot be read: {SHAPE}", before.matches('\n').count() + 1))
@@ -99,7 +99,7 @@ impl KeyFile {
         for (number, WrittenKey { name, role, token }) in (1..).zip(read.key) {
             let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is not valid")))?;
             let key = Key::new(&name, role, token);
-            // Name and token may be mixed up, so the name is not repeated.
+            // The user may have written the token in place of the name, so the error does not quote the name.
             keys.push(key.map_err(|_| malformed(format!("the name of key {number} is not valid: {NAME}")))?);
         }
         Keys::new(keys).map_err(|error| malformed(error.to_string()))
@@ -112,7 +112,8 @@ pub(super) fn written(keys: &Keys) -> String {
     format!("{HEADER}{}", toml::to_string(&all).expect("names, roles and tokens are strings, which TOML can hold"))
 }
 
-/// The change time moves with contents, mode and owner, and no program can set it; the inode changes with each replacement.
+/// The change time (ctime) changes with the contents, the mode and the owner, and no program can set it. The inode
+/// changes with each replacement.
 #[cfg(unix)]
 fn stamp(metadata: &fs::Metadata) -> Stamp {
     use std::os::unix::fs::MetadataExt;

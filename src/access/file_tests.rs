@@ -1,4 +1,5 @@
-//! What the key file survives, and what it refuses. A file of its own because of its length.
+//! Tests of the key file: faults that it survives, and contents that it refuses. They are in a separate file because
+//! they are long.
 
 use super::*;
 use crate::storage::tests::scratch::Scratch;

@@ -1,5 +1,5 @@
-//! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk; a thread checks whether
-//! the file has changed, so that a rotated key becomes invalid a moment later. Keys are not changed here.
+//! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk. A thread
+//! checks whether the key file has changed, so that a replaced token soon becomes invalid. This file changes no keys.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -13,7 +13,7 @@ use super::session::{self, Person};
 use super::token::{chance, hexadecimal};
 use crate::storage::private_file::Readers;
 
-/// Interval at which the file is checked: a removed key is valid no longer than this.
+/// Interval at which the key file is checked. A removed key stays valid for this time at most.
 const GLANCE: Duration = Duration::from_millis(250);
 
 /// The keys known to the running program. Cheap to clone.
@@ -29,13 +29,13 @@ pub struct Keyring {
 pub struct Opened {
     pub keyring: Keyring,
     pub is_new: bool,
-    /// Why existing keys cannot be read: nobody is admitted then, until the file is mended.
+    /// Why the existing keys cannot be read. Nobody is admitted until the file is mended.
     pub unusable: Option<AccessError>,
 }
 
 impl Keyring {
-    /// Opens the keys of this data folder, and creates an operator's key when no keys exist. Follows changes of the file from
-    /// now on.
+    /// Opens the keys of this data folder, and creates an operator's key when no keys exist. Later changes of the
+    /// file are applied too.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
         // The stamp is taken before the file is read, so that a change in between is noticed and read.
@@ -66,7 +66,7 @@ impl Keyring {
         Ok(Opened { keyring, is_new, unusable })
     }
 
-    /// One operator's key that is not stored.
+    /// Makes an operator's key that is not stored.
     pub fn in_memory() -> Result<Keyring, AccessError> {
         Keyring::of(Keys::first()?)
     }
@@ -85,12 +85,12 @@ impl Keyring {
         Arc::clone(&lock(&self.keys))
     }
 
-    /// The owner of a token; takes the same time whatever the text is.
+    /// Returns the owner of a token. Takes the same time for every text.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         self.keys().check(token)
     }
 
-    /// A session for whoever shows this token, as a cookie's value.
+    /// Opens a session for the owner of this token; returns the value of the session cookie.
     pub fn sign_in(&self, token: &str, person: &Person, now: Moment) -> Option<String> {
         let keys = self.keys();
         let signed_in = keys.check(token)?;
@@ -101,7 +101,7 @@ impl Keyring {
         session::opened(&self.keys(), &self.run, cookie, now)
     }
 
-    /// Whether a caller is still valid: the key exists with the same token and role, and the session lasts.
+    /// Whether a caller is still valid: the key exists with the same token and role, and the session has not ended.
     pub fn still_knows(&self, signed_in: &SignedIn, now: Moment) -> bool {
         let lasts = signed_in.end.is_none_or(|end| end.is_ahead(now));
         lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.still_is(signed_in))
@@ -112,7 +112,7 @@ fn lock(keys: &Mutex<Arc<Keys>>) -> MutexGuard<'_, Arc<Keys>> {
     keys.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Logs who else can read the keys, where the folder or the volume requires that.
+/// Logs which other users can read the keys, if any may.
 fn say_who_else(file: &KeyFile, readers: Readers) {
     let file = file.path().display();
     match readers {
@@ -131,8 +131,8 @@ struct Followed {
 }
 
 impl Followed {
-    /// Applies a change of the file. An unreadable file changes nothing: nobody new is admitted, and everybody who could press
-    /// STOP still can.
+    /// Applies a change of the file. An unreadable file changes nothing: no new keys are accepted, and everybody who
+    /// could press STOP still can.
     fn look(&mut self, current: &Mutex<Arc<Keys>>) {
         let stamp = self.file.stamp().ok();
         if stamp == self.seen {
@@ -140,7 +140,7 @@ impl Followed {
         }
         let file = self.file.path().display();
         match self.file.read() {
-            // The file was only touched, or written by this very start.
+            // The keys are the same: the file was only touched, or this start wrote it.
             Ok(Some(keys)) if written(&keys) == written(&lock(current)) => {}
             Ok(Some(keys)) => {
                 *lock(current) = Arc::new(keys);
@@ -169,7 +169,7 @@ mod tests {
 
     const NOW: Moment = Moment { elapsed: Duration::from_secs(1000), unix_s: 1_795_262_400 };
 
-    /// Waits for the thread, however busy the machine is.
+    /// Waits until the thread has applied a change, even on a busy machine.
     fn until(what: &str, is_so: impl Fn() -> bool) {
         for _ in 0..600 {
             if is_so() {
@@ -215,7 +215,7 @@ mod tests {
         assert!(keyring.check(keys.named("operator").unwrap().token.reveal()).is_some());
     }
 
-    /// Safety S1: an unreadable file admits nobody new, and excludes nobody.
+    /// Safety S1: an unreadable file admits nobody new, and locks nobody out.
     #[test]
     fn a_file_that_cannot_be_read_lets_nobody_in_and_shuts_nobody_out() {
         let folder = Scratch::new();
@@ -240,7 +240,8 @@ mod tests {
         assert!(keyring.check(&token(&Keyring::of(keys).unwrap())).is_some());
     }
 
-    /// Safety R5: nobody is admitted by a guess, and no start fails; the mended file is used at once.
+    /// Safety R5: with a damaged key file the start succeeds, but nobody is admitted. The mended file is used at
+    /// once.
     #[test]
     fn a_ruined_file_lets_nobody_in_until_it_is_mended() {
         let folder = Scratch::new();

@@ -1,4 +1,4 @@
-//! The named keys: the owner of a token, and how keys are added, replaced and removed. They are stored by `file`.
+//! The named keys. This file finds the owner of a token, and adds, replaces and removes keys. `file` stores the keys.
 
 use std::sync::Arc;
 
@@ -13,10 +13,11 @@ use super::token::Token;
 /// Name of the key that is created at the first start.
 pub const OPERATOR: &str = "operator";
 
-/// Maximum number of keys: enough for every person and program of a site; each request is compared with all of them.
+/// Maximum number of keys: enough for all persons and programs of a site. The number is limited because the token of
+/// each request is compared with all keys.
 const MOST: usize = 64;
 
-/// Maximum length of a name, which appears in records, cookies and on pages.
+/// Maximum length of a key's name. Names appear in records, in cookies and on pages.
 const NAME: usize = 32;
 
 #[derive(Clone, Debug)]
@@ -31,9 +32,9 @@ pub struct Key {
 pub struct SignedIn {
     pub name: Arc<str>,
     pub role: Role,
-    /// The name that a person gave when signing in with this key. It changes no right.
+    /// The name that a person gave when signing in with this key. It gives no rights.
     pub person: Option<Arc<str>>,
-    /// Digest of the key's token, which differs after each rotation.
+    /// Digest of the key's token. Each new token has a different digest.
     pub(super) print: [u8; 32],
     /// When the session ends; `None` for a token that is sent with each request.
     pub(super) end: Option<End>,
@@ -87,8 +88,8 @@ impl Keys {
         self.place(name).map(|place| &self.0[place])
     }
 
-    /// The owner of a token. Takes the same time whatever the text is: its SHA-256 is compared as a whole with the SHA-256 of
-    /// every token.
+    /// Returns the owner of a token. Takes the same time for every text: the whole SHA-256 of the text is compared
+    /// with the SHA-256 of every token.
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         let given = print(token);
         let hits = self.0.iter().map(|key| bool::from(key.print.ct_eq(&given)));
@@ -108,7 +109,7 @@ impl Keys {
         Ok(&self.0[place])
     }
 
-    /// Refuses to remove the last operator's key.
+    /// Removes a key. Refuses to remove the last operator's key.
     pub fn remove(&mut self, name: &str) -> Result<(), AccessError> {
         let removed = self.0.remove(self.place(name)?);
         let kept = self.keep_an_operator(name);
@@ -141,7 +142,8 @@ impl Keys {
     }
 }
 
-/// Digest that is compared in place of the token: always of the same length, and not reversible.
+/// Digest that is compared instead of the token. It always has the same length, and the token cannot be computed from
+/// it.
 fn print(token: &str) -> [u8; 32] {
     Sha256::digest(token.as_bytes()).into()
 }

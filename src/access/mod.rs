@@ -1,5 +1,5 @@
-//! Who may do what: named keys with roles, stored in a file that only its owner reads, and the sessions signed with them. This
-//! module knows no door and no robot: a door passes on what a client sent, and is told who the client is.
+//! Who may do what: named keys with roles, stored in a file that only its owner reads, and sessions signed with these
+//! keys. A door (HTTP, CoAP, MQTT) passes on what a client sent, and learns here who the client is.
 
 mod attempts;
 mod caller;

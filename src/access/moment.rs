@@ -1,8 +1,8 @@
-//! Times by two clocks, and the end of a session by one of them.
+//! Times of two clocks. The end of a session is a time of one of these clocks.
 
 use std::time::Duration;
 
-/// Duration of a session in seconds: a shift.
+/// Duration of a session in seconds: one working shift.
 pub const SESSION_S: i64 = 12 * 60 * 60;
 
 /// Number of seconds by which the wall clock may be set back without ending the sessions of earlier runs.
@@ -10,7 +10,7 @@ const SLACK_S: i64 = 5 * 60;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Time since the program started; nobody can set it.
+    /// Time since the program started. Nobody can set this clock.
     pub elapsed: Duration,
     /// Wall clock in seconds since 1970.
     pub unix_s: i64,
@@ -28,7 +28,7 @@ impl End {
     pub(super) fn is_ahead(self, now: Moment) -> bool {
         match self {
             End::Elapsed(end) => now.elapsed < end,
-            // A wall clock that was or is wrong does not make a session last for ever.
+            // A session must not last for ever because the wall clock is wrong now, or was wrong before.
             End::Unix(end_s) => end_s > now.unix_s && end_s <= now.unix_s.saturating_add(SESSION_S + SLACK_S),
         }
     }

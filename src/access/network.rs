@@ -1,8 +1,9 @@
-//! The network of a client: the unit in which attempts and connections are counted. Keys alone decide who a client is.
+//! The network of a client. Attempts and connections are counted per network. The network does not identify a client;
+//! only keys do.
 
 use std::net::{IpAddr, Ipv6Addr};
 
-/// One IPv4 address, or one /64 of IPv6: whoever has one address of a /64 has them all.
+/// One IPv4 address, or one IPv6 prefix of 64 bits. A client with one address of such a prefix can use all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Network(IpAddr);
 

@@ -1,17 +1,18 @@
-//! The two roles, and the right that each route or command needs. The doors' tables assign the rights.
+//! The two roles, and the rights that routes and commands need. The tables of the doors (HTTP, CoAP, MQTT) say which
+//! right each route or command needs.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Sees everything, and may stop the robot.
+    /// May see everything and stop the robot.
     Viewer,
-    /// Sees, stops and acts.
+    /// May see everything, stop the robot and give commands.
     Operator,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
-    /// No right at all: anybody who reaches the door has access.
+    /// No right is needed: everybody who can connect has access.
     Nothing,
     /// The right to look: anyone signed in has it.
     See,

@@ -1,6 +1,6 @@
-//! Sessions without a table: the cookie names the user, the beginning and the end, and a MAC made with the key's own token
-//! proves that they are genuine. So a restart signs nobody out, and a rotated key ends its sessions. The door decides how a
-//! cookie is transported.
+//! Sessions without a table. The cookie names the user, and the beginning and the end of the session. A MAC made with
+//! the key's own token proves that these are genuine. So a restart ends no session, and a new token ends all sessions
+//! of its key. The door decides how a cookie is transported.
 //!
 //! ```text
 //!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in
@@ -9,8 +9,8 @@
 //!   night-shift.1795262400.5f0c…             =  the form of earlier versions, which names no run
 //! ```
 //!
-//! In the run of the program that opened it, a session ends by elapsed time, so that nobody who sets the machine's clock takes
-//! STOP from an operator (safety S8). A later run has only the expiry and the wall clock.
+//! In the run that opened the session, the session ends by elapsed time. So nobody can take STOP from an operator by
+//! setting the machine's clock (safety S8). A later run must use the expiry and the wall clock.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,14 +23,15 @@ use super::keys::{Key, Keys, SignedIn};
 use super::moment::{End, Moment, SESSION_S};
 use super::token::hexadecimal;
 
-/// Purpose of the MAC, so that no other MAC made with a token can be mistaken for it.
+/// Part of the text that the MAC covers. It keeps other MACs made with the same token from being accepted as
+/// sessions.
 const PURPOSE: &str = "hallsweep session 2";
 
-/// Purpose of the MAC in cookies that name no run.
+/// Used in place of `PURPOSE` in cookies that name no run.
 const PURPOSE_BEFORE: &str = "hallsweep session 1";
 
-/// The name that a person gives when signing in, for records and pages; empty if none is given. It tells several people with one
-/// key apart and changes no right.
+/// The name that a person gives when signing in; empty if none is given. Records and pages show it, so that several
+/// people with one key can be told apart. It gives no rights.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Person(String);
 
@@ -38,8 +39,8 @@ impl Person {
     /// Maximum length in characters.
     pub const MOST: usize = 32;
 
-    /// `None` for a name that is too long or has characters that no name has: brackets, for example, would be confused with the
-    /// brackets that records put around a name.
+    /// `None` for a name that is too long or has characters that are not allowed. Brackets, for example, are not
+    /// allowed because records put the name in brackets.
     pub fn new(typed: &str) -> Option<Person> {
         let name = typed.split_whitespace().collect::<Vec<_>>().join(" ");
         // Hangul fillers count as letters, but are invisible.
@@ -57,7 +58,7 @@ pub(super) fn sealed(key: &Key, run: &str, Person(person): &Person, now: Moment)
     format!("{claim}.{mac}")
 }
 
-/// The owner of a session; `None` when it has ended, or was never issued.
+/// Returns the owner of a session; `None` when the session has ended or was never opened.
 pub(super) fn opened(keys: &Keys, run: &str, cookie: &str, now: Moment) -> Option<SignedIn> {
     let (claim, mac) = cookie.rsplit_once('.')?;
     let parts: Vec<&str> = claim.splitn(6, '.').collect();
@@ -102,10 +103,10 @@ mod tests {
 
     const NOW: i64 = 1_795_262_400;
 
-    /// Age of the run when somebody signs in.
+    /// Seconds from the start of the program to the moment when somebody signs in.
     const BEGAN_S: u64 = 1000;
 
-    /// The time `elapsed_s` seconds after signing in, when the clock was set by `set_s` seconds in between.
+    /// The time `elapsed_s` seconds after signing in. In between, the wall clock was changed by `set_s` seconds.
     fn at(elapsed_s: i64, set_s: i64) -> Moment {
         let elapsed = Duration::from_secs(BEGAN_S.saturating_add_signed(elapsed_s));
         Moment { elapsed, unix_s: NOW + elapsed_s + set_s }
@@ -145,7 +146,7 @@ mod tests {
     fn in_a_later_run_the_wall_clock_says_when_a_session_ends_and_so_it_does_for_one_of_an_earlier_version() {
         let keys = keys();
         for cookie in [cookie(&keys), cookie_before(&keys, NOW + SESSION_S)] {
-            // Elapsed time of a later run tells nothing.
+            // A later run ignores the elapsed time.
             let by_clock = |later: i64| {
                 let after = |elapsed| Moment { elapsed: Duration::from_secs(elapsed), unix_s: NOW + later };
                 let opened = [0, 10_000_000].map(|elapsed| opened(&keys, "later run", &cookie, after(elapsed)).is_some());
@@ -228,7 +229,7 @@ mod tests {
                 assert_eq!(opened(&keys, "run", wrong, at(0, 0)), None, "{wrong}");
             }
         }
-        // A cookie that names another run, or none, differs from the sealed one.
+        // The MAC does not fit a cookie that names another run, or no run.
         let mac = now.rsplit('.').next().unwrap();
         for claim in [format!("lobby.{}", NOW + SESSION_S), format!("lobby.{}.later.1000", NOW + SESSION_S)] {
             assert_eq!(opened(&keys, "later", &format!("{claim}.{mac}"), at(0, 0)), None, "{claim}");

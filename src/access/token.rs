@@ -1,5 +1,4 @@
-//! A secret of 256 bits, as text that can be part of a link. Where the secret is stored, and whom it identifies, is decided
-//! elsewhere.
+//! A secret of 256 bits, as text that can be part of a link. Other files store tokens and know their owners.
 
 use std::fmt;
 
@@ -22,7 +21,7 @@ impl Token {
         is_one.then(|| Token(text.into()))
     }
 
-    /// The secret itself, for its owner, its file and its comparison.
+    /// Returns the secret itself: to show it to its owner, to store it, or to compare it.
     pub fn reveal(&self) -> &str {
         &self.0
     }

@@ -1,5 +1,5 @@
-//! The answer to an accepted command, in the same shape at every door: the revision that contains its effect, and the
-//! epoch for the next movement command.
+//! The answer to an accepted command, with the same shape at every door. It has the revision that contains the
+//! command's effect, and the epoch for the next movement command.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,22 +8,24 @@ use super::luggage::LuggageJson;
 use hallsweep_core::command::Accepted;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Answer to an accepted command, as `{"accepted":true,"revision":812,"epoch":4}`; with the piece that it concerned.
+/// Answer to an accepted command, as `{"accepted":true,"revision":812,"epoch":4}`. If the command concerned a piece,
+/// the answer also has its record.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AnswerJson {
     /// Always true; a refused command is answered with a `Problem`.
     pub accepted: bool,
-    /// The revision of the state that contains the command's effect.
+    /// Revision of the state that contains the command's effect.
     pub revision: u64,
-    /// Present epoch, for the next movement command.
+    /// Present epoch, to be sent with the next movement command.
     pub epoch: u64,
-    /// Piece that the command concerned.
+    /// Record of the piece that the command concerned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
 }
 
 impl AnswerJson {
-    /// `snapshot` must contain the command's effect already: the record of the piece is read from it.
+    /// Makes the answer, and reads the record of the piece from `snapshot`. `snapshot` must already contain the
+    /// command's effect.
     pub fn new(accepted: Accepted, snapshot: &Snapshot) -> AnswerJson {
         let luggage = accepted.luggage.and_then(|id| snapshot.luggage(id));
         AnswerJson {

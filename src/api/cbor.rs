@@ -1,5 +1,5 @@
-//! CBOR (RFC 8949): writes every shape of the wire, and reads the bodies of commands. Reading is flat: a body is one map of
-//! texts and numbers. Anything nested is refused where it begins, so that no nesting can exhaust the stack or the memory.
+//! CBOR (RFC 8949): writes every shape of the API, and reads the bodies of commands. A body is one map without nested
+//! values. A nested value is refused where it begins, so that no nesting can exhaust the stack or the memory.
 
 use minicbor::Decoder;
 use minicbor::data::Type;
@@ -9,7 +9,7 @@ use serde_json::{Number, Value};
 
 use super::fields::{Body, BodyFields, Unread, Unusable, in_short};
 
-/// A value in CBOR, with the same names and shapes as in JSON.
+/// Writes a value in CBOR, with the same names and shapes as in JSON.
 pub fn written(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut serializer = minicbor_serde::Serializer::new(&mut bytes);
@@ -28,7 +28,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a body; the decoder stops behind the body.
+/// Reads the fields of a body. The decoder stops at the first byte after the body.
 pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     let kind = decoder.datatype().map_err(no_cbor)?;
     if !matches!(kind, Type::Map | Type::MapIndef) {
@@ -47,8 +47,8 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     Ok(fields)
 }
 
-/// Whether another field follows. The break at the end of a map of indefinite length is consumed (RFC 8949, section
-/// 3.2.2).
+/// Whether another field follows. At the end of a map of indefinite length, this also skips the break byte (RFC 8949,
+/// section 3.2.2).
 fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unread> {
     if let Some(left) = left {
         let more = *left > 0;
@@ -96,7 +96,8 @@ fn number(value: f64, name: &str) -> Result<Value, Unread> {
     number.ok_or_else(|| unusable(format!("`{}` is {value}: send a number, such as 21.5", in_short(name))))
 }
 
-/// A number of 16 bits, the shortest form of most readings (RFC 8949, appendix D): 1 bit of sign, 5 of exponent, 10 of fraction.
+/// Reads a floating-point number of 16 bits (RFC 8949, appendix D): 1 bit of sign, 5 of exponent, 10 of fraction.
+/// This is the shortest form of most readings.
 fn half(decoder: &mut Decoder<'_>) -> Result<f64, Unread> {
     let start = decoder.position() + 1;
     let bytes = decoder.input().get(start..start + 2).ok_or_else(|| no_cbor(Error::end_of_input()))?;
@@ -221,7 +222,7 @@ mod tests {
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\x3b\xff\xff\xff\xff\xff\xff\xff\xff").contains("too large"));
     }
 
-    /// Safety A7.
+    /// Safety A7: no nesting and no announced length exhausts the stack or the memory.
     #[test]
     fn no_nesting_and_no_announced_length_exhausts_anything() {
         let deep = [b"\xa1\x67verdict".to_vec(), vec![0x81; 16 * 1024]].concat();

@@ -1,5 +1,5 @@
-//! The events of a stream after the first: the resources that changed, and nothing else. Event names, ids and heartbeats belong
-//! to the stream.
+//! The events of a stream after the first one. Each event has only the resources that changed. Event names, ids and
+//! heartbeats belong to the stream.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,8 +17,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Maximum number of pieces sent all together whenever one of them changes. If there are more, only the changed pieces are
-/// sent, since sending all would make up most of the traffic.
+/// Maximum number of pieces for which a change of one piece sends all pieces. With more pieces, only the changed ones
+/// are sent, because all pieces would make up most of the traffic.
 const WHOLE: usize = 256;
 
 /// Resources that changed; unchanged resources are absent.
@@ -34,10 +34,12 @@ pub struct ChangesJson {
     pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
-    /// All luggage, sent if there are at most 256 pieces.
+    /// All luggage. Sent if there are at most 256 pieces, or if a reader cannot know which pieces it has: after a
+    /// reconnection, for another mission, and when pieces were removed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<Vec<LuggageJson>>,
-    /// New and changed pieces, sent if there are more than 256; each replaces the piece with the same `id`.
+    /// New and changed pieces, sent in place of `luggage` if there are more than 256. Each replaces the piece with
+    /// the same `id`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pieces: Option<Vec<LuggageJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,7 +58,7 @@ impl ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
         let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
-        // The list of robots counts as changed with every change of the mission, because holds appear in both; most of these
+        // Every change of the mission marks the list of robots as changed, because holds are in both. Most of these
         // changes leave the list as it was.
         let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
         let robots = changes.robots.filter(|_| !is_same);
@@ -67,8 +69,8 @@ impl ChangesJson {
         ChangesJson { robots, luggage, pieces, ..changes }
     }
 
-    /// The changes since a revision whose snapshot is not known. Log lines are numbered, so all stored lines are sent when the
-    /// log has grown, and the reader drops the lines that it has already.
+    /// Returns what changed since a revision whose snapshot is not stored. If the log has grown, all stored lines are
+    /// sent. The lines are numbered, so the reader can drop the lines that it already has.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
         let changes = ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0);
         let is_other = snapshot.revision_of(Resource::Luggage) > revision;
@@ -93,8 +95,8 @@ impl ChangesJson {
     }
 }
 
-/// All of the luggage, or only the changed pieces. Changed pieces do not tell which pieces are gone. So the luggage of another
-/// mission, or with fewer pieces than before, is sent whole.
+/// Returns either all of the luggage, or only the changed pieces. Changed pieces do not tell which pieces are gone.
+/// So all of the luggage is sent if the mission is another one, or has fewer pieces than before.
 fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
     if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
     {

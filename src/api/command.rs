@@ -1,4 +1,5 @@
-//! The bodies of commands in JSON, and their conversion to the core's commands. Every field is checked here, and none is guessed.
+//! The bodies of commands in JSON, and their conversion to the core's commands. Every field is checked here, and no
+//! value is guessed.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -15,11 +16,11 @@ use hallsweep_core::world::hall_map::REACH;
 
 pub use super::fields::Unusable;
 
-/// The body of a command without arguments; it may be absent.
+/// Body of a command without arguments. The body may be absent.
 #[derive(Clone, Copy, Debug, Default, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct EpochBody {
-    /// Epoch that the sender saw last; the command is refused if a stop happened since.
+    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
@@ -30,7 +31,7 @@ pub struct EpochBody {
 pub struct MoveBody {
     #[schemars(rename = "move", with = "vocabulary::Move")]
     word: String,
-    /// Epoch that the sender saw last; the command is refused if a stop happened since.
+    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
@@ -45,7 +46,7 @@ pub struct GotoBody {
     /// Row, growing to the south.
     #[schemars(range(min = -REACH, max = REACH))]
     y: i64,
-    /// Epoch that the sender saw last; the command is refused if a stop happened since.
+    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
 }
@@ -61,7 +62,7 @@ pub struct VerdictBody {
     note: Option<String>,
 }
 
-/// `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
+/// Report of the temperature: `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
 #[derive(Clone, Debug)]
 pub struct TemperatureBody {
     celsius: Option<f64>,
@@ -77,7 +78,8 @@ pub struct StrategyBody {
     name: String,
 }
 
-/// The rule of `is_visible` as a pattern for clients. Blanks at both ends are allowed, since `note` trims them off.
+/// The rule of `is_visible` as a regular expression for clients. Blanks at both ends are allowed, because `note`
+/// removes them.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
 
 impl JsonSchema for TemperatureBody {
@@ -248,7 +250,7 @@ impl StrategyBody {
     }
 }
 
-/// The note of a verdict; `None` when it is blank.
+/// Reads the note of a verdict; `None` if the note is blank.
 pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     let (text, most) = (text.trim(), Note::MOST);
     let length = text.chars().count();
@@ -261,24 +263,26 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     Ok(Note::new(text))
 }
 
-/// The error for a command id that cannot be used or was sent more than once; `place` says where the door reads the id.
+/// The error message for a command id that cannot be used or was sent more than once. `place` says where the door
+/// reads the id.
 pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send one name of 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }
 
-/// Removes the command id from the fields of a body, for doors where it is sent as `id` beside them.
+/// Removes the command id from the fields of a body, and returns it. For doors where a body has the id as its field
+/// `id`.
 pub fn id_aside(fields: &mut BodyFields) -> Result<Option<CommandId>, Unread> {
     let Some(name) = fields.aside("id", BodyFields::text).map_err(Unread::Unusable)? else { return Ok(None) };
     let id = CommandId::new(&name);
     id.map(Some).ok_or_else(|| Unread::Malformed(no_command_id("id", &name)))
 }
 
-/// Removes the number of a command's subject from the fields of its body, for doors without paths.
+/// Removes the number of the piece or alarm from the fields of a body, and returns it. For doors without paths.
 pub fn number_aside(fields: &mut BodyFields, name: &'static str, example: &str) -> Result<u64, Unusable> {
     needed(fields.aside(name, BodyFields::count)?, name, example)
 }
 
-/// The command for a one-letter word of old clients or of `move`; `h` and `stop` are STOP.
+/// Returns the command for a one-letter word of old clients or of the field `move`. `h` and `stop` mean STOP.
 pub fn move_word(word: &str) -> Result<Command, Unusable> {
     match word {
         halt if is_halt(halt) => Ok(Command::Stop),

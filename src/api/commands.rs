@@ -1,6 +1,6 @@
-//! THE TABLE of commands, from which every door derives its own: HTTP its routes, CoAP its paths, MQTT its topics, and their
-//! pages. A new command needs one row here, and its effect in the core. The fields are in `command`; each door reads payloads
-//! in its own way.
+//! THE TABLE of commands. Every door derives its own from it: HTTP its routes, CoAP its paths, MQTT its topics. The
+//! doors' pages in `docs/` are derived from it, too. A new command needs one row here, and its effect in the core.
+//! The fields are in `command`; each door reads payloads in its own way.
 
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
@@ -27,18 +27,18 @@ pub enum CommandKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     None,
-    /// A piece: its number is in the path, or in the field `luggage` at doors without paths.
+    /// A piece of luggage. Its number is in the path; at doors without paths, in the field `luggage`.
     Luggage,
-    /// An alarm: its number is in the path, or in the field `alarm` at doors without paths.
+    /// An alarm. Its number is in the path; at doors without paths, in the field `alarm`.
     Alarm,
 }
 
 /// The body of a command at doors with paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
-    /// The body is not read.
+    /// STOP: the body is not read.
     Nothing,
-    /// The body may be missing.
+    /// At most an epoch: the body may be missing.
     Epoch,
     Move,
     Goto,
@@ -49,11 +49,11 @@ pub enum Takes {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
-    /// The command acts each time: POST.
+    /// POST, for a command that acts each time it is sent.
     Post,
-    /// The command reports a state: POST over HTTP, also PUT over CoAP.
+    /// For a command that reports a state: POST over HTTP, POST or PUT over CoAP.
     PostOrPut,
-    /// The command sets the resource at its path: PUT over HTTP, also POST over CoAP.
+    /// For a command that sets the resource at its path: PUT over HTTP, PUT or POST over CoAP.
     Put,
 }
 
@@ -62,14 +62,14 @@ pub struct CommandRow {
     pub name: &'static str,
     pub title: &'static str,
     pub kind: CommandKind,
-    /// The least right that a sender needs. For `move` it is the right to STOP, since a move may be a STOP; other moves need
-    /// more rights.
+    /// The least right that a sender needs. For `move` this is the right to STOP, because a move may be a STOP. Other
+    /// moves need more rights.
     pub need: Need,
     /// Path under `/api/v1` and at the CoAP door; `{id}` stands for the number of the subject.
     pub path: &'static str,
     pub methods: Methods,
     pub subject: Subject,
-    /// Examples of its payload at doors without paths, without the command id.
+    /// Examples of the payload at doors without paths. The command id is left out.
     pub body: &'static [&'static str],
     pub takes: Takes,
 }
@@ -121,7 +121,8 @@ pub trait Payload {
     fn optional<T: Body + Default>(&self) -> Result<T, Self::Problem>;
 }
 
-/// The command and the epoch that its sender saw; `number` is the number of the command's subject.
+/// Returns the command, and the epoch that its sender saw. `number` is the number of the piece or alarm that the
+/// command is about.
 pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<(Command, Option<Epoch>), P::Problem> {
     let with_epoch = |command| Ok((command, payload.optional::<EpochBody>()?.epoch()));
     let bare = |command| payload.optional::<EpochBody>().map(|_| (command, None));
@@ -143,7 +144,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
 }
 
 impl CommandRow {
-    /// Whether the payload may be missing at doors without paths: MQTT then accepts the bare name.
+    /// Whether doors without paths accept the command without a payload. MQTT then accepts the bare name.
     pub fn is_word(&self) -> bool {
         self.subject == Subject::None && !self.needs_body()
     }
@@ -153,7 +154,7 @@ impl CommandRow {
     }
 }
 
-/// The usual row: a POST for operators, without a subject, whose body carries an epoch at most.
+/// A row with the usual values: POST, for operators, without a subject. The body has at most an epoch.
 const fn word(
     name: &'static str,
     path: &'static str,
@@ -179,7 +180,7 @@ mod tests {
         assert!(COMMANDS.iter().all(|row| named(row.name).is_some_and(|found| found.kind == row.kind)));
     }
 
-    /// As many rows as kinds, all different: a new kind needs a row.
+    /// There are as many rows as kinds, all different. So a new kind needs a row.
     #[test]
     fn every_kind_has_its_row() {
         let last = CommandKind::Temperature as usize;
@@ -194,7 +195,7 @@ mod tests {
         assert!(COMMANDS.iter().all(|row| row.path.contains("{id}") == (row.subject != Subject::None)));
     }
 
-    /// Safety S1.
+    /// Safety S1: only commands that may be a STOP are open to everybody who is signed in.
     #[test]
     fn only_what_may_be_a_stop_asks_for_no_operator() {
         let open: Vec<CommandKind> = COMMANDS.iter().filter(|row| row.need != Need::Act).map(|row| row.kind).collect();

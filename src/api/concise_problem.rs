@@ -1,5 +1,5 @@
-//! A refusal or an error as concise problem details in CBOR (RFC 9290). Its contents are in `problem`; the door decides when to
-//! use this form.
+//! Writes a refusal or an error as concise problem details in CBOR (RFC 9290). The contents are in `problem`. The
+//! door decides when to use this form.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,8 @@ mod key {
     pub(super) const RESPONSE_CODE: i8 = -4;
 }
 
-/// Hallsweep's own entry: the code for programs, `accepted` as false, and the record that a refused verdict was about.
+/// Hallsweep's own entry: the code for programs, `accepted` as false, and the record of the piece if a verdict or a
+/// retake was refused.
 #[derive(Serialize)]
 struct Ours<'a> {
     code: &'a str,

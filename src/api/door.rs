@@ -1,8 +1,8 @@
-//! The doors of hallsweep, with their names in records.
+//! The doors of hallsweep (the interfaces that clients use), with their names in records.
 
 use hallsweep_core::command::Door;
 
-/// The page at `/`.
+/// The console, which is the page at `/`.
 pub const CONSOLE: Door = Door("console");
 
 /// JSON over HTTP, and the HTTP routes of the old console.

@@ -1,6 +1,6 @@
-//! Excerpts of resources that are too large to publish whole: the pieces of luggage that still matter and the newest ones; the
-//! size of the map. Each excerpt says how large the whole is and where it can be read, so that nobody mistakes a part for the
-//! whole.
+//! Excerpts of resources that are too large to publish whole. The excerpt of the luggage has the pieces that still
+//! matter and the newest pieces. The excerpt of the map has its size. Each excerpt says how large the whole is and
+//! where to read it. So nobody mistakes the excerpt for the whole.
 
 use std::collections::BTreeMap;
 
@@ -16,16 +16,17 @@ use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::resource::Resource;
 
-/// Maximum size of published luggage in bytes: the MiB that every broker accepts.
+/// Maximum size of published luggage, in bytes. Every broker accepts messages of this size (1 MiB).
 const LUGGAGE_BYTES: usize = 1024 * 1024;
 
-/// Bytes counted for each piece, more than its record takes without a note.
+/// Bytes counted for each piece. A record without a note is smaller.
 const PIECE_BYTES: usize = 512;
 
-/// Number of newest pieces in an excerpt, as many as the HTTP stream sends whole; other pieces are added because they matter.
+/// Number of newest pieces in an excerpt, as many as the HTTP stream sends whole. Pieces that still matter are added.
 const NEWEST: usize = 256;
 
-/// Maximum number of characters and quotes in the rows of a map published whole: with its frame it fits into a message of 2 MiB.
+/// Maximum size of the rows of a map that is published whole, in bytes. The map with its other fields then fits into
+/// a message of 2 MiB.
 const MAP_BYTES: i64 = 2 * 1024 * 1024 - 1024;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -50,7 +51,7 @@ struct MapExcerpt {
     all: &'static str,
 }
 
-/// The excerpt of a resource in JSON; `None` when it can be published whole.
+/// Returns the excerpt of a resource in JSON; `None` if the whole resource can be published.
 pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
     match resource {
         Resource::Luggage => luggage(&snapshot.luggage).map(|excerpt| shape(Form::Json, &excerpt)),
@@ -83,7 +84,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
     })
 }
 
-/// Upper bound of a piece's size in JSON, in bytes. Each quote and backslash of the note takes one more byte.
+/// Upper bound of the size of a piece in JSON, in bytes. Each quote or backslash in the note takes one more byte.
 fn bytes(piece: &Luggage) -> usize {
     let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
     PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()
@@ -92,7 +93,7 @@ fn bytes(piece: &Luggage) -> usize {
 fn map(snapshot: &Snapshot) -> Option<MapExcerpt> {
     let bounds = snapshot.map.known_bounds();
     let (width, height) = (bounds.width(), bounds.height());
-    // A row has two quotes and a comma.
+    // Each row also has two quotes and a comma.
     if (i64::from(width) + 3) * i64::from(height) <= MAP_BYTES {
         return None;
     }
@@ -110,10 +111,10 @@ mod tests {
     use hallsweep_core::units::{Cell, LuggageId, Revision};
     use hallsweep_core::world::hall_map::Mark;
 
-    /// Number of pieces published whole when there are no notes.
+    /// Number of pieces that are published whole if no piece has a note.
     const PIECES: usize = LUGGAGE_BYTES / PIECE_BYTES;
 
-    /// A snapshot of `count` pieces, all safe except for `others`.
+    /// A snapshot of `count` pieces. All pieces are safe, except those in `others`.
     fn with(count: u64, others: &[(u64, Option<Verdict>)]) -> Snapshot {
         let mut snapshot = idle();
         for id in 1..=count {
@@ -137,7 +138,7 @@ mod tests {
         assert!(Resource::ALL.iter().all(|resource| excerpt(*resource, &idle()).is_none()));
     }
 
-    /// The longest notes possible, of the characters that take the most bytes.
+    /// Uses the longest possible notes, made of the characters that take the most bytes.
     #[test]
     fn what_is_published_fits_a_message_whatever_was_noted() {
         for letter in ["\"", "ü", "𝔘"] {

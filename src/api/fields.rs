@@ -1,5 +1,5 @@
-//! The fields of a command's body, read one by one; every failure is a sentence that names the field, the value and what is
-//! expected. JSON is read here, CBOR in `cbor`. The fields of each command are in `command`.
+//! Reads the fields of a command's body one by one. Every failure is a sentence that names the field, the value and
+//! what is expected. JSON is read here, CBOR in `cbor`. The fields of each command are in `command`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,10 +8,10 @@ use std::str::FromStr;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 
-/// Number of characters of a client's input repeated in an error: enough to recognise it.
+/// Number of characters of a client's input that an error repeats. They are enough to recognise the input.
 const ECHO: usize = 40;
 
-/// A well-formed request for something that does not exist; the sentence says what exists.
+/// Why a well-formed request cannot be used, as a sentence that also says what to send.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(pub(super) String);
@@ -36,11 +36,12 @@ pub trait Body: Sized {
     fn taken(fields: &BodyFields) -> Result<Self, Unusable>;
 }
 
-/// The fields of one body, without duplicates.
+/// The fields of one body. Each name occurs only once.
 #[derive(Debug, Default)]
 pub struct BodyFields {
     left: BTreeMap<String, Value>,
-    /// Names of the fields that were removed, for sentences that list all of them.
+    /// Names of the fields that `aside` has removed. Sentences that list all fields of a body contain these names as
+    /// well.
     aside: Vec<&'static str>,
 }
 
@@ -48,7 +49,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields(bytes)?.read().map_err(Unread::Unusable)
 }
 
-/// Reads the fields of a JSON body, for doors where a body has more than the command's own fields.
+/// Reads the fields of a JSON body, for doors whose bodies have more fields than the command itself.
 pub fn fields(bytes: &[u8]) -> Result<BodyFields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
@@ -73,8 +74,8 @@ impl BodyFields {
         self.field(name, "a number, such as 21.5", Value::as_f64)
     }
 
-    /// Removes a field that does not belong to the command, and reads it with `read`; the command is read from the other
-    /// fields.
+    /// Removes a field that does not belong to the command, and returns its value as read by `read`. The command is
+    /// read from the other fields.
     pub fn aside<T>(
         &mut self,
         name: &'static str,
@@ -112,7 +113,7 @@ impl BodyFields {
     }
 }
 
-/// A whole number, also in the form `3.0`, as long as it is exact.
+/// Reads a whole number, also in a form such as `3.0`; `None` if it cannot be read exactly.
 fn integer<N: FromStr>(value: &Value) -> Option<N> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let number = value.as_number()?;
@@ -124,7 +125,7 @@ pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusa
     value.ok_or_else(|| Unusable(format!("`{name}` is missing: send {example}")))
 }
 
-/// A client's input, shortened so that it can be sent back.
+/// Shortens a client's input so that an error can repeat it.
 pub fn in_short(text: &str) -> String {
     let mut short: String = text.chars().take(ECHO).collect();
     if short.len() < text.len() {

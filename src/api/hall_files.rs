@@ -1,5 +1,6 @@
-//! Uploaded hall files of every format, read in memory: the result is the hall as our own hall file, and a list of what a
-//! search could not reach. An image follows the YAML that describes it, after YAML's own end of a document, a line `...`.
+//! Reads uploaded hall files of every format in memory. The result is the hall as our own hall file, and a list of
+//! what a search could not reach. An image follows the YAML that describes it. Between the two stands a line `...`,
+//! which ends a YAML document.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -7,10 +8,10 @@ use serde::Serialize;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Export, Format, Hall, HallError, Scene};
 
-/// Maximum number of findings of one kind listed with their cells; the rest is only counted.
+/// Maximum number of findings of one kind that are listed with their cells. Further findings are only counted.
 const SAID: usize = 20;
 
-/// The line that ends the YAML; the image follows.
+/// The line that ends the YAML. The image follows this line.
 const END_OF_YAML: &[u8] = b"\n...\n";
 
 /// Hall that was read from a file.
@@ -86,7 +87,7 @@ impl Finding {
     }
 }
 
-/// The extension of the file's name decides its format.
+/// Reads the hall from an uploaded file. The extension of the file name decides the format.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Hall, HallError> {
     let ends = |extension: &str| file.to_ascii_lowercase().ends_with(extension);
     if ends(".js") {
@@ -123,7 +124,7 @@ fn text(export: &Export) -> String {
     String::from_utf8_lossy(&export.file(Format::Toml, "hall")).into_owned()
 }
 
-/// Pieces come first: a piece that nobody finds may be a bomb.
+/// Lists what a search cannot reach. Pieces come first, because a piece that nobody finds may be a bomb.
 fn findings(hall: &Hall) -> Vec<Finding> {
     let least = hall.bounds().least;
     let at = |cell: Cell, found| {

@@ -1,37 +1,39 @@
-//! The words that mean STOP at every door, and whether the body of a move contains one of them, even in an invalid body (safety
-//! S8). This check comes before the body is validated, and is more liberal than the reading of any command. The doors decide
-//! about the sender and the rest of the body.
+//! The words that mean STOP at every door. The body of a move is searched for them, even if it is invalid (safety
+//! S8). The search comes before the body is validated, and accepts more forms than the reading of any command. The
+//! doors decide about the sender and the rest of the body.
 
 use minicbor::Decoder;
 
 use super::{cbor, fields};
 
-/// The words for STOP wherever a move or a bare word is expected, in upper or lower case: the word of old clients, and the word
-/// of people.
+/// The words for STOP wherever a move or a bare word is expected, in upper or lower case. Old clients send `h`,
+/// people write `stop`.
 const HALTS: [&str; 2] = ["h", "stop"];
 
 const MOVE: &str = "move";
 
-/// The field name as a short text in CBOR; the text with the word follows it.
+/// The name of the field `move` as a short text in CBOR. The text with the word for STOP follows the name.
 const MOVE_IN_CBOR: &[u8] = b"\x64move";
 
 pub fn is_halt(word: &str) -> bool {
     HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
 }
 
-/// Removes blanks and control characters round a part of a path: a client that adds some still means STOP (safety S8).
+/// Removes blanks and control characters around a part of a path. A client that adds such characters still means STOP
+/// (safety S8).
 pub fn bare(part: &str) -> &str {
     part.trim_matches(|letter: char| letter.is_whitespace() || letter.is_control())
 }
 
-/// Whether a body is a bare word for STOP, with any quotes, blanks and zero bytes round it.
+/// Whether a body is a bare word for STOP. Quotes, blanks and control characters (such as zero bytes) around the word
+/// are allowed.
 pub fn is_halt_word(body: &[u8]) -> bool {
     let is_round = |letter: char| letter.is_whitespace() || letter.is_control() || matches!(letter, '"' | '\'' | '\u{feff}');
     is_halt(String::from_utf8_lossy(body).trim_matches(is_round))
 }
 
-/// Whether the body of a move means STOP: as the bare word, as a field in JSON, CBOR or a form, or as text that would be this
-/// field if the rest of the body were valid.
+/// Whether the body of a move means STOP. The body may be the bare word, or have the word in the field `move` in
+/// JSON, CBOR or a form. In an invalid body, any text that looks like this field counts.
 pub fn says_halt(body: &[u8]) -> bool {
     let says_so = |fields: fields::BodyFields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
@@ -41,13 +43,15 @@ pub fn says_halt(body: &[u8]) -> bool {
         || body.contains(&b'\\') && looks_like_halt(&unescaped(body), true)
 }
 
-/// Whether the field and its word are in any part of a body from this byte on. Takes linear time.
+/// Whether the field `move` with a word for STOP occurs anywhere in the body from the byte `start` on. Takes linear
+/// time.
 pub fn says_halt_from(body: &[u8], start: usize) -> bool {
     let rest = body.get(start..).unwrap_or_default();
     looks_like_halt_in_cbor(rest) || looks_like_halt(rest, start == 0)
 }
 
-/// Whether the field and its word are somewhere in a body that is not valid CBOR.
+/// Whether the field `move` with a word for STOP occurs anywhere in the body as CBOR. The body need not be valid
+/// CBOR.
 fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
     let is_text = |rest: &[u8]| {
         HALTS.iter().any(|halt| rest.strip_prefix(&[0x60 | halt.len() as u8]).is_some_and(|rest| begins(rest, halt)))
@@ -55,8 +59,9 @@ fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
     behind(body, MOVE_IN_CBOR).any(|(_, rest)| is_text(rest))
 }
 
-/// Whether the field is somewhere in a body that is neither valid JSON nor a form, or has other fields beside it. A part that is
-/// not the beginning of a body may begin in the middle of a word.
+/// Whether the field `move` with a word for STOP occurs anywhere in the body as text. The body need not be valid JSON
+/// or a valid form, and may have other fields. If `is_beginning` is false, the body may begin in the middle of a
+/// word. A field at its first byte then does not count.
 fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     // UTF-16 and UTF-32 have zero bytes between the letters.
     let letters: Vec<u8> = body.iter().copied().filter(|letter| *letter != 0).collect();
@@ -64,12 +69,13 @@ fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     behind(&letters, MOVE.as_bytes()).any(|(before, rest)| {
         let word = rest.iter().position(|letter| !is_between(letter)).map_or(&[][..], |start| &rest[start..]);
         let is_parted = word.len() < rest.len() && before.map_or(is_beginning, |before| !before.is_ascii_alphanumeric());
-        // Compares no more letters than a word for STOP has: in a long body the field may occur thousands of times.
+        // Compares no more letters than a word for STOP has. In a long body the field may occur thousands of times.
         is_parted && HALTS.iter().any(|halt| begins(word, halt) && !word.get(halt.len()).is_some_and(u8::is_ascii_alphanumeric))
     })
 }
 
-/// Replaces JSON's escapes, such as `\u0068` by `h`. Only the letters that a word for STOP can have.
+/// Replaces JSON's escapes of the letters up to U+00FF, such as `\u0068` by `h`. Words for STOP have no other
+/// letters.
 fn unescaped(body: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(body.len());
     let mut rest = body;
@@ -82,7 +88,7 @@ fn unescaped(body: &[u8]) -> Vec<u8> {
     plain
 }
 
-/// The byte before and the bytes after each occurrence of `part`, in upper or lower case.
+/// Finds each occurrence of `part`, in upper or lower case. Returns the byte before and the bytes after it.
 fn behind<'a>(body: &'a [u8], part: &'a [u8]) -> impl Iterator<Item = (Option<u8>, &'a [u8])> {
     let places = body.windows(part.len()).enumerate().filter(|(_, window)| window.eq_ignore_ascii_case(part));
     places.map(|(start, window)| (start.checked_sub(1).map(|before| body[before]), &body[start + window.len()..]))
@@ -96,7 +102,7 @@ fn begins(rest: &[u8], word: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Safety S8.
+    /// Safety S8: a word for STOP is recognised whatever surrounds it.
     #[test]
     fn the_word_is_known_whatever_stands_round_it() {
         for word in ["h", " h\r\n", "\"h\"", "'h'", "\" h \"", "h\0", "\u{feff}h", "\"h", "H", "stop", " STOP ", "\"Stop\""] {
@@ -108,7 +114,7 @@ mod tests {
         assert!(!is_halt_word(b"\xffh"));
     }
 
-    /// Safety S8.
+    /// Safety S8: a move that means STOP is recognised whatever else its body has.
     #[test]
     fn a_move_that_halts_is_known_whatever_else_its_body_says() {
         let bodies: [&[u8]; 32] = [
@@ -151,7 +157,8 @@ mod tests {
         assert!(says_halt(&[br#"{"move":"h","zz":""#.to_vec(), vec![b'z'; 70_000]].concat()), "too long");
     }
 
-    /// Safety S8: other clients wait while a body is read. Searching the rest of the body for each field would take hours.
+    /// Safety S8: other clients wait while a body is searched. Searching the rest of the body again for each field
+    /// would take hours.
     #[test]
     fn a_long_body_that_names_the_field_over_and_over_is_looked_at_once() {
         for field in ["move", "move=", "move:w ", "=move", "move ", "move=stopmove", "dmove", "move=hmove\""] {

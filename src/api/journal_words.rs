@@ -1,11 +1,11 @@
-//! A journal entry in words: one line for a person, who reads it in a terminal or on the console's pages; the core has the words.
-//! How entries are written for programs, so that they can be read back, is not here.
+//! A journal entry in words: one line for a person, who reads it in a terminal or on the console's pages. The words
+//! come from the core. The form for programs, which can be read back, is not here.
 
 use super::time::rfc3339;
 pub use hallsweep_core::snapshot::fact_words::words;
 use hallsweep_core::state::fact::Entry;
 
-/// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
+/// Writes the time, then the fact in a few words, without a line break. The same entry always gives the same bytes.
 pub fn line(entry: &Entry) -> String {
     format!("{} {}", rfc3339(entry.wall), words(&entry.fact))
 }

@@ -1,4 +1,4 @@
-//! Log lines in JSON. `changes` decides which lines a reader still lacks.
+//! Log lines in JSON. `changes` decides which lines are sent to a reader.
 
 use schemars::JsonSchema;
 use serde::Serialize;

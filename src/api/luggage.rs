@@ -1,4 +1,4 @@
-//! Luggage records in JSON. The records do not contain the picture: `photo.url` says where it is.
+//! Luggage records in JSON. A record does not contain the photo: `photo.url` says where the photo is.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct PhotoJson {
     /// Result: `taken` or `failed`.
     #[schemars(with = "vocabulary::PhotoState")]
     pub state: &'static str,
-    /// Address of the photo, different for every take.
+    /// Address of the photo. Each photo of a piece has an address of its own.
     pub url: Option<String>,
     /// Size of the photo, in bytes.
     pub bytes: Option<usize>,
@@ -53,7 +53,7 @@ pub struct PhotoJson {
 /// Decision on a piece: sender, time and note.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DecisionJson {
-    /// Name of the key, then in brackets the name that a person gave when signing in, as `operator (Anna)`.
+    /// Name of the key. If a person gave a name when signing in, this name follows in brackets, as `operator (Anna)`.
     pub by: String,
     /// Time of the decision, RFC 3339 with zone.
     pub at: String,
@@ -61,7 +61,8 @@ pub struct DecisionJson {
     pub note: Option<String>,
 }
 
-/// Address of a piece's photo; it changes with every photo, so that nobody is shown the previous photo.
+/// Address of the newest photo of a piece; `None` if the photo failed. The address changes with every photo, so that
+/// nobody sees the previous photo.
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
         PhotoState::Taken { take, .. } => Some(take_url(luggage.id, take)),
@@ -69,7 +70,7 @@ pub fn photo_url(luggage: &Luggage) -> Option<String> {
     }
 }
 
-/// Address of one photo of a piece, by its number counted from 1.
+/// Address of one photo of a piece. `take` is the number of the photo, counted from 1.
 pub fn take_url(luggage: LuggageId, take: u32) -> String {
     format!("/api/v1/luggage/{luggage}/photo?take={take}")
 }

@@ -1,5 +1,5 @@
-//! The hall map in JSON: all known cells row by row, or only the cells that changed. The text forms of old clients are in
-//! `map_text`.
+//! The hall map in JSON: all known cells row by row, or only the cells that changed. The text forms of old clients
+//! are in `map_text`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,15 +14,15 @@ use hallsweep_core::world::resource::Resource;
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     pub hall: &'a HallMap,
-    /// Where the robot stands, or stood when the mission was put away.
+    /// Cell where the robot stands, or stood at the moment that is shown.
     pub robot: Cell,
 }
 
 /// Known part of the hall, borders included; the mark of cell (x, y) is `rows[y - origin.y][x - origin.x]`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapJson {
-    /// Revision at which the map or the robot last changed; absent in a mission's record, because a revision
-    /// is valid in one run only.
+    /// Revision at which the map or the robot last changed. Absent in a mission's record, because a revision is valid
+    /// in one run only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revision: Option<u64>,
     /// Cell of the first character of the first row.
@@ -35,7 +35,7 @@ pub struct MapJson {
     pub rows: Vec<String>,
 }
 
-/// Changed cells. The map shows one robot: a new `r` turns the previous `r` into `1`.
+/// Changed cells. The map shows one robot: with a new `r`, the cell of the previous `r` becomes `1`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapCells {
     /// Revision at which the map or the robot last changed.
@@ -104,8 +104,8 @@ impl From<Plan<'_>> for MapJson {
 }
 
 impl MapChange {
-    /// The changes between two snapshots; `None` when the map is the same. A robot that turned has changed no cell, but the map's
-    /// revision rises all the same.
+    /// Returns the changes between two snapshots; `None` if the map is the same. If the robot only turned, no cell
+    /// has changed, but the map has a new revision.
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
         let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
         changed.extend([older.robot.pose.cell, snapshot.robot.pose.cell]);
@@ -115,8 +115,8 @@ impl MapChange {
         (!changed.is_empty() || map_revision(snapshot) > map_revision(older)).then(|| MapChange::cells(snapshot, changed))
     }
 
-    /// The tiles that changed since a revision whose snapshot is not known. When all of them changed, the map may have been
-    /// emptied in between, so it is sent whole.
+    /// Returns the cells of all tiles that changed since a revision whose snapshot is not stored. If all tiles
+    /// changed, the map may have been emptied meanwhile, so the whole map is sent.
     pub fn since(snapshot: &Snapshot, revision: Revision) -> Option<MapChange> {
         if map_revision(snapshot) <= revision {
             return None;
@@ -146,12 +146,13 @@ impl MapChange {
     }
 }
 
-/// When anything shown in a map last changed, the robot included.
+/// The revision at which anything shown in a map last changed, including the robot.
 pub fn map_revision(snapshot: &Snapshot) -> Revision {
     snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Robot))
 }
 
-/// Character of a cell: `r` robot, `1` visited, `0` unknown, `X` obstacle. A cell only seen to be free does not count as visited.
+/// Character of a cell: `r` robot, `1` visited, `0` unknown, `X` obstacle. A cell that was only seen to be free is
+/// shown as unknown.
 pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
     if cell == plan.robot {
         return 'r';

@@ -1,5 +1,6 @@
-//! THE TABLE of files in which the map can be downloaded, under `/map`: the explored part of the hall, in every format that halls
-//! are read from. `hallsweep_sim` writes the formats; the map for screens is in `map`.
+//! THE TABLE of files in which the map can be downloaded, under `/map`. They show the explored part of the hall, in
+//! the formats of hall files. Scenes (`.js`) can only be read. `hallsweep_sim` writes the formats; the map for
+//! screens is in `map`.
 
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
@@ -18,14 +19,14 @@ pub struct MapFileRow {
 #[derive(Clone, Copy, Debug)]
 enum MapPart {
     File(Format),
-    /// The image that the YAML names.
+    /// The image to which the YAML refers.
     Image,
 }
 
-/// The files share this stem, because the YAML names its image.
+/// Common first part of the file names. All files share it, because the YAML refers to its image by file name.
 const STEM: &str = "hall";
 
-/// Side of a cell in metres when it is not known: the default of hall files.
+/// Side of a cell in metres if it is not known. This is the default of hall files.
 const USUAL_CELL_M: f64 = 0.5;
 
 #[rustfmt::skip]
@@ -46,7 +47,7 @@ impl MapFileRow {
         snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
     }
 
-    /// `cell_m` is the side of a cell in metres, if known.
+    /// Writes the file. `cell_m` is the side of a cell in metres, if known.
     pub fn written(&self, hall: &str, cell_m: Option<f64>, snapshot: &Snapshot) -> Vec<u8> {
         let export = Export::explored(hall, cell_m.unwrap_or(USUAL_CELL_M), snapshot);
         match self.part {

@@ -1,16 +1,17 @@
-//! The hall map as the text of old clients (mission §6): a line per row, `|r, 1, X, `, or all in one line, `r 1 X @1 1 X @`. It
-//! begins at the northernmost row and westernmost column with a visited cell; the borders north and west of them are implied.
+//! The hall map as text for old clients (mission §6). There is a line per row, `|r, 1, X, `, or one line for all
+//! rows, `r 1 X @1 1 X @`. The text begins at the northernmost row and the westernmost column with a visited cell.
+//! The borders north and west of them are not written.
 
 use super::map::{Plan, mark_char};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, Mark};
 
-/// One line per row, with `, ` after each cell.
+/// Writes one line per row, with `, ` after each cell.
 pub fn lines<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "|", ", ", "\n")
 }
 
-/// All rows in one line, with a blank after each cell and `@` after each row.
+/// Writes all rows in one line, with a blank after each cell and `@` after each row.
 pub fn one_line<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "", " ", "@")
 }
@@ -29,7 +30,8 @@ fn written(plan: Plan<'_>, open: &str, after_cell: &str, after_row: &str) -> Str
     text
 }
 
-/// The visited rectangle, with the east border and the south border if any of their cells is known.
+/// The part of the map that is shown: the rectangle of visited cells, the east border and the south border. A border
+/// is shown only if any of its cells is known.
 fn shown(plan: Plan<'_>) -> Bounds {
     let visited = plan.hall.visited_bounds();
     let most = Cell::new(visited.most.x + 1, visited.most.y + 1);
@@ -40,8 +42,8 @@ fn shown(plan: Plan<'_>) -> Bounds {
     Bounds { least: visited.least, most }
 }
 
-/// Like `mark_char`, except for the corner between the east and the south border: no sensor can see this corner, so it counts
-/// as a wall if both neighbours are walls.
+/// The character of a cell. It is that of `mark_char`, except in the corner between the east and the south border. No
+/// sensor can see this corner, so it counts as a wall if both neighbours are walls.
 fn text_char(plan: Plan<'_>, cell: Cell) -> char {
     let visited = plan.hall.visited_bounds();
     let is_corner = cell == Cell::new(visited.most.x + 1, visited.most.y + 1);

@@ -22,7 +22,7 @@ pub struct MissionJson {
     /// Phase of the mission.
     #[schemars(with = "vocabulary::Phase")]
     pub phase: &'static str,
-    /// Phase that driving by hand or a fault interrupts, or null.
+    /// Phase that is interrupted by driving by hand or by a fault, or null.
     #[schemars(with = "Option<vocabulary::Phase>")]
     pub interrupted: Option<&'static str>,
     /// Cause of the fault, or null.
@@ -43,7 +43,7 @@ pub struct MissionJson {
     pub epoch: u64,
     /// Progress of the search.
     pub progress: ProgressJson,
-    /// For each button, the sentence with which the button would be refused now, or null.
+    /// For each button, the sentence that says why the button would be refused now, or null.
     pub refusals: RefusalsJson,
 }
 
@@ -55,9 +55,10 @@ pub struct ProgressJson {
     pub visited: usize,
     /// Number of open places: unknown cells beside visited cells, and obstacles still to be inspected.
     pub unknown: usize,
-    /// 100 when no place is open; null before, because the size of the hall is not known until then.
+    /// 100 when no place is open any more. Null until then, because the size of the hall is not known yet.
     pub percent: Option<u8>,
-    /// Remaining driving time of the search, without photos and answers; null while there is no estimate.
+    /// Remaining driving time of the search, without the time for photos and verdicts; null while there is no
+    /// estimate.
     pub seconds_left: Option<SecondsLeftJson>,
     /// Number of free cells that can be reached from the start; absent if the hall is not known beforehand.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,7 +77,8 @@ pub struct SecondsLeftJson {
     pub most: Option<u64>,
 }
 
-/// For each button, the sentence with which the button would be refused now; null for a button that would be accepted.
+/// For each button, the sentence that says why the button would be refused now; null for a button that would be
+/// accepted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RefusalsJson {

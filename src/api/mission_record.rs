@@ -1,5 +1,5 @@
-//! Stored missions in JSON: the list of missions, one mission with luggage and map, and the entries of a mission. The door
-//! bounds the length of a list and says where the next part begins.
+//! Stored missions in JSON: the list of missions, one mission with luggage and map, and the entries of a mission. The
+//! door limits the length of a list, and says where the next part begins.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -70,7 +70,8 @@ pub struct MissionWholeJson {
     pub luggage: Vec<LuggageJson>,
     /// Known part of the hall; null if the map is not stored.
     pub map: Option<MapJson>,
-    /// One sentence for each part of the record that cannot be understood; the effects of such parts are missing here.
+    /// One sentence for each part of the record that cannot be understood. The effects of such parts are missing
+    /// here.
     pub damage: Vec<String>,
 }
 
@@ -122,7 +123,7 @@ pub struct MomentJson {
     pub silent_since: Option<String>,
     /// Hall and temperature threshold; null if they are not recorded.
     pub conditions: Option<ConditionsShape>,
-    /// Luggage found until then, sorted by number.
+    /// Luggage found up to this entry, sorted by number.
     pub luggage: Vec<LuggageJson>,
     /// Known part of the hall.
     pub map: MapJson,
@@ -148,7 +149,7 @@ pub struct MomentLinks {
 }
 
 impl MomentJson {
-    /// `wall` is the time of the entry `past.seq`.
+    /// The state of the mission after the entry `past.seq`. `wall` is the time of this entry.
     pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>) -> MomentJson {
         let Links { events, page, .. } = Links::of(mission);
         let (seq, state, reading) = (past.seq, &past.state, past.reading());
@@ -182,8 +183,8 @@ pub struct EventListJson {
     next: Option<String>,
 }
 
-/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each in the form of an exported line. An entry that cannot
-/// be read is replaced by the reason.
+/// Writes the entries of a mission as one JSON object, `{"events":[…],"next":…}`. Each entry has the form of an
+/// exported line. If an entry cannot be read, its line has the reason instead.
 pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, next: Option<String>) -> String {
     let line = |(seq, entry): (Seq, Result<Entry, String>)| match entry {
         Ok(entry) => journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None }),

@@ -1,7 +1,7 @@
-//! The shapes of resources, commands and refusals on the wire, shared by the doors: serde is used here and nowhere further in.
-//! The tables from which the doors derive their paths, and the statuses of problem details, are here too. Shapes that only one
-//! door uses (the simulator, the record, excerpts, results) are here for two reasons: all shapes that users see are in one
-//! place, and `api` may use the simulator's crate, but doors may not.
+//! The shapes of resources, commands and refusals in JSON and CBOR, shared by the doors. The runtime and the core do
+//! not use serde. The tables from which the doors derive their paths, and the statuses of problem details, are here
+//! too. Some shapes are used by one door only (the simulator, the record, excerpts, results). They are here for two
+//! reasons: all shapes that users see are in one place, and `api` may use the simulator's crate, but doors may not.
 
 pub mod alarm;
 pub mod answer;

@@ -1,5 +1,6 @@
-//! THE TABLE of words of the original system's clients (mission §8), from which HTTP derives the routes of the old console,
-//! CoAP the words of `/resourcemodel`, and MQTT the messages it knows. Also says what old clients may not do at any door.
+//! THE TABLE of words of the original system's clients (mission §8). Three doors use it: HTTP for the routes of the
+//! old console, CoAP for the words of `/resourcemodel`, MQTT for the messages that it accepts. This file also says
+//! what old clients may not do at any door.
 
 use super::command::move_word;
 use super::fields::Unusable;
@@ -11,11 +12,11 @@ pub enum Asks {
     For(Command),
     /// A command that halts, whatever is sent along with the word.
     Halt(Command),
-    /// A move: the word itself, or the CONTENT of a message `MSGID(w)`; `h` is STOP.
+    /// A move. The letter is the word itself, or the content of a message `MSGID(w)`. `h` is STOP.
     Move,
-    /// Driving to a cell, `MSGID(X,Y)`.
+    /// Driving to a cell, with the message `MSGID(X,Y)`.
     Goto,
-    /// Going on: repeats a failed photo, otherwise means START.
+    /// Going on: takes a failed photo again; if no photo failed, means START.
     GoOn,
     /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
     Change,
@@ -24,9 +25,9 @@ pub enum Asks {
 #[derive(Debug)]
 pub struct OldCommandRow {
     pub asks: Asks,
-    /// Paths to which the old console posts.
+    /// Paths to which the old console sends POST requests.
     pub posts: &'static [&'static str],
-    /// Whether `/resourcemodel` knows these words, too.
+    /// Whether `/resourcemodel` accepts these words, too.
     pub is_word: bool,
     pub messages: &'static [&'static str],
 }
@@ -60,12 +61,12 @@ const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'
     OldCommandRow { asks, posts, is_word: true, messages }
 }
 
-/// The command for a POST of the old console to this path.
+/// Returns the command for a POST request of the old console to this path.
 pub fn posted(word: &str) -> Result<Command, Unusable> {
     command(word, |_| true)
 }
 
-/// The command for a bare word at `/resourcemodel`.
+/// Returns the command for a bare word at `/resourcemodel`.
 pub fn bare_word(word: &str) -> Result<Command, Unusable> {
     command(word, |row| row.is_word)
 }
@@ -78,8 +79,9 @@ fn command(word: &str, is_among: fn(&OldCommandRow) -> bool) -> Result<Command, 
     }
 }
 
-/// An old console sends a stray `w` when it starts, which must not move an idle robot: moving by hand and driving to a cell need
-/// the setting `old_clients.manual_driving`.
+/// Checks whether an old client may send this command. Moving by hand and driving to a cell need the setting
+/// `old_clients.manual_driving`. An old console sends a stray `w` when it starts, and this `w` must not move an idle
+/// robot.
 ///
 /// # Errors
 /// `NotAllowed` when the robot would be driven and `manual_driving` does not allow it.

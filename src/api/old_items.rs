@@ -1,5 +1,5 @@
-//! The three items of the resource model for old clients (mission §8), as the CoAP resource writes them. The MQTT door writes the
-//! same as terms. The doors decide when each is sent.
+//! The three items of the resource model for old clients (mission §8), as the CoAP resource writes them. The MQTT
+//! door writes the same items as terms. The doors decide when each item is sent.
 
 use super::map_text;
 use super::time::rfc3339;
@@ -8,20 +8,20 @@ use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Heading;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Example: `robot( state(stopped), direction(downDir), position(0, 0))`.
+/// The item of the robot, as `robot( state(stopped), direction(downDir), position(0, 0))`.
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let (state, direction) = (robot.state.name(), direction(robot.pose.heading));
     format!("robot( state({state}), direction({direction}), position({}, {}))", cell.x, cell.y)
 }
 
-/// Example: `roomMap( 'r 1 X @' )`.
+/// The item of the map, as `roomMap( 'r 1 X @' )`.
 pub fn room_map(snapshot: &Snapshot) -> String {
     format!("roomMap( '{}' )", map_text::one_line(snapshot))
 }
 
-/// Example: `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any
-/// luggage.
+/// The item of the luggage, as `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' )
+/// )`. `None` before the first piece is found.
 pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     let shown = snapshot.pending().or(snapshot.luggage.last())?;
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))

@@ -1,5 +1,5 @@
-//! Refusals and errors as RFC 9457 problem details, with a fixed code beside the sentence; and the kinds of problems that the
-//! protocols' codes can tell apart. The doors decide which problem applies.
+//! Refusals and errors as RFC 9457 problem details, with a fixed code beside the sentence. The kinds of problems that
+//! the protocols' status codes can tell apart are here too. The doors decide which problem applies.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub enum ProblemKind {
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ProblemJson<'a> {
-    /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.
+    /// URI of the kind of problem, which never changes. It is `urn:hallsweep:problem:` followed by the code.
     #[serde(rename = "type")]
     pub kind: String,
     /// Status in words.
@@ -38,7 +38,7 @@ pub struct ProblemJson<'a> {
     pub detail: &'a str,
     /// Short word for programs, which never changes.
     pub code: &'static str,
-    /// Always false, for clients that look at the body alone.
+    /// Always false, for clients that look only at the body.
     pub accepted: bool,
     /// Record of the piece, if a verdict or a retake was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,7 +72,8 @@ impl ProblemKind {
         ProblemKind::Unavailable,
     ];
 
-    /// Status and title of problem details, which are those of HTTP at every door (RFC 9110, section 15).
+    /// HTTP status (RFC 9110, section 15) and its title, used in problem details at every door. The titles of 413 and
+    /// 422 are those of earlier RFCs.
     pub const fn status(self) -> (u16, &'static str) {
         match self {
             ProblemKind::Malformed => (400, "Bad Request"),
@@ -138,7 +139,7 @@ pub const CONDITION_FAILED: ProblemCode = ("preconditionFailed", ProblemKind::Co
 pub const NOT_FOUND: ProblemCode = ("notFound", ProblemKind::NotFound);
 pub const TOO_MANY: ProblemCode = ("tooMany", ProblemKind::Unavailable);
 
-/// Codes with which a door itself refuses a command of a known sender, and which may be in records.
+/// Codes with which a door itself refuses a command. If the sender is known, these refusals may be in records.
 const AT_THE_DOOR: [ProblemCode; 10] = [
     MALFORMED,
     UNUSABLE,
@@ -152,7 +153,8 @@ const AT_THE_DOOR: [ProblemCode; 10] = [
     TOO_MANY,
 ];
 
-/// The recorded refusal with this code and these words; a code that this version does not know counts as a plain conflict.
+/// Returns the recorded refusal with this code and these words. A code that this version does not know counts as a
+/// conflict.
 pub fn refusal(code: &str, words: String) -> Refusal {
     let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.refusal_kind()));
     let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);

@@ -1,5 +1,5 @@
-//! The ticks of behaviour trees, to be replayed at any moment: as JSON with the changes of each tick, and as the state at a
-//! moment. `static/trees.js` shows the ticks. What a run is about is stored beside its ticks.
+//! The recorded ticks of behaviour trees. They are written as JSON with the changes of each tick, and shown as the
+//! state at any moment. `static/trees.js` shows the ticks. What a run is about is stored beside its ticks.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub struct NodeLabelJson {
     pub depth: usize,
 }
 
-/// Changes by one tick; for the first tick of a list, the whole state after that tick.
+/// Changes by one tick. The first tick of a list has the whole state after that tick instead.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TickJson {
     /// Time since the run began, in seconds.
@@ -56,7 +56,7 @@ impl ReplayJson {
         ReplayJson { trees: logged.into_iter().map(|(tree, log)| TreeLogJson::new(tree, log)).collect() }
     }
 
-    /// The times of all changes in seconds, ascending.
+    /// Returns the times of all ticks in seconds, in ascending order and without duplicates.
     pub fn moments(&self) -> Vec<f64> {
         let mut moments: Vec<f64> = self.trees.iter().flat_map(|tree| &tree.ticks).map(|tick| tick.t).collect();
         moments.sort_by(f64::total_cmp);
@@ -64,7 +64,7 @@ impl ReplayJson {
         moments
     }
 
-    /// All trees as they stood `t` seconds after the run began.
+    /// Returns the state of all trees `t` seconds after the run began.
     pub fn shown(&self, t: f64) -> TreesView {
         let mut entries = BTreeMap::new();
         let mut ticks: Vec<&TickJson> = self.trees.iter().flat_map(|tree| tree.up_to(t)).collect();
@@ -92,7 +92,8 @@ impl TreeLogJson {
             depth: node.depth,
         };
         let mut ticks: Vec<TickJson> = log.records().map(TickJson::from).collect();
-        // The first tick left in a full log gets the state before it, since earlier changes were dropped.
+        // A full log has dropped its oldest changes. So the first tick that is left gets the whole state after this
+        // tick.
         if let Some((first, stood)) = ticks.first_mut().and_then(|first| Some((log.moment(first.tick)?, first))) {
             stood.nodes =
                 first.nodes.iter().enumerate().filter(|(_, node)| **node != NodeState::default()).map(changed).collect();
@@ -132,12 +133,12 @@ impl From<&behaviour_trees::log::TickRecord> for TickJson {
     }
 }
 
-/// A node with its result if it was ticked, otherwise with its status.
+/// The index of a node, its status, and whether it was ticked. The status of a ticked node is the result of its tick.
 fn changed((index, standing): (usize, &NodeState)) -> (usize, &'static str, bool) {
     (index, standing.returned.unwrap_or(standing.after).word(), standing.returned.is_some())
 }
 
-/// Rounded to a hundredth, which is finer than anybody sees.
+/// Converts to seconds, rounded to a hundredth. Nobody sees smaller differences.
 pub fn seconds(since: Duration) -> f64 {
     (since.as_secs_f64() * 100.0).round() / 100.0
 }

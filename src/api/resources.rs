@@ -1,6 +1,7 @@
-//! THE TABLE of resources, from which every door derives its own: HTTP its routes, CoAP its paths and discovery, MQTT its state
-//! topics, and their pages. `docs/architecture.md`, *How to add*, lists what a new resource needs beside its row. Resources
-//! that only one door has (the past, the list of links, the items of old clients) are in that door.
+//! THE TABLE of resources. Every door derives its own from it: HTTP its routes, CoAP its paths and discovery, MQTT
+//! its state topics. The doors' pages in `docs/` are derived from it, too. `docs/architecture.md`, *How to add*,
+//! lists what a new resource needs beside its row. Resources that only one door has (the past, the list of links, the
+//! items of old clients) are in that door.
 
 use serde::Serialize;
 
@@ -20,7 +21,7 @@ pub enum ResourceKind {
     Strategy,
     Of(Resource),
     Piece,
-    /// Photo of a piece; it is not part of a snapshot.
+    /// Photo of a piece. Snapshots do not contain photos.
     Photo,
 }
 
@@ -29,7 +30,7 @@ pub enum Form {
     Json,
     Cbor,
     Text,
-    /// Sensor measurements in JSON (RFC 8428).
+    /// Sensor measurements in JSON (SenML, RFC 8428).
     Senml,
     Picture,
 }
@@ -37,7 +38,7 @@ pub enum Form {
 #[derive(Clone, Copy, Debug)]
 pub struct ResourceRow {
     pub kind: ResourceKind,
-    /// Resource type in discovery; also the last part of the topic, for parts of the state.
+    /// Resource type in discovery. For parts of the state, also the last part of the MQTT topic.
     pub name: &'static str,
     /// Path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
     pub path: &'static str,
@@ -88,7 +89,7 @@ impl ResourceKind {
         const { &RESOURCES }.iter().find(|row| row.kind == self).expect("every resource has its row, as a test shows")
     }
 
-    /// When the resource last changed. A map changes with the robot, too.
+    /// The revision at which the resource last changed. A map also changes with the robot.
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
             ResourceKind::State => snapshot.revision,
@@ -99,8 +100,8 @@ impl ResourceKind {
         }
     }
 
-    /// The resource in this form. `number` selects the piece of luggage; `located` adapts the photo's address to the door.
-    /// Empty when there is nothing to show, or nothing in this form.
+    /// Writes the resource in this form. `number` selects the piece of luggage. `located` adapts the photo's address
+    /// to the door. The result is empty if there is nothing to show, or nothing in this form.
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
         match form {
             Form::Json | Form::Cbor => self.shaped(number, form, snapshot, located),
@@ -177,7 +178,7 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::{searching, touch};
 
-    /// Lists all kinds; a new one does not compile until it is added here.
+    /// Returns the next kind, so that a test can list all kinds. A new kind does not compile until it is added here.
     fn next(kind: ResourceKind) -> Option<ResourceKind> {
         match kind {
             ResourceKind::State => Some(ResourceKind::Strategy),

@@ -1,9 +1,10 @@
-//! The result of a command at a door whose answers are not tied to a request: an answer or a problem, together with the command
-//! id. Both are described in `answer` and `problem`.
+//! The result of a command at a door whose answers are not tied to a request. It is an answer or a problem, together
+//! with the command id. `answer` and `problem` describe these two.
 
 use serde::Serialize;
 
-/// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or the fields of a problem together with the id.
+/// A result, as `{"id":"k7","accepted":true,"revision":812,"epoch":4}`. A refusal has the fields of a problem
+/// together with the id.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultJson<'a, T> {
     #[serde(skip_serializing_if = "Option::is_none")]

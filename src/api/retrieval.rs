@@ -1,4 +1,5 @@
-//! A retrieval in JSON: the piece, the stage, the trees at work. The robots of a retrieval are in `robot`.
+//! A retrieval in JSON: the piece, the stage, and the behaviour trees that control the robots. The robots are in
+//! `robot`.
 
 use std::collections::BTreeMap;
 
@@ -46,8 +47,8 @@ pub struct NodeJson {
     pub name: String,
     pub kind: String,
     pub depth: usize,
-    /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`: the result of the last tick if `ticked` is true, else the
-    /// present status.
+    /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`. This is the result of the last tick if `ticked` is true,
+    /// else the present status.
     #[schemars(with = "vocabulary::NodeStatus")]
     pub status: &'static str,
     /// Whether the last tick visited the node.

@@ -1,5 +1,5 @@
-//! A recorded retrieval in JSON: its events, and the ticks of its trees for a replay. A retrieval that goes on is shown by
-//! `retrieval`.
+//! A recorded retrieval in JSON: its events, and the ticks of its trees for a replay. `retrieval` shows a retrieval
+//! that is still going on.
 
 use std::time::Duration;
 
@@ -41,13 +41,14 @@ pub struct EventJson {
     /// Time since the beginning, in seconds.
     pub t: f64,
     pub words: String,
-    /// What it was, for whoever says it in another language.
+    /// The recorded fact, from which callers make the words in another language.
     #[serde(skip)]
     pub fact: Fact,
 }
 
 impl RetrievalRecordJson {
-    /// The last retrieval begun in these entries of one mission, oldest first; `None` when there is none.
+    /// The record of the last retrieval that began in these entries; `None` if there is none. The entries are those
+    /// of one mission, oldest first.
     pub fn new(entries: &[Entry], complete: bool) -> Option<RetrievalRecordJson> {
         let began = |index: usize| {
             let before = entries[..index].iter().rev().find(|entry| matches!(entry.fact, Fact::Retrieval(_)));
@@ -71,10 +72,11 @@ impl RetrievalRecordJson {
                 began = began.set_by(by_ms);
             }
             let since_began_ms = u64::try_from(entry.wall.unix_ms.saturating_sub(began.unix_ms)).unwrap_or(0);
-            // In a journal from before clock changes were recorded, times may go back; the time of the run must not.
+            // Old journals have no entries about changes of the clock, so times in them may go back. The time of the
+            // run must not go back.
             at = at.max(Duration::from_millis(since_began_ms));
             let (told, words) = (retrieval_in(entry), words(&entry.fact));
-            // An entry repeats the stage beside the trees; only a new stage is an event.
+            // Each entry with the trees repeats the stage. Only a new stage is an event.
             if told.is_none() || words != stage {
                 record.events.push(EventJson { t: seconds(at), words: words.clone(), fact: entry.fact.clone() });
             }

@@ -1,4 +1,5 @@
-//! Robots in JSON, and the cell where each stands. While its link is down, a robot is shown with its last reports.
+//! Robots in JSON, and the cell where each robot stands. While the link to a robot is down, its last reports are
+//! shown.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -46,14 +47,15 @@ pub struct RobotJson {
     pub position: PositionJson,
     /// Whether the robot is away from the centre of its cell, after a halt within a step.
     pub off_centre: bool,
-    /// Whether the robot is outside, in front of the entrance; then `position` is home.
+    /// Whether the robot is outside the hall, in front of the entrance; `position` is home then.
     pub outside: bool,
     /// Distance to the next obstacle, in centimetres; null beyond the sonar's range.
     pub sonar: Option<u16>,
     /// State of the LED: `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
-    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last report.
+    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last
+    /// report.
     pub unreached_since: Option<String>,
 }
 
@@ -90,7 +92,7 @@ pub struct ArmJson {
     pub force_n: f64,
     /// Angle of the paddle from upright, in degrees.
     pub angle_deg: f64,
-    /// Distance of the two bases minus the wanted distance, in millimetres.
+    /// Distance between the bases of the two robots, minus the wanted distance, in millimetres.
     pub gap_mm: f64,
 }
 
@@ -120,12 +122,12 @@ pub struct NamedRobotJson {
     /// `acknowledgedMoves`; null before the link is up.
     #[schemars(with = "Option<Vec<vocabulary::Part>>")]
     pub parts: Option<Vec<&'static str>>,
-    /// Parts that the robot that searches lacks, and what replaces them; empty for other robots, null before the
-    /// link is up.
+    /// Parts that the robot that searches does not have, and what replaces them. Empty for other robots; null before
+    /// the link is up.
     pub replaced: Option<Vec<ReplacedJson>>,
     /// Reason why the robot cannot be reached; null while its link is up, or if no reason is known.
     pub unreached: Option<String>,
-    /// Reasons why the robot must not move: for all robots, and for this robot alone.
+    /// Reasons why the robot must not move. Some are for all robots, others for this robot alone.
     #[schemars(with = "Vec<vocabulary::Hold>")]
     pub holds: Vec<&'static str>,
     /// Revision at which any robot last changed.
@@ -149,14 +151,15 @@ pub struct NamedRobotJson {
     /// State of the LED: `off` or `blinking`.
     #[schemars(with = "vocabulary::Led")]
     pub led: &'static str,
-    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last report.
+    /// Time since which the robot cannot be reached, else null. Without contact, the other fields are its last
+    /// report.
     pub unreached_since: Option<String>,
     /// State of the arm; null if the robot has no arm, and before the link is up.
     pub arm: Option<ArmJson>,
 }
 
 impl NamedRobotJson {
-    /// This robot at `revision`, the common revision of all robots.
+    /// The state of this robot. `revision` is the common revision of all robots.
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
         let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led, unreached_since } =
             RobotJson::new(&shown.view, revision);

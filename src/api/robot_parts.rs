@@ -6,7 +6,8 @@ use serde::Serialize;
 use super::vocabulary;
 use hallsweep_core::robot::{Part, Parts};
 
-/// Replacements for missing parts. Nothing replaces the base; and without arm or gripper the robot fetches nothing.
+/// Replacements for missing parts. Nothing replaces a base, an arm or a gripper. Without an arm or a gripper the
+/// robot fetches nothing.
 const REPLACED: [(Part, &str); 5] = [
     (Part::Camera, "a drawing marked as a drawing"),
     (Part::Sonar, "touching obstacles on the way"),
@@ -28,7 +29,7 @@ pub fn replaced(parts: Parts) -> Vec<ReplacedJson> {
     missing(parts).map(|(part, by)| ReplacedJson { part: part.name(), by }).collect()
 }
 
-/// The missing parts that something replaces, each with the words for the replacement.
+/// Returns the missing parts that something replaces, each with the words for the replacement.
 pub fn missing(parts: Parts) -> impl Iterator<Item = (Part, &'static str)> {
     REPLACED.into_iter().filter(move |(part, _)| !parts.has(*part))
 }

@@ -1,5 +1,5 @@
-//! JSON Schemas (2020-12) of the wire's shapes, derived from the shapes themselves, for a door that describes itself to
-//! programs. The schema of each row of a table is chosen here; the door decides what to do with the schema.
+//! JSON Schemas (2020-12) of all messages, derived from their Rust types, for a door that describes itself to
+//! programs. The schema for each row of a table is chosen here. The door decides what to do with the schema.
 
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use schemars::{JsonSchema, Schema};
@@ -22,9 +22,9 @@ use hallsweep_core::world::resource::Resource;
 const PLACE: &str = "/components/schemas";
 
 pub struct Schemas {
-    /// Schemas for sending: nullable fields are always present.
+    /// Makes schemas for sending: nullable fields are always present.
     sent: SchemaGenerator,
-    /// Schemas for receiving: nullable fields may be absent.
+    /// Makes schemas for receiving: nullable fields may be absent.
     taken: SchemaGenerator,
 }
 
@@ -44,7 +44,7 @@ impl Schemas {
         plain(self.taken.subschema_for::<T>())
     }
 
-    /// The schema of a resource in JSON; `None` for a picture.
+    /// Returns the schema of a resource in JSON; `None` for a picture.
     pub fn resource(&mut self, kind: ResourceKind) -> Option<Value> {
         Some(match kind {
             ResourceKind::State => self.sent::<StateJson>(),
@@ -62,7 +62,7 @@ impl Schemas {
         })
     }
 
-    /// The schema of a command's body; `None` for STOP, whose body is not read.
+    /// Returns the schema of a command's body; `None` for STOP, because its body is not read.
     pub fn body(&mut self, takes: Takes) -> Option<Value> {
         Some(match takes {
             Takes::Nothing => return None,
@@ -102,7 +102,8 @@ fn renamed(mut schema: Value) -> Value {
     schema
 }
 
-/// The suffix `Json` means something only to programmers of this program, so schemas are named without it.
+/// Removes the suffix `Json` from the name of a schema. The suffix means something only to programmers of this
+/// program.
 fn public(name: &str) -> &str {
     name.strip_suffix("Json").unwrap_or(name)
 }

@@ -1,5 +1,5 @@
-//! Temperature and position as sensor measurements in SenML JSON (RFC 8428). The measurements carry no time: a pack shows the
-//! present values.
+//! Temperature and position as sensor measurements in SenML JSON (RFC 8428). The measurements have no time, because
+//! they are always the present values.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ const METRES: Option<&str> = Some("m");
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Record {
-    /// Prefix of the names of this record and of all that follow.
+    /// Prefix of the names of this record and of all records after it.
     #[serde(rename = "bn", skip_serializing_if = "Option::is_none")]
     base: Option<&'static str>,
     #[serde(rename = "n")]
@@ -26,8 +26,8 @@ struct Record {
     word: Option<&'static str>,
 }
 
-/// The reading, absent before the first one and while the temperature is not known; the threshold above which nothing moves; and
-/// the status.
+/// Writes the reading, the threshold above which no robot moves, and the status. The reading is absent before the
+/// first one, and while the temperature is not known.
 pub fn temperature(view: &TemperatureView) -> String {
     let degrees = |name, degrees| Record { name, unit: CELSIUS, value: Some(degrees), ..Record::default() };
     let reading = view.celsius.filter(|_| view.silent_since.is_none()).map(|celsius| degrees("celsius", celsius.degrees()));
@@ -36,8 +36,8 @@ pub fn temperature(view: &TemperatureView) -> String {
     packed("hallsweep:temperature:", reading.into_iter().chain([threshold, status]))
 }
 
-/// Column and row of the robot's cell, counted from home to the east and to the south, its heading, its state, and the distance
-/// to the next obstacle, absent beyond the sonar's range.
+/// Writes the robot's column and row, counted from home to the east and to the south. Its heading, its state and the
+/// distance to the next obstacle follow. The distance is absent beyond the sonar's range.
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let count = |name, count: i32| Record { name, value: Some(count.into()), ..Record::default() };

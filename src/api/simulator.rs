@@ -1,5 +1,5 @@
-//! The simulator on the wire: its state, the changes to it, and the hall into which the robots are to be put. State and changes
-//! use the same names, so that the state can be edited and sent back.
+//! The simulator in JSON: its state, the changes to it, and the hall into which the robots are to be put. State and
+//! changes use the same names, so that a client can edit the state and send it back.
 
 use std::borrow::Cow;
 
@@ -112,7 +112,7 @@ struct ChangeShape {
     link_lost: Option<bool>,
     no_thermometer: Option<bool>,
     camera_fails: Option<bool>,
-    /// All free cells that have an obstacle from now on.
+    /// All free cells that have an added obstacle from now on.
     #[schemars(length(max = MOST_BLOCKED))]
     blocked: Option<Vec<PositionJson>>,
 }
@@ -140,7 +140,7 @@ impl Body for ChangeBody {
     }
 }
 
-/// Accepts blanks at both ends and a decimal comma, as people type them.
+/// Reads a speed. Blanks at both ends and a decimal comma are allowed, because people type them.
 pub fn pace(text: &str) -> Result<Speed, Unusable> {
     if text.trim() == "max" {
         return Ok(Speed::Max);
@@ -153,7 +153,7 @@ pub fn pace(text: &str) -> Result<Speed, Unusable> {
     })
 }
 
-/// `PUT simulator/hall`
+/// Body of `PUT simulator/hall`.
 pub struct HallBody(pub OtherHall);
 
 impl JsonSchema for HallBody {

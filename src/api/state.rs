@@ -1,4 +1,5 @@
-//! Everything at one revision in one JSON object: the content of `GET /api/v1/state` and of the first event of a stream.
+//! The whole state at one revision, as one JSON object. It is the content of `GET /api/v1/state` and of the first
+//! event of a stream.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -70,7 +71,7 @@ pub fn robot(snapshot: &Snapshot) -> RobotJson {
     RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
 }
 
-/// The first robot of a snapshot is the searching robot.
+/// Returns all robots of a snapshot. The first one is the robot that searches.
 pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
     let revision = snapshot.revision_of(Resource::Robot);
     let named = |(place, shown)| NamedRobotJson::new(shown, place == 0, revision);

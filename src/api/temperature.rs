@@ -1,4 +1,4 @@
-//! The temperature in JSON, with the sources that keep the hall too hot. The core judges the readings.
+//! The temperature in JSON, with the sources that keep the hall too hot. The core decides which readings are too hot.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,5 +1,5 @@
-//! What tests of many rooms use of the interface: made-up snapshots, and the tables of the pages. The tests themselves are
-//! beside what they test.
+//! What the tests of several modules use of the API: made-up snapshots, and the comparison of tables in `docs/`. The
+//! tests themselves are beside the code that they test.
 
 pub(crate) mod documented;
 pub(crate) mod fixture;

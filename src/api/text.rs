@@ -1,12 +1,12 @@
-//! Single lines for clients that want no JSON: the mission, the retrieval and the temperature in short. The text forms of
-//! the map are in `map_text`, the words of old clients in `old_items`.
+//! Single lines for clients that do not read JSON: the mission, the retrieval and the temperature in short. The text
+//! forms of the map are in `map_text`, the words of old clients in `old_items`.
 
 use super::time::rfc3339;
 use hallsweep_core::snapshot::retrieval::RetrievalView;
 use hallsweep_core::snapshot::{MissionView, Snapshot};
 use hallsweep_core::world::temperature::TemperatureView;
 
-/// The phase, and the holds if there are any: `exploring`, or `exploring, held by operator, awaitingStart`.
+/// The phase, such as `exploring`. Holds follow if there are any: `exploring, held by operator, awaitingStart`.
 pub fn mission(mission: &MissionView) -> String {
     let phase = mission.phase.name();
     if mission.holds.is_empty() {
@@ -16,7 +16,7 @@ pub fn mission(mission: &MissionView) -> String {
     format!("{phase}, held by {}", holds.join(", "))
 }
 
-/// One line, such as `fetching, luggage #6`, or `none`.
+/// The retrieval in one line, such as `fetching, luggage #6`, or `none`.
 pub fn retrieval(snapshot: &Snapshot) -> String {
     match snapshot.retrieval.as_deref() {
         None => "none".to_owned(),
@@ -25,8 +25,8 @@ pub fn retrieval(snapshot: &Snapshot) -> String {
     }
 }
 
-/// Examples: `21.4 °C, ok`; `no reading, ok` before the first reading; `not known since 2026-02-03T10:00:00.000+01:00, last
-/// 21.4 °C, ok`.
+/// The reading and the status. Examples: `21.4 °C, ok`; `no reading, ok` before the first reading; `not known since
+/// 2026-02-03T10:00:00.000+01:00, last 21.4 °C, ok`.
 pub fn temperature(view: &TemperatureView) -> String {
     let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
     let silent = view.silent_since.map_or_else(String::new, |since| format!("not known since {}, last ", rfc3339(since)));

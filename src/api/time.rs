@@ -1,11 +1,12 @@
-//! Formats of times: RFC 3339 with its zone, and the short form at the beginning of a log line. Nothing here reads the clock.
+//! Formats of times: RFC 3339 with its zone, and the short form at the beginning of a log line. No function here
+//! reads the clock.
 
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
 
 use hallsweep_core::units::WallTime;
 
-/// RFC 3339 with milliseconds and offset, such as `2026-02-03T10:05:12.000+01:00`.
+/// The time in RFC 3339 with milliseconds and offset, such as `2026-02-03T10:05:12.000+01:00`.
 pub fn rfc3339(wall: WallTime) -> String {
     let at = zoned(wall);
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
@@ -21,13 +22,13 @@ pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
 
-/// The beginning of a day, such as `2026-01-31`, in the zone of this machine.
+/// The beginning of a day such as `2026-01-31`, in the zone of this machine; `None` if `day` is no date.
 pub fn midnight(day: &str) -> Option<WallTime> {
     let begins = day.parse::<jiff::civil::Date>().ok()?.to_zoned(TimeZone::system()).ok()?;
     Some(WallTime { unix_ms: begins.timestamp().as_millisecond(), offset_s: begins.offset().seconds() })
 }
 
-/// The single zone of a page: all times are shown in it, and the page names it.
+/// The single zone of a page. The page shows all times in this zone, and names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Zone {
     offset_s: i32,
@@ -63,7 +64,8 @@ impl Zone {
     }
 }
 
-/// A time or an offset outside the calendar's range becomes the nearest one within the range.
+/// The time in its zone. A time outside the calendar's range becomes the nearest time within the range. An offset
+/// outside the range becomes UTC.
 fn zoned(wall: WallTime) -> jiff::Zoned {
     let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
     let at = Timestamp::from_millisecond(wall.unix_ms).unwrap_or(nearest);

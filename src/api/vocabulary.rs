@@ -1,5 +1,6 @@
-//! The words that a field with a fixed list may hold: a schema for each list, made from the core's own list where there is one.
-//! The values themselves stay plain texts; a field names its list by `with`. Schemathesis finds a word that is missing here.
+//! The words that a field with a fixed list may hold. Each list has a schema, made from the core's own list where
+//! there is one. The values themselves stay plain texts; a field names its list by `with`. The test program
+//! Schemathesis finds a word that is missing here.
 
 use std::borrow::Cow;
 
@@ -10,7 +11,7 @@ use hallsweep_core::snapshot::log;
 use hallsweep_core::world::temperature;
 use hallsweep_core::{command, hold, not_fetched, phase, robot, units};
 
-/// Makes a schema of each list of words. Its doc comment becomes the description, which clients see.
+/// Makes a schema for each list of words. The doc comment of a list becomes its description, which clients see.
 macro_rules! lists {
     ($($(#[doc = $doc:literal])* $name:ident = $words:expr;)*) => {$(
         $(#[doc = $doc])*

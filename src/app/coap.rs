@@ -1,4 +1,5 @@
-//! The CoAP door, opened at each of its ports, all of which are served on one thread. The resources are in the door.
+//! Opens the CoAP door at each of its ports, and serves all of them on one thread. The resources are in
+//! `doors::coap`.
 
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -11,8 +12,8 @@ use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Opens the door, which closes when `ending` says so; returns a future that ends with the door. A panic in this door does not
-/// close the other doors.
+/// Opens the door at each port. Each port closes when `ending` says so, and one of the returned futures ends with it.
+/// A panic in this door does not close the other doors.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,

@@ -1,5 +1,5 @@
-//! The data of earlier runs, which this run continues: the journal, and beside it the memory of robots. The core decides what
-//! to do with the recalled state.
+//! The data of earlier runs, with which this run continues: the journal, and what is stored about the robots. The
+//! core decides what to do with the recalled state.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -26,15 +26,15 @@ pub(super) struct DataFolder {
     pub(super) elsewhere: bool,
     /// Remembers a STOP even when the journal cannot be written.
     pub(super) stops: Option<Stops>,
-    /// Messages to an operator about faults that stop nothing, each with the advice what to do.
+    /// Messages to an operator about faults that do not keep the program from running. Each message says what to do.
     pub(super) notes: Vec<String>,
 }
 
 impl DataFolder {
-    /// Opens the folder of the settings, where the robots also find the places where they were left. A file that cannot be read
-    /// or written is no error: the store reports it, and the robots are held (safety R5). The robots are held likewise when the
-    /// keys cannot be read, for the reason in `keys`, or when a mission is under way in another hall. Only two things are
-    /// errors: a folder in use, and a folder that this user may not enter.
+    /// Opens the data folder of the settings, and reads there where the robots were left. A file that cannot be read
+    /// or written is no error: the store reports the fault, and the robots are held (safety R5). The robots are also
+    /// held in two other cases: the keys cannot be read, for the reason in `keys`, or a mission is under way in
+    /// another hall. Only two things are errors: the folder is in use, or this user may not enter it.
     pub(super) fn open(
         settings: &Settings,
         robots: &mut Robots,
@@ -60,7 +60,7 @@ impl DataFolder {
         if let (Some(remembered), true) = (robots.other_hall(), is_on_a_mission) {
             let words = in_another_hall(folder, remembered, &robots.hall_name());
             robots.lose(&words);
-            // The first store is closed before the second one opens, since only one may have the folder.
+            // Only one store may use the folder at a time, so the first store is closed before the second one opens.
             drop(kept);
             kept = opened(robots)?;
         }
@@ -69,11 +69,14 @@ impl DataFolder {
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
         let mut elsewhere = false;
         match robots.other_hall() {
-            // An unreadable record may be of a mission in that hall, so its robots are not forgotten.
+            // The unreadable record may be of a mission in the other hall. So the stored places of the robots there
+            // are kept.
             _ if is_unread => {}
-            // The searching robot may be in a mission in the other robots' hall.
+            // The place of some robots is unknown. The searching robot may be on a mission in the hall where the
+            // others were left.
             None if !robots.lost().is_empty() => {}
-            // The record belongs to the hall of the searching robot; of the other robots only the positions are stored.
+            // The record belongs to the hall of the searching robot. Of the other robots only the positions are
+            // stored.
             other_hall => {
                 elsewhere = other_hall.is_some();
                 robots.put_down();
@@ -82,7 +85,7 @@ impl DataFolder {
         Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)), notes })
     }
 
-    /// The present epoch: that of the last stop, whether or not it reached the journal (safety S4).
+    /// The present epoch: the epoch of the last STOP, even if this STOP did not reach the journal (safety S4).
     pub(super) fn epoch(&self) -> Epoch {
         let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.state.epoch);
         let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
@@ -98,7 +101,7 @@ impl DataFolder {
         stopped.max(recorded)
     }
 
-    /// The message when the last STOP may be missing from the records: the robot is then held as if by a STOP.
+    /// Returns a message if the last STOP may be missing from the records. The robot is then held as after a STOP.
     pub(super) fn stop_in_doubt(&self) -> Option<String> {
         let (file, was_set_aside) = self.stops.as_ref().and_then(Stops::damaged)?;
         let aside = format!("; the damaged content is now in {} in the same folder", names::STOPS_DAMAGED.written());
@@ -111,9 +114,9 @@ impl DataFolder {
     }
 }
 
-/// Archives old missions if they are to stay only for a number of days. It does so before any door is open, since no promise of
-/// a door may wait for it, and archives a bounded number at once. After a failure the missions stay, and the reason is
-/// returned.
+/// Archives old missions if the settings limit the number of days that missions stay. This happens before any door is
+/// open, because no promise of a door may wait for it. A bounded number is archived at once. After a failure the
+/// missions stay, and the reason is returned.
 pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
     let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
@@ -143,7 +146,7 @@ fn in_another_hall(folder: &Path, remembered: &str, given: &str) -> String {
     )
 }
 
-/// A pending piece whose photo is gone cannot be judged by it, so the photo counts as failed (safety V2).
+/// Marks lost photos as failed: a pending piece of luggage cannot be judged by a photo that is lost (safety V2).
 fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
     let pending: Vec<Arc<Luggage>> = recalled.state.luggage.pending().filter(|luggage| luggage.has_photo()).cloned().collect();
     for luggage in pending {

@@ -1,6 +1,6 @@
-//! Moves the robot to another hall than the recorded one: the page about the move is stored in the journal before the robot's
-//! state file is begun anew, so that a kill in between leaves the robot and the map in the same hall. `data_folder` decides
-//! when a move is needed.
+//! Moves the robot to a hall other than the recorded one. First the journal stores the move, then the robot's state
+//! file is started anew. If the program is killed in between, the robot and the map are still in the same hall.
+//! `data_folder` decides when a move is needed.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use hallsweep_core::engine::Engine;
 use hallsweep_core::event::Event;
 use hallsweep_core::units::Seq;
 
-/// Maximum wait for the disk. After it the program serves without a state file, and the next start tries again.
+/// Maximum wait for the disk. After this time the program runs without a state file, and the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
 
 pub(super) async fn put_down(
@@ -38,8 +38,8 @@ pub(super) async fn put_down(
     is_kept
 }
 
-/// Hands everything to be stored to the store; returns the last entry. No robot is linked yet and no command was sent, so the
-/// only effects beside records are halts and the LED.
+/// Hands all pages of the engine to the store; returns the last entry. No robot is linked yet and no command was
+/// sent, so the only other effects are halts and the LED.
 fn hand_over(engine: &mut Engine, store: &mut dyn Store, link: &RobotLink, halter: &Halter, losses: u64) -> Seq {
     let mut last = Seq(0);
     while let Some(effect) = engine.poll_effect() {

@@ -1,4 +1,5 @@
-//! Who may enter a door: everybody on this machine, or whoever has a key. The command line shows users how to enter.
+//! Who may use the doors: everybody on this machine, or everybody who has a key. The command line tells users how to
+//! sign in.
 
 use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
@@ -7,9 +8,9 @@ use crate::doors::http::{Front, Tls, TlsError};
 #[derive(Debug)]
 pub enum FirstAccess {
     Open,
-    /// A key from an earlier start.
+    /// A key from an earlier start exists.
     Key,
-    /// Nobody: the existing keys cannot be read, for this reason.
+    /// Nobody can sign in: the existing keys cannot be read, for this reason.
     Unusable(String),
     /// An operator's key that was just created and stored.
     NewKey(Token),
@@ -19,12 +20,12 @@ pub enum FirstAccess {
 
 pub(super) struct Opened {
     pub(super) http: Access,
-    /// Access at our own MQTT broker over TCP; its web clients are admitted by `http`.
+    /// Access to our own MQTT broker over TCP. Web clients of the broker are admitted by `http`.
     pub(super) mqtt: Access,
     pub(super) entry: FirstAccess,
 }
 
-/// Who is admitted by these settings; creates a first key when a key is needed and none exists.
+/// Decides who is admitted by these settings. Creates a first key when keys are required and none exists.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {
@@ -39,7 +40,8 @@ fn mqtt_asks(settings: &Settings) -> bool {
     matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }))
 }
 
-/// Why the keys cannot be read, where keys are required and exist: nobody could press STOP then, so nothing may move (safety R5).
+/// Why the existing keys cannot be read, if keys are required. Nobody could press STOP then, so nothing may move
+/// (safety R5).
 pub(super) fn unusable(settings: &Settings) -> Option<String> {
     let folder = settings.store.as_ref().filter(|_| settings.http.asks_for_keys || mqtt_asks(settings))?;
     let error = KeyFile::within(folder).read().err()?;

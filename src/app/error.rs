@@ -1,4 +1,5 @@
-//! Why the program cannot start, or not go on: one line for whoever started it, with what to do.
+//! Why the program cannot start or cannot continue: one line for the person who started it, which also says what to
+//! do.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -43,7 +44,7 @@ impl Port {
     }
 }
 
-/// `Display` is one line for whoever started the program, with what to do.
+/// `Display` is one line for the person who started the program, and says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     #[error(transparent)]
@@ -65,7 +66,7 @@ pub enum AppError {
     ClosedFolder(PathBuf),
     #[error("the program cannot start: {0}")]
     System(std::io::Error),
-    /// The loop that joins everything is gone: a mistake in the program.
+    /// The core's loop has ended unexpectedly: a fault in the program.
     #[error("hallsweep ended after an internal error: start hallsweep again, and look at the log above")]
     LoopEnded,
 }

@@ -1,5 +1,5 @@
-//! The MQTT door, assembled: our own session, and its broker, which is our own or somebody else's. The messages are in the
-//! door.
+//! Assembles the MQTT door: our own session, and the broker, which is either our own or an external one. The messages
+//! are in `doors::mqtt`.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::runtime::handle::Handle;
 use mqtt_gate::Broker;
 use mqtt_gate::packet::Version;
 
-/// Capacity of the queue of web clients: the broker is never busy for long.
+/// Capacity of the queue of web clients. A small queue is enough, because the broker is never busy for long.
 const WEB_CLIENTS: usize = 16;
 
 pub(super) struct Mqtt {
@@ -43,8 +43,8 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is one: our own broker at these ports. Packets of the broker's clients are read on a separate
-    /// thread.
+    /// Opens the door; returns `None` if the settings have no broker. `listeners` are the ports of our own broker,
+    /// whose packets are read on a separate thread.
     pub(super) fn open(
         settings: &Settings,
         listeners: Listeners,
@@ -70,7 +70,7 @@ impl Mqtt {
         self.hall.clone()
     }
 
-    /// Waits for the end: the session disconnects first, then the broker ends.
+    /// Waits until the door is closed: the session disconnects first, then the broker ends.
     pub(super) async fn ended(self) {
         for task in [Some(self.session), self.broker].into_iter().flatten() {
             if task.await.is_err() {
@@ -91,7 +91,7 @@ impl Common {
     }
 }
 
-/// The message to an operator for a program that was built without rumqttd although the settings ask for it.
+/// A message to an operator if the settings ask for rumqttd, but the program was built without it.
 pub(super) fn note(settings: &Settings) -> Option<String> {
     let asks = matches!(settings.mqtt.broker, Some(config::Broker::Own { router: MqttRouter::Rumqttd, .. }));
     (asks && !cfg!(feature = "rumqttd-router")).then(|| {
@@ -129,7 +129,7 @@ fn own(
         session.run(shutdown).await;
     });
     let ways = Ways { listeners, access, web_clients, hearing: threads.mqtt.handle().clone() };
-    // The broker waits until the session has disconnected, so that its last messages are delivered.
+    // The broker waits until the session has disconnected, so that the session's last messages are delivered.
     let disconnected = async move { while left.changed().await.is_ok() {} };
     let broker = threads.gate.handle().spawn(serve(clients, ways, disconnected));
     Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) }
@@ -163,7 +163,7 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     Ok(Mqtt { session, broker: None, hall: None })
 }
 
-/// Passes web clients to the broker. A client that finds the broker busy is disconnected, and may try again.
+/// Passes web clients to the broker. If the queue is full, the client is disconnected and may try again.
 fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
     http::Hall::new(move |connection: http::IncomingConnection| {
         let origin = Origin { from: connection.from, caller: connection.caller, access: connection.access };

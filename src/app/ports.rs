@@ -1,5 +1,5 @@
-//! The ports of the doors: all of them are bound before anything stored is opened, so that a port in use leaves no trace. Which
-//! ports to bind is in the settings.
+//! The ports of the doors. All ports are bound before anything stored is opened. So a start that fails because a port
+//! is in use changes nothing. The settings say which ports to bind.
 
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -11,15 +11,16 @@ use super::error::{AppError, Port};
 use crate::config::{Bind, BindAddress, Broker, Settings};
 use crate::doors::coap::beside;
 
-/// Number of file descriptors wanted: enough for every connection of every door, and for files beside them.
+/// Wanted number of file descriptors: enough for every connection of every door, and for files.
 const DESCRIPTORS: u64 = 4096;
 
-/// Asks the system for more file descriptors, as far as it allows; returns how many there are then. Most systems start a
-/// program with few descriptors and allow more on request; HTTP and MQTT together may need more than those few.
+/// Raises the limit of file descriptors to the wanted number, as far as the system allows; returns the new limit.
+/// Most systems start a program with few descriptors and allow more on request. HTTP and MQTT together may need more
+/// than these few.
 pub(super) fn raise_descriptors() -> u64 {
     let now = getrlimit(Resource::Nofile);
     let wanted = now.maximum.map_or(DESCRIPTORS, |most| most.min(DESCRIPTORS));
-    // None is "without a limit".
+    // `None` means that there is no limit.
     if now.current.is_none_or(|current| current >= wanted) {
         return now.current.unwrap_or(u64::MAX);
     }
@@ -42,7 +43,7 @@ pub struct Doors {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundPort {
     pub at: SocketAddr,
-    /// The default port, if this port replaces it because another program uses it.
+    /// The default port, if another program uses it and this port replaces it.
     pub instead_of: Option<u16>,
 }
 
@@ -55,11 +56,11 @@ pub(super) struct Ports {
 
 type NotHad = (SocketAddr, io::Error);
 
-/// Length of the listen queue, as far as the system allows: a connection that finds the queue full is dropped silently and
-/// tries again after a second, which is too late for a STOP.
+/// Length of the listen queue, as far as the system allows. A connection that finds the queue full is dropped
+/// silently, and the client tries again after a second. For a STOP this is too late.
 const WAITING: i32 = 4096;
 
-/// Number of ports tried: a port that is free at one loopback address may be taken at the other.
+/// Maximum number of ports to try. A port that is free at one loopback address may be in use at the other.
 const TRIES: usize = 16;
 
 impl Ports {
@@ -77,7 +78,7 @@ impl Ports {
     }
 }
 
-/// Binds a door's port at all its addresses. A default port that is taken is replaced by a free port.
+/// Binds a port at all addresses of a door. If the default port is in use, a free port replaces it.
 fn open<P>(
     port: Port,
     bind: Bind,
@@ -110,7 +111,7 @@ fn at_a_free_one<P>(
     (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
-/// Binds one port at each of these addresses. A machine may lack the second address.
+/// Binds the same port at each of these addresses. It is no error if the machine lacks the second address.
 fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
     let mut bound: Vec<(P, SocketAddr)> = Vec::new();
     for mut address in at.addresses() {
@@ -130,7 +131,7 @@ fn at_all<P>(at: BindAddress, one: &impl Fn(SocketAddr) -> io::Result<(P, Socket
 
 fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
     let port = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
-    // Only on Unix, where this option means that a port is free as soon as its owner has ended.
+    // Only on Unix: there, this option makes a port available as soon as its owner has ended.
     #[cfg(unix)]
     port.set_reuse_address(true)?;
     port.bind(&address.into())?;
@@ -147,8 +148,9 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
-/// At a port that other machines reach, packets of this machine get separate sockets, which no flood from elsewhere can fill
-/// (safety S7). The system delivers to the socket bound to exactly the destination address.
+/// If other machines can reach the port, adds separate sockets for packets of this machine. No flood from elsewhere
+/// can fill these sockets (safety S7). The system delivers a packet to the socket that is bound to exactly the
+/// packet's destination address.
 fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     if at.ip().to_canonical().is_loopback() {
         return ports;
@@ -156,7 +158,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     for address in BindAddress::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
-            // Packets of this machine then go to the common socket, or are lost.
+            // Packets of this machine then go to the common socket or are lost.
             Some(Err(error)) => tracing::warn!(%address, %error, "cannot open a separate socket for CoAP from this machine"),
             None => {}
         }
@@ -175,7 +177,8 @@ mod tests {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
     }
 
-    /// Safety S9: connections that come while a door is busy wait in the system's queue, and need not try again after a second.
+    /// Safety S9: connections that arrive while a door is busy wait in the system's queue, so clients need not try
+    /// again after a second.
     #[test]
     fn hundreds_of_connections_may_wait_to_be_received() {
         let (_port, address) = tcp(SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
@@ -209,7 +212,7 @@ mod tests {
         }
     }
 
-    /// Safety S7: a flood that nobody reads fills its own socket, not that of this machine.
+    /// Safety S7: a flood that nobody reads fills the common socket, not the socket for this machine.
     #[test]
     fn this_machine_has_a_socket_of_its_own_at_a_port_that_others_reach() {
         let (first, at) = udp("0.0.0.0:0".parse().unwrap()).expect("a free port");
@@ -218,7 +221,8 @@ mod tests {
         ports.iter().for_each(|port| port.set_nonblocking(true).unwrap());
         let client = UdpSocket::bind("127.0.0.1:0").unwrap();
         for _ in 0..10_000 {
-            // Any other address of this machine stands for one that others reach. Packets without room are lost.
+            // 127.0.0.2 represents an address that other machines can reach. Packets that do not fit into the socket
+            // are lost.
             let _ = client.send_to(&[0; 1024], ("127.0.0.2", at.port()));
         }
         client.send_to(b"stop", ("127.0.0.1", at.port())).unwrap();

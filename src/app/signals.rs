@@ -3,7 +3,7 @@
 use std::future::Future;
 use std::io;
 
-/// Listens from now on; the future ends with the name of the first signal that asks the program to end.
+/// Starts to listen at once. The future returns the name of the first signal that asks the program to end.
 #[cfg(unix)]
 pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     use tokio::signal::unix::{SignalKind, signal};
@@ -30,11 +30,11 @@ pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
-    // Signal number 1 is the lowest bit.
+    // Signal number 1 (SIGHUP) is the lowest bit.
     ignored.is_some_and(|ignored| ignored & 1 == 1)
 }
 
-/// The same for systems that have only Ctrl-C.
+/// Listens for Ctrl-C, the only such signal on systems other than Unix.
 #[cfg(not(unix))]
 pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     Ok(async {

@@ -1,7 +1,7 @@
-//! The threads (safety S7). The core's loop, the robot's link, the reading of each door and the gate of our own MQTT broker
-//! have a thread each; in the gate one thread passes messages on sooner than several that wake each other. All other work of
-//! the doors runs on the ordinary threads. They may be busy, and have a lower priority, which counts when there are too few
-//! processors for all threads.
+//! The threads (safety S7). Each of these has a thread of its own: the core's loop, the link to the robot, the
+//! reading of each door, and the gate of our own MQTT broker. In the gate one thread passes messages on sooner than
+//! several threads that wake each other. All other work of the doors runs on the ordinary threads. These threads may
+//! be busy and have a lower priority, which counts when there are too few processors for all threads.
 
 use std::io;
 
@@ -10,8 +10,8 @@ use tokio::runtime::{Builder, Runtime};
 use super::AppError;
 use crate::runtime::threads::Thread;
 
-/// Difference in nice value between ordinary threads and the others: while both kinds have work, an ordinary thread gets a
-/// third of the time of one of the others.
+/// Difference in nice value between the ordinary threads and the others. While both kinds have work, an ordinary
+/// thread gets a third of the time that one of the others gets.
 #[cfg(target_os = "linux")]
 const NICER: i32 = 5;
 
@@ -43,7 +43,7 @@ pub(super) fn ordinary() -> io::Result<Runtime> {
     Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
 }
 
-/// Lowers the priority of this thread below the priority of the threads that a STOP needs. Does so only on Linux, since on
+/// Lowers the priority of this thread below the priority of the threads that a STOP needs. Works only on Linux: on
 /// other systems priorities apply to whole programs.
 fn stand_back() {
     #[cfg(target_os = "linux")]

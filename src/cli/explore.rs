@@ -1,5 +1,5 @@
-//! `hallsweep explore`: one mission without doors at full speed, and its result. The mission runs in `hallsweep_sim::headless`;
-//! this file shows the progress and prints the result.
+//! `hallsweep explore`: runs one mission at full speed and without doors. The mission runs in
+//! `hallsweep_sim::headless`; this file shows the progress and prints the result.
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -22,7 +22,7 @@ use hallsweep_sim::{Camera, Export};
 
 mod figures;
 
-/// The flags of `explore`; each wins over the environment and the settings file.
+/// The flags of `explore`. Each flag overrides the environment and the settings file.
 #[derive(Args, Clone, Debug)]
 pub struct Explore {
     /// Name of a built-in hall, or a hall file (.toml, MovingAI .map, ROS .yaml, or the .txt map of old clients).
@@ -56,7 +56,6 @@ pub struct Explore {
     force: bool,
 }
 
-/// How the luggage is answered for.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Answers {
     /// Judge the luggage as the hall file says.
@@ -93,7 +92,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     super::print(&text)?;
     if let Some(map) = map {
         let line = map.write(&Export::explored(hall.name(), hall.cell_m(), &figures.state))?;
-        // With `--json` standard output has a single object and nothing else.
+        // With `--json`, standard output must have one JSON object and nothing else.
         if flags.json { telemetry::say(line) } else { super::print(&line)? }
     }
     figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
@@ -104,7 +103,7 @@ impl Explore {
         let given = [("--hall", &self.hall), ("--start", &self.start), ("--seed", &self.seed)];
         let flags =
             given.into_iter().chain(self.search.flags()).filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
-        // Nothing is stored, so that a user without a home directory can run it too.
+        // The run stores nothing, so that a user without a home directory can run it too.
         let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
         config::sources(self.config.clone(), flags.chain([nothing]).collect())
     }
@@ -119,10 +118,11 @@ impl From<Answers> for Verdicts {
     }
 }
 
-/// A line on standard error, where that is a terminal.
+/// The progress line on standard error, shown only in a terminal.
 struct Progress {
     cells: usize,
-    /// What the line shows; it is written again only when this changes, so that a terminal does not slow the mission.
+    /// The percentage in the line. The line is written again only when the percentage changes, so that a terminal
+    /// does not slow the mission.
     percent: usize,
     is_shown: bool,
 }
@@ -132,7 +132,7 @@ impl Progress {
         let percent = visited * 100 / self.cells.max(1);
         if self.is_shown && percent != self.percent {
             self.percent = percent;
-            // A line that cannot be shown is no reason to end the mission.
+            // The mission goes on even if this line cannot be shown.
             let _ = write!(io::stderr(), "\rexploring: {visited} of {} cells", self.cells);
         }
     }
@@ -146,7 +146,7 @@ impl Progress {
 
 struct Log<'a> {
     path: &'a Path,
-    /// An error after the first failed write.
+    /// The open file, or the error of the first failed write.
     file: io::Result<BufWriter<File>>,
 }
 

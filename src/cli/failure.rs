@@ -6,13 +6,14 @@ use crate::access::AccessError;
 use crate::app::AppError;
 use crate::config::SettingsError;
 
-/// `Display` is the message for whoever started the program.
+/// `Display` is the message for the person who started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The settings cannot be used: exit code 2, as for a mistyped flag.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The program could not start, or not go on: exit code 2 when hall, certificate or key is to blame, otherwise 1.
+    /// The program could not start or could not continue. Exit code 2 when the cause is the hall, the scene file, the
+    /// TLS files or the access to the data folder; otherwise 1.
     #[error(transparent)]
     App(#[from] AppError),
     /// The keys cannot be read, stored or changed: exit code 1.
@@ -24,13 +25,14 @@ pub enum Failure {
     /// The command failed: exit code 1.
     #[error("{0}")]
     Run(String),
-    /// A behaviour tree did not reach SUCCESS: the exit code tells its result.
+    /// A behaviour tree did not reach SUCCESS. The number is the exit code, which tells the tree's result.
     #[error("{0}")]
     Tree(String, u8),
 }
 
 impl Failure {
-    /// 2 for a wrong start, 1 for a failed run.
+    /// 2 if the command cannot be used as it was given, 1 if it failed later. A behaviour tree has its own exit
+    /// codes.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::Settings(_)

@@ -1,5 +1,5 @@
-//! `hallsweep hall convert`: writes a hall from any file, or a built-in hall, in another format; and `hall import`: makes a
-//! hall from a scene of the virtual robot's page. The formats are in `hallsweep_sim`, writing the file is in `map_file`.
+//! `hallsweep hall convert` writes a hall file or a built-in hall in another format. `hallsweep hall import` makes a
+//! hall from a scene of the virtual robot's page. The formats are in `hallsweep_sim`; `map_file` writes the file.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::Failure;
 use super::map_file::MapFile;
 use hallsweep_sim::{Export, Hall, Scene};
 
-/// What to do with halls.
+/// The subcommands of `hallsweep hall`.
 #[derive(Args, Clone, Debug)]
 pub struct Halls {
     #[command(subcommand)]
@@ -24,7 +24,6 @@ enum What {
     Import(Import),
 }
 
-/// The flags of `hall convert`.
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Formats: .toml (our own), .map (MovingAI), .yaml with a .pgm beside it (ROS map_server), .txt (the map of old \
@@ -46,7 +45,6 @@ struct Convert {
     force: bool,
 }
 
-/// The flags of `hall import`.
 #[derive(Args, Clone, Debug)]
 struct Import {
     /// The scene file: a JavaScript module with one object.

@@ -1,6 +1,6 @@
-//! `hallsweep healthcheck`: asks a running hallsweep for `/healthz`, so that a container needs no other program for it. A plain
-//! socket with time-outs suffices, without an HTTP client. A TLS door is recognised by its answer to a plain request; asking it
-//! again is in `unverified`.
+//! `hallsweep healthcheck`: asks a running hallsweep for `/healthz`, so that a container needs no other program for
+//! its health check. It uses a plain socket with time-outs instead of an HTTP client. A TLS door is recognised by its
+//! answer to a plain request; `unverified` then asks again over TLS.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -10,10 +10,11 @@ use super::failure::Failure;
 
 mod unverified;
 
-/// Time-out: a healthy program answers at once. Leaves room for a busy machine, and is shorter than a container's own time-out.
+/// Time-out. A healthy program answers at once, and this time is enough on a busy machine. It is shorter than a
+/// container's own time-out.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Number of bytes read of the answer: its first line.
+/// Maximum number of bytes to read: enough for the first line of the answer.
 const STATUS_LINE: u64 = 64;
 
 /// The first byte of a TLS door's answer to a client that does not speak TLS (an alert, RFC 8446, section 5.1).
@@ -41,18 +42,20 @@ pub fn run(address: SocketAddr) -> Result<(), Failure> {
     Err(Failure::Run(format!("{at} answers `{status}`, not 200: see the log of the program there")))
 }
 
-/// The beginning of the answer. `through` turns the socket into the connection that is used.
+/// Sends the request; returns the beginning of the answer. `through` turns the socket into the connection to use,
+/// such as a TLS connection.
 fn ask<S: Read + Write>(address: SocketAddr, through: impl Fn(TcpStream) -> std::io::Result<S>) -> std::io::Result<Vec<u8>> {
     let stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let mut stream = through(stream)?;
-    // The request is sent in one write: an answer to its first part could cut off the rest.
+    // The request is sent in one write. After a first part alone, the server could answer and close before the rest
+    // is sent.
     stream.write_all(format!("GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes())?;
     stream.flush()?;
     let mut answer = Vec::new();
     let read = stream.take(STATUS_LINE).read_to_end(&mut answer);
-    // A connection that breaks after the answer does not matter.
+    // An error after the beginning of the answer does not matter.
     if answer.is_empty() { read.map(|_| answer) } else { Ok(answer) }
 }
 

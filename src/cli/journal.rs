@@ -1,5 +1,5 @@
-//! `hallsweep journal`: the record for people and for programs, with or without a running hallsweep. Storage is in
-//! `crate::storage::sqlite`.
+//! `hallsweep journal`: commands that print, export, check and archive the journal. Some of them also work while
+//! hallsweep runs. The journal is stored by `crate::storage::sqlite`.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::runtime::clock::Clock;
 use crate::storage::sqlite::{self, ArchiveCheck, Archived, Findings, ReadOnlyJournal};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// What to do with the journal.
+/// The subcommands of `hallsweep journal`, and the folder that they use.
 #[derive(Args, Clone, Debug)]
 pub struct Journal {
     #[command(subcommand)]
@@ -59,7 +59,7 @@ enum What {
     Rebuild,
 }
 
-/// Which entries are meant.
+/// Selects entries of the journal.
 #[derive(Args, Clone, Copy, Debug, Default)]
 struct Which {
     /// Only the entries of this mission.
@@ -110,7 +110,8 @@ impl From<Unreadable> for Failure {
     }
 }
 
-/// Writes the entries, with a line in place of each that cannot be read, and reports the number of such lines at the end.
+/// Writes the entries. A line with the reason replaces each entry that cannot be read. In this case the command fails
+/// at the end, with the number of these entries.
 fn list(
     reading: &ReadOnlyJournal,
     which: Which,
@@ -126,7 +127,7 @@ fn list(
         written.is_ok()
     })?;
     match written.and_then(|()| out.flush()) {
-        // A reader that takes only the first lines, such as `head`, has read all it needs.
+        // A reader such as `head` takes only the first lines and then closes the pipe. This is no error.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
         written => written.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))?,
     }
@@ -141,7 +142,7 @@ fn day(text: &str) -> Result<WallTime, String> {
 }
 
 fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure> {
-    // Fails where there is no journal, so that none is created.
+    // Fails if there is no journal, so that archiving does not create one.
     drop(ReadOnlyJournal::open(folder)?);
     let now = Clock::default().now().wall;
     let Some(archived) = sqlite::write_out(folder, before, now, file)? else {
@@ -161,7 +162,8 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     ))
 }
 
-/// Whether the archives and the journal follow each other, and whether both are unchanged since they were written.
+/// Checks that the archives and the journal follow each other, and that none of them was changed since it was
+/// written.
 fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), Failure> {
     let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;

@@ -1,5 +1,6 @@
-//! Writes a hall or an explored map to a file, in the format of the file's extension, whole or not at all. Without the user's
-//! consent no existing file is replaced. The formats are in `hallsweep_sim`.
+//! Writes a hall or an explored map to a file. The extension of the file decides the format. The file is written
+//! completely or not at all, and an existing file is replaced only if the user allows it. The formats are in
+//! `hallsweep_sim`.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -15,7 +16,7 @@ pub(super) struct MapFile<'a> {
 }
 
 impl<'a> MapFile<'a> {
-    /// Checks the path as far as possible before there is anything to write.
+    /// Checks the path before there is anything to write, as far as this is possible.
     pub(super) fn at(path: &'a str, replace: bool) -> Result<MapFile<'a>, Failure> {
         let path = Path::new(path);
         let format = Format::of_file(path).ok_or_else(|| {
@@ -30,7 +31,7 @@ impl<'a> MapFile<'a> {
         Ok(file)
     }
 
-    /// Writes the file; returns a line that says what was written and what is lost in this format.
+    /// Writes the file; returns a line that says what was written and what this format cannot store.
     pub(super) fn write(&self, export: &Export) -> Result<String, Failure> {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let written = export.written(self.format, &stem).map_err(|error| Failure::Run(error.to_string()))?;
@@ -45,7 +46,7 @@ impl<'a> MapFile<'a> {
         Ok(format!("{}: {}; {lost}", names.join(" and "), export.in_words()))
     }
 
-    /// All files to be written; the named one comes last, when the files it refers to exist.
+    /// All files to be written. The named file comes last, when the image that it names exists.
     fn paths(&self) -> Vec<PathBuf> {
         let image = (self.format == Format::Occupancy).then(|| self.path.with_extension("pgm"));
         image.into_iter().chain([self.path.to_owned()]).collect()
@@ -55,12 +56,12 @@ impl<'a> MapFile<'a> {
         if path.is_dir() {
             return Err(unwritable(path, &io::Error::other("it is a folder")));
         }
-        // A dangling link counts as an existing file.
+        // A dangling symbolic link counts as an existing file.
         if !self.replace && path.symlink_metadata().is_ok() { Err(taken(path)) } else { Ok(()) }
     }
 }
 
-/// Writes all of these files or none: each first under another name beside its place.
+/// Writes all of these files or none. Each file is first written under a temporary name in the same folder.
 fn put(files: &[(PathBuf, Vec<u8>)], replace: bool) -> Result<(), (PathBuf, io::Error)> {
     let mut ours = Vec::new();
     let done =
@@ -83,13 +84,15 @@ fn fill(path: &Path, bytes: &[u8], ours: &mut Vec<PathBuf>) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Creates a file under a temporary name, which has the process id: an existing file of this name was left by a killed process.
+/// Creates a file under a temporary name, which contains the process id. An existing file of this name was left by a
+/// killed process and is removed.
 pub(super) fn begin(fresh: &Path) -> io::Result<File> {
     let _ = fs::remove_file(fresh);
     File::create_new(fresh)
 }
 
-/// Unless `replace` is set, the name is reserved first, so that nobody else can take it in between.
+/// Renames the temporary file to `path`. Unless `replace` is set, the name is reserved first, so that no other
+/// program can take it in between.
 fn place(path: &Path, replace: bool, ours: &mut Vec<PathBuf>) -> io::Result<()> {
     if !replace {
         File::create_new(path)?;
@@ -123,12 +126,12 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let [image, yaml] = ["m.pgm", "m.yaml"].map(|name| folder.join(name));
         let files = [(image.clone(), b"image".to_vec()), (yaml.clone(), b"yaml".to_vec())];
-        // Somebody else creates the second file just before it gets its name.
+        // Another program creates the second file just before ours gets this name.
         fs::write(&yaml, "theirs").unwrap();
         let (path, error) = put(&files, false).unwrap_err();
         assert_eq!((path, error.kind()), (yaml.clone(), io::ErrorKind::AlreadyExists));
         assert_eq!((fs::read(&yaml).unwrap(), fs::read_dir(&folder).unwrap().count()), (b"theirs".to_vec(), 1));
-        // Leftovers of a killed process with the same id are in nobody's way.
+        // A leftover of a killed process with the same id does not prevent writing.
         fs::write(unfinished(&image), "half").unwrap();
         put(&files, true).unwrap();
         assert_eq!((fs::read(&image).unwrap(), fs::read(&yaml).unwrap()), (b"image".to_vec(), b"yaml".to_vec()));

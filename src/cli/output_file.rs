@@ -1,5 +1,6 @@
-//! A file for a result that takes long: begun under another name, so that an unwritable place fails at once, then flushed and
-//! renamed when the result is complete. Until then the old file stays, whatever goes wrong.
+//! A file for a result that takes long. The file is first opened under a temporary name, so that an unwritable place
+//! fails at once. When the result is complete, the file is flushed and renamed. Until then the old file stays,
+//! whatever happens.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -18,7 +19,7 @@ pub(super) struct OutputFile {
 
 enum To {
     StandardOutput,
-    /// Something that is not replaced, such as a pipe or a terminal.
+    /// Written to directly and never replaced: a pipe or a terminal, for example.
     Through(File),
     /// The file under its temporary name, until it is renamed.
     Beside(File, Option<PathBuf>),
@@ -26,7 +27,7 @@ enum To {
 
 impl OutputFile {
     pub(super) fn open(path: &Path) -> Result<OutputFile, Failure> {
-        // A link stays, and leads to the new file.
+        // A symbolic link stays, and its target is replaced.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let to = if is_standard_output(path) { Ok(To::StandardOutput) } else { open(&place) };
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
@@ -61,7 +62,7 @@ pub(super) fn is_standard_output(path: &Path) -> bool {
 fn open(place: &Path) -> io::Result<To> {
     let there = fs::metadata(place).ok();
     if there.is_some() {
-        // A file that may not be written is not replaced either.
+        // If the existing file may not be written, it may not be replaced either.
         let through = OpenOptions::new().append(true).open(place)?;
         if !place.is_file() {
             return Ok(To::Through(through));
@@ -83,7 +84,7 @@ fn place(beside: &mut Option<PathBuf>, place: &Path) -> io::Result<()> {
     files::sync_folder(place.parent().unwrap_or(Path::new(".")))
 }
 
-/// Refuses a path that is also read, or that is written twice.
+/// Refuses a file that is given twice: as input and as output, or twice as output.
 pub(super) fn distinct<'a>(
     read: impl IntoIterator<Item = &'a Path>,
     written: impl IntoIterator<Item = &'a Path>,

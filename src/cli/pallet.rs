@@ -1,5 +1,6 @@
-//! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, led by the three behaviour trees, in
-//! simulated time. The scenario runs in `hallsweep_laboratory::pallet`; this file prints its phases and figures, and a picture.
+//! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, in simulated time. Three
+//! behaviour trees lead them. The scenario runs in `hallsweep_laboratory::pallet`; this file prints its phases and
+//! figures, and a picture.
 
 use std::path::PathBuf;
 
@@ -9,7 +10,6 @@ use super::Failure;
 use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Figures, PalletRun, ReportJson, TITLE};
 use hallsweep_laboratory::pallet::{asked, drawing, missed, parcel_number, rows, words};
 
-/// The flags of `pallet`.
 #[derive(Args, Clone, Debug)]
 pub struct Pallet {
     /// Number of parcels on the pallet, from 1 to 24.
@@ -57,8 +57,8 @@ fn for_people(run: &PalletRun, figures: &Figures) -> String {
     passed.chain([String::new()]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// A run fails, with the name of the fault, when it did not bring all parcels to the target area; also when a requested fault did
-/// not happen.
+/// Fails if not all parcels reached the target area, or if a requested fault did not happen. The error names the
+/// faults.
 fn outcome(faults: &[AskedFault], run: &PalletRun, figures: &Figures) -> Result<(), Failure> {
     let mut words: Vec<String> =
         missed(faults, run).iter().map(|(fault, why)| format!("--fault {fault} did not happen: {}", why.in_words())).collect();
@@ -119,11 +119,11 @@ mod tests {
         }
     }
 
-    /// Twelve yards, some with a path of two steps from the pallet to the target area.
+    /// Tests twelve yards. In some of them the path from the pallet to the target area has two steps.
     #[test]
     fn what_is_asked_to_go_wrong_happens_or_the_run_fails_and_says_why_it_did_not() {
         const EARLY: &str = "the run ended earlier";
-        /// The requested faults, and those of them that do not happen, with the reason.
+        /// The requested faults, then the faults that do not happen, each with the reason.
         type Row<'a> = (&'a [&'a str], &'a [(&'a str, &'a str)]);
         let table: [Row<'_>; 9] = [
             (&["lost@1", "lost@2", "lostLifting@2", "unrecognised@1"], &[]),

@@ -1,5 +1,5 @@
-//! `hallsweep report`: the record of a mission on paper, for people who were not there and for programs; and whether a report
-//! that was handed over agrees with the journal. The contents are in `crate::report`.
+//! `hallsweep report`: writes the report of a mission, for people and for programs. This file also checks whether a
+//! report agrees with the journal. The contents of reports are in `crate::report`.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Write};
@@ -17,7 +17,7 @@ use crate::storage::files;
 use crate::storage::sqlite::{self, ReadOnlyJournal};
 use hallsweep_core::units::MissionId;
 
-/// Which report, and where it goes.
+/// The arguments of `hallsweep report`.
 #[derive(Args, Clone, Debug)]
 pub struct Reported {
     /// The number of the mission.
@@ -91,7 +91,7 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
 pub(super) fn confirm(journal: &ReadOnlyJournal, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable = |error: io::Error| Failure::Run(format!("{shown} cannot be read: {error}"));
-    // Reading a pipe would block for ever.
+    // Reading a pipe would block for ever, so a pipe is refused.
     files::check_plain(path).map_err(unreadable)?;
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut beginning = Vec::new();
@@ -153,7 +153,7 @@ mod tests {
         String::from_utf8(page).unwrap()
     }
 
-    /// Everything in a report follows from the entries up to the one that it names.
+    /// A report follows only from the entries up to the entry that it names.
     #[test]
     fn a_report_of_before_a_danger_is_made_again_behind_it_as_it_was() {
         let scratch = Scratch::new();

@@ -1,5 +1,5 @@
-//! `hallsweep robot-emulator`: the simulated robot at the other end of a wire, for people who try the line protocol or build a
-//! robot. `robots::emulator` plays the robot; this file reads the flags.
+//! `hallsweep robot-emulator`: a simulated robot that speaks the line protocol, for people who try this protocol or
+//! build a robot. `robots::emulator` plays the robot; this file reads the flags.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::config::Flag;
 use crate::robots::emulator::{Emulation, End, Faults, MOST_BYTES, RobotName};
 use crate::telemetry;
 
-/// The flags of `robot-emulator`. What is not said of the hall and the robot is as in the settings.
+/// The flags of `robot-emulator`. Where a flag is missing, the settings of the hall and the robot apply.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Then run in another terminal: hallsweep serve --robot line=ADDRESS:PORT, or line=DEVICE. \
                   docs/robot-line-protocol.md describes the protocol.")]
@@ -53,7 +53,7 @@ pub struct RobotEmulator {
     cut_after: Option<Duration>,
 }
 
-/// Where the robot is.
+/// Where programs reach the robot.
 #[derive(Args, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct At {

@@ -1,5 +1,6 @@
-//! `hallsweep roomba`: the Roomba of seed 001 as state machine, as behaviour tree or as both, in simulated time.
-//! `hallsweep_laboratory::roomba` runs and draws the Roomba; this file prints the figures.
+//! `hallsweep roomba`: the Roomba of the original specification (seed 001), in simulated time. It runs as a state
+//! machine, as a behaviour tree, or as both. `hallsweep_laboratory::roomba` runs and draws the Roomba; this file
+//! prints the figures.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,6 @@ use clap::Args;
 use super::Failure;
 use hallsweep_laboratory::roomba::{Controller, Roomba as Runs, RunLength};
 
-/// The flags of `roomba`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Without --fsm and --tree, both controllers run and are compared; the exit code is 1 if their runs \
                         differ.\n\

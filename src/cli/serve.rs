@@ -56,8 +56,8 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String
     })
 }
 
-/// The address of a door on this machine. Also says whether other addresses reach the door, and how to choose the port if the
-/// usual one is taken.
+/// The address of a door on this machine, as text. The text also says whether the door can be reached at other
+/// addresses. If the default port was in use, it says how to choose the port.
 fn found(place: BoundPort, flag: &str) -> String {
     let here = from_here(place.at);
     match place.instead_of {
@@ -67,7 +67,8 @@ fn found(place: BoundPort, flag: &str) -> String {
     }
 }
 
-/// The address of the console, and how to sign in. A token is shown when it was just made, and only here: never in the log.
+/// The address of the console, and how to sign in. A token is shown only when it was just made, and it is never
+/// written to the log.
 fn console(http: &HttpSettings, place: BoundPort, entry: &FirstAccess) -> String {
     let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {

@@ -6,7 +6,7 @@ use super::{Failure, Folder, link};
 use crate::access::{Key, KeyFile, Keys, Role};
 use crate::config::{Flag, HttpSettings, Settings, Sources};
 
-/// What to do with the keys.
+/// The subcommands of `hallsweep token`, and their common flags.
 #[derive(Args, Clone, Debug)]
 pub struct Keyrings {
     #[command(subcommand)]
@@ -53,14 +53,14 @@ enum RoleArgument {
 pub fn run(asked: &Keyrings) -> Result<(), Failure> {
     let settings = super::settings(&asked.sources())?;
     let file = file(&settings)?;
-    // The lock makes the second of two simultaneous changes see the first.
+    // With the lock, the second of two simultaneous changes sees the result of the first.
     let _alone = file.alone();
     let kept = file.read()?;
     let is_new = kept.is_none();
     let what = asked.what.as_ref().unwrap_or(&What::Show);
     let mut keys = match (kept, what) {
         (Some(keys), _) => keys,
-        // Somebody must be able to act: the first key file always has an operator's key.
+        // The first key file always has an operator's key, so that somebody can command the robot.
         (None, What::Add { .. }) => Keys::first()?,
         (None, What::Show | What::Rotate { .. } | What::Remove { .. }) => return Err(none_yet(&file)),
     };
@@ -95,7 +95,7 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     Ok(KeyFile::within(folder))
 }
 
-/// Showing the keys creates no key.
+/// The error when there is no key file. Only adding a key creates the file here.
 fn none_yet(file: &KeyFile) -> Failure {
     let there = file.path().display();
     Failure::Run(format!(

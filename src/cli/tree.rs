@@ -1,5 +1,5 @@
-//! `hallsweep tree`: checks files of behaviour trees, writes them back, and runs them with mocks for their leaves. Trees are
-//! executed in `behaviour_trees`, ticks are printed in `shown`.
+//! `hallsweep tree`: checks behaviour tree files, prints them in the standard layout, and runs them with mocks for
+//! their leaves. `behaviour_trees` executes the trees; `shown` prints the ticks.
 
 use std::fs::File;
 use std::io::{Read, stdin};
@@ -19,7 +19,7 @@ mod shown;
 
 use meant::Meant;
 
-/// What to do with files of trees.
+/// The subcommands of `hallsweep tree`.
 #[derive(Args, Clone, Debug)]
 pub struct Trees {
     #[command(subcommand)]
@@ -48,7 +48,6 @@ enum What {
     Run(RunTree),
 }
 
-/// The flags of `tree run`.
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "The run ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING,\n\
@@ -100,8 +99,8 @@ pub fn run(asked: &Trees) -> Result<(), Failure> {
 
 const STANDARD_INPUT: &str = "-";
 
-/// Nodes that a file may use: nodes that it declares itself, and nodes of the files of `--model`. This program has no leaves of
-/// its own.
+/// The nodes that a file may use: the nodes that it declares, and the nodes that the files of `--model` declare. This
+/// program has no leaves of its own.
 fn known(document: &Document, models: &[Document]) -> Catalogue {
     let mut known = Catalogue::default();
     std::iter::once(document).chain(models).for_each(|document| known.add_models(document));
@@ -191,7 +190,7 @@ fn read(file: &Path) -> Result<Document, String> {
 
 fn text(file: &Path) -> Result<String, String> {
     let unreadable = |error: std::io::Error| format!("{} cannot be read: {error}", file.display());
-    // One byte more than allowed is read, so that the parser reports a file that is too long.
+    // One byte more than allowed is read. If it exists, the parser reports that the file is too long.
     let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
     let mut bytes = Vec::new();
     let read = if file == Path::new(STANDARD_INPUT) {
@@ -200,7 +199,7 @@ fn text(file: &Path) -> Result<String, String> {
         File::open(file).and_then(|open| open.take(most).read_to_end(&mut bytes))
     };
     read.map_err(unreadable)?;
-    // A file that is cut off may end within a character; it is refused for its length then.
+    // A file that was cut off may end in the middle of a character. It is then refused because of its length.
     let is_cut = bytes.len() > xml::LONGEST_FILE;
     String::from_utf8(bytes).map_err(|error| {
         if is_cut {
@@ -293,8 +292,8 @@ fn meant(flags: &RunTree) -> Vec<Meant<'_>> {
     mocks.chain(sets.map(|(leaf, port)| Meant { flag: "--set", leaf, port: Some(port) })).collect()
 }
 
-/// Parses a value of the command line: with the type of its entry on the blackboard, or else with the type that the text looks
-/// like.
+/// Parses a value of the command line. The entry on the blackboard determines the type; if it has no type, the text
+/// does.
 fn value(text: &str, blackboard: &Blackboard, name: &str) -> Value {
     let declared =
         blackboard.slot(name).and_then(|slot| blackboard.entry(slot)).map_or(ValueType::Any, |entry| entry.value_type());

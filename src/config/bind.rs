@@ -1,4 +1,5 @@
-//! The address of a door: one address, or both addresses of `localhost`. Only binding the ports shows whether they are free.
+//! The address of a door (HTTP, CoAP, MQTT): one address, or both addresses of `localhost`. Whether the ports are
+//! free is known only when they are bound.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -8,11 +9,11 @@ const LOCALHOST: &str = "localhost";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bind {
     pub at: BindAddress,
-    /// Whether the address was set explicitly. A default port gives way when another program has it.
+    /// Whether the address was set explicitly. If not, another port is used when the default port is in use.
     pub is_chosen: bool,
 }
 
-/// Addresses and port; port 0 takes a free one.
+/// Addresses and port of a door. Port 0 means any free port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindAddress {
     /// `127.0.0.1` and `::1`: clients that connect to `localhost` may use either address.
@@ -59,9 +60,9 @@ impl BindAddress {
     }
 }
 
-/// Address of a door as seen from this machine. A door that listens on all addresses can also be reached at this address, even
-/// in a container whose port is published; other machines need another address. It is always written in the same way, since a
-/// browser signed in at `127.0.0.1` is not signed in at `localhost`.
+/// Address of a door as seen from this machine. A door that listens on all addresses can also be reached at this
+/// address, even in a container whose port is published. Other machines need another address. The address is always
+/// written in the same way, since a browser that is signed in at `127.0.0.1` is not signed in at `localhost`.
 pub fn from_here(address: SocketAddr) -> SocketAddr {
     let ip = match address.ip() {
         ip if !ip.is_unspecified() => ip,

@@ -1,5 +1,5 @@
-//! Turns written settings into usable settings, or says which setting is wrong. Whether a hall file can be opened shows when it
-//! is opened.
+//! Turns written settings into usable settings, or reports the wrong setting. It does not open the hall file, so a
+//! fault of this file is found later.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 
-/// Maximum number of sensors that the thermometer listens to, beside the operator and the robot.
+/// Maximum number of required temperature sensors. The operator and the robot can report temperatures too.
 const SENSORS: usize = 60;
 
 #[derive(Deserialize)]
@@ -105,7 +105,8 @@ fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
     Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers)? })
 }
 
-/// CoAP has no keys: beyond loopback it shows everything to whoever reaches it, so that must be set on purpose.
+/// The address of the CoAP door. CoAP has no keys: beyond loopback, everybody who reaches the address can read
+/// everything. So such an address is accepted only with `coap.open_to_others`.
 fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
     if read::<String>(layers, "coap.bind")? == "none" {
         return Ok(None);
@@ -161,7 +162,8 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
     })
 }
 
-/// The simulated pair stands in the simulator's hall, so the pair cannot fetch if the searching robot is not simulated.
+/// Which robot fetches luggage. The simulated pair is in the simulator's hall, so the pair cannot fetch if the
+/// searching robot is not simulated.
 fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
     let key = "mission.retrieval";
     let fetcher = one_of(layers, key, &Fetcher::ALL, Fetcher::name, "there is no such fetcher")?;

@@ -1,4 +1,4 @@
-//! The result of the layers for good and bad settings. A file of its own because there are many.
+//! Tests of good and bad settings in all layers. They are in a separate file because there are many.
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ impl File {
 
 impl Drop for File {
     fn drop(&mut self) {
-        // A file that stays behind is harmless.
+        // It does no harm if the file stays.
         let _ = std::fs::remove_file(&self.0);
     }
 }

@@ -1,8 +1,8 @@
-//! Which environment variables are settings, and how variables that only look like settings are treated. `layers` reads the
-//! values.
+//! Decides which environment variables are settings, and what happens to variables that only look like settings.
+//! `layers` reads the values.
 //!
 //! ```text
-//!   HALLSWEEP__ROBOT__SPEED          a setting, or refused when there is none of this name
+//!   HALLSWEEP__ROBOT__SPEED          a setting; refused if no setting has this name
 //!   HALLSWEEP_ROBOT_SPEED            surely meant as a setting: refused, with the right name
 //!   HALLSWEEP_SERVICE_HOST           unknown: ignored, with a line in the log
 //!   HALLSWEEP_REQUIRE_CLIENTS        used by the tests
@@ -15,7 +15,7 @@ use super::key::{KEYS, Key};
 /// Prefix of environment variables that are settings; section and key follow, separated by two underscores.
 pub(super) const PREFIX: &str = "HALLSWEEP__";
 
-/// Prefix of everything that might be meant for this program.
+/// Prefix of all variables that may be meant for this program.
 pub(super) const OURS: &str = "HALLSWEEP_";
 
 /// Variables of the program's tests, which may also be set where the program runs.
@@ -48,8 +48,9 @@ pub struct Flag {
 }
 
 impl Sources {
-    /// Environment variables that look like ours but are unknown. Such variables do not prevent a start, because other software
-    /// sets such variables too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
+    /// Environment variables that look like ours but are unknown. They do not prevent a start, because other software
+    /// sets such variables too. For example, a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for
+    /// every program in it.
     pub fn ignored(&self) -> Vec<&str> {
         let names = self.environment.iter().map(|(name, _)| name.as_str());
         let ours = names.filter(|name| name.starts_with(OURS) && !name.starts_with(PREFIX));

@@ -1,8 +1,10 @@
-//! Messages about a wrong setting: which one, its value, where it came from, and what to do. One line for each problem.
+//! Messages about a wrong setting. Each is one line with the name of the setting, its value, the origin of the
+//! value, and what to do.
 
 use std::path::PathBuf;
 
-/// A setting with which the program does not start. `Display` is the message for whoever starts the program.
+/// A wrong setting, with which the program does not start. `Display` is the message for the person who starts the
+/// program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SettingsError {
     #[error("there is no setting `{key}` (from {origin}): {advice}")]

@@ -1,6 +1,6 @@
-//! The only table of settings: the name of each, its type, the flag that sets it, and the advice to an operator. Everything else
-//! follows from it, or is compared with it by a test: parsing (`check`), environment variables, command-line flags, the defaults
-//! with their comments (`config/default.toml`), and `docs/settings.md`.
+//! The only table of settings. It has the name of each setting, its type, the flag that sets it, and the advice to an
+//! operator. These parts follow from the table, or a test compares them with it: parsing (`check`), environment
+//! variables, command-line flags, the defaults with their comments (`config/default.toml`), and `docs/settings.md`.
 
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::speed::Speed;
@@ -11,15 +11,15 @@ pub struct Key {
     /// Section and name, such as `http.bind`.
     pub name: &'static str,
     pub kind: SettingKind,
-    /// The command-line flag that sets it, such as `--http`.
+    /// The command-line flag for this setting, such as `--http`.
     pub flag: Option<&'static str>,
     pub advice: &'static str,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingKind {
-    /// A text; its format is checked where it is read. From the environment or a flag a text is taken literally; a value of any
-    /// other type is read there as in a file.
+    /// A text. The code that reads the setting checks its format. In the environment or a flag, a text is taken
+    /// literally; a value of another type is parsed there as in a settings file.
     Text,
     YesNo,
     /// A list of texts, or a single one.
@@ -42,34 +42,35 @@ const RATE: SettingKind = SettingKind::Number { least: 0.0, most: 1.0 };
 
 const MISHAPS: SettingKind = SettingKind::Number { least: 0.0, most: 10.0 };
 
-/// A factor; the word is `max`.
+/// A factor, or the word `max`.
 const SPEED: SettingKind = SettingKind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
-/// Metres: from a letter bomb to a lorry bomb, with a margin.
+/// A distance in metres. The bounds include a letter bomb and a lorry bomb, with a margin.
 const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0 };
 
 /// Degrees Celsius, within the bounds that the core accepts.
 const CELSIUS: SettingKind = SettingKind::Number { least: Celsius::LEAST, most: Celsius::MOST };
 
-/// Degrees: a wider gap would keep a hall hot even at winter temperatures.
+/// Degrees by which a hot hall must cool below the threshold. With a larger number the hall would stay hot even at
+/// winter temperatures.
 const HYSTERESIS: SettingKind = SettingKind::Number { least: 0.0, most: 50.0 };
 
-/// A sonar with an error of more than a metre is useless.
+/// Error in centimetres. A sonar with an error of more than a metre is useless.
 const SONAR_NOISE_CM: SettingKind = SettingKind::Number { least: 0.0, most: 100.0 };
 
-/// A sonar with a range of four metres sees seven cells of half a metre.
+/// Number of cells. A sonar with a range of four metres sees seven cells of half a metre.
 const SONAR_CELLS: SettingKind = SettingKind::Number { least: 1.0, most: 7.0 };
 
-/// Days: a hundred years at most.
+/// A number of days, at most a hundred years.
 const KEEP_DAYS: SettingKind = SettingKind::Number { least: 0.0, most: 36_500.0 };
 
-/// Bits a second of serial ports.
+/// Speed of serial ports in bits per second.
 const BAUD: SettingKind = SettingKind::Number { least: 300.0, most: 4_000_000.0 };
 
-/// Milliseconds for a cell: more than five seconds would not be driving.
+/// Milliseconds for one cell. More than five seconds would be too slow to count as driving.
 const STEP_MS: SettingKind = SettingKind::Number { least: 50.0, most: 5000.0 };
 
-/// Seconds: a sensor that reports less than once an hour does not tell the present temperature.
+/// A number of seconds. A sensor that reports less than once an hour does not tell the present temperature.
 const SENSOR_SILENCE_S: SettingKind = SettingKind::Number { least: 1.0, most: 3600.0 };
 
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, such as 127.0.0.1:5683 or \
@@ -170,8 +171,8 @@ impl Key {
         Key { flag: Some(flag), ..self }
     }
 
-    /// The setting of this name. A setting of a further robot, such as `robots.porter.seed`, is described by the setting of
-    /// `[robot]`, here `robot.seed`.
+    /// The setting of this name. A setting of a further robot is described by the setting of `[robot]`:
+    /// `robots.porter.seed` by `robot.seed`, for example.
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
@@ -192,7 +193,7 @@ impl Key {
         }
     }
 
-    /// Every section once; the section for further robots last.
+    /// Every section once. The section for further robots is last.
     pub fn sections() -> Vec<&'static str> {
         let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
         sections.dedup();

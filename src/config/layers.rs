@@ -1,4 +1,4 @@
-//! The layers of settings, merged, where each value remembers its origin. Whether a value is usable is decided in `check`.
+//! Merges the layers of settings, and remembers the origin of each value. `check` decides whether a value is usable.
 //!
 //! ```text
 //!   flags                    --speed max
@@ -33,8 +33,8 @@ impl Flag {
         Flag { flag, key: key.name, value }
     }
 
-    /// The two settings of `--robot KIND[=ADDRESS]`. Without an address, the usual address of this kind is used, whatever a
-    /// file says.
+    /// The two settings that `--robot KIND[=ADDRESS]` sets. Without an address, the default address of this kind is
+    /// used, even if a settings file has another one.
     pub(crate) fn robot(value: &str) -> [Flag; 2] {
         let (kind, address) = value.split_once('=').unwrap_or((value, ""));
         [("robot.kind", kind), ("robot.address", address)].map(|(key, value)| Flag {
@@ -48,7 +48,8 @@ impl Flag {
 pub(super) struct Layers {
     merged: Figment,
     further: BTreeMap<String, String>,
-    /// Settings of the searching robot given under its own name: the place of each, and the setting of `[robot]` that it means.
+    /// Settings of the searching robot that were given as `[robots.discovery]`: for each, its origin, and the setting
+    /// of `[robot]` that it means.
     by_name: Vec<(String, String)>,
 }
 
@@ -58,8 +59,8 @@ struct Layer {
     values: Dict,
 }
 
-/// The layers, from the lowest to the highest. Two values in one layer are a contradiction; otherwise the value of the higher
-/// layer counts.
+/// The layers, from the lowest to the highest. A value in a higher layer replaces a value in a lower layer. Two
+/// values for one setting in the same layer are refused.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LayerSource {
     Defaults,
@@ -115,7 +116,7 @@ impl Layers {
         }
     }
 
-    /// Like `wrong`, for a value that may contain a password and is therefore not repeated.
+    /// Like `wrong`, but does not show the value, because it may contain a password.
     pub(super) fn wrong_unseen(&self, key: &str, problem: impl Into<String>) -> SettingsError {
         let mut error = self.wrong(key, problem);
         if let SettingsError::Wrong { value, .. } = &mut error {
@@ -134,8 +135,8 @@ impl Layers {
         found.or_else(of_its_robot).unwrap_or_else(|| "an unknown place".to_owned())
     }
 
-    /// The origin of a setting in words. A flag or a variable names a single setting; to a file the name of the setting is
-    /// added.
+    /// The origin of a setting in words: a flag, an environment variable, or a setting in a file. Only for a file the
+    /// name of the setting is added.
     pub(super) fn as_given(&self, key: &str) -> String {
         let origin = self.origin(key);
         if origin.starts_with("file ") { format!("{} in {origin}", self.as_written(key)) } else { origin }
@@ -150,7 +151,7 @@ impl Layers {
     }
 }
 
-/// Refuses a setting of the searching robot that is given under both names in one layer.
+/// Refuses a setting of the searching robot that one layer has twice: in `[robot]` and in `[robots.discovery]`.
 fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
     for layer in layers {
         for (own, value) in layer.discovery().into_iter().flatten() {
@@ -187,7 +188,8 @@ impl Layer {
         Layer { place: LayerSource::Defaults, origin: BY_DEFAULT.to_owned(), values }
     }
 
-    /// Defaults of a further robot. The kind must be given, so that a mistyped name does not create a robot.
+    /// Defaults of a further robot. They have no kind: the user must give it, so that a mistyped name does not create
+    /// a robot.
     fn beneath(robot: &str) -> Layer {
         let Layer { place, origin, mut values } = Layer::defaults();
         let mut like = values.remove(ROBOT).and_then(Value::into_dict).unwrap_or_default();
@@ -234,7 +236,7 @@ impl Layer {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }
 
-    /// Renames the settings in `[robots.discovery]` to `[robot]`; returns these settings with their places.
+    /// Moves the settings in `[robots.discovery]` to `[robot]`; returns the origin and the new name of each.
     fn bring_to_robot(&mut self) -> Vec<(String, String)> {
         let Some(Value::Dict(_, robots)) = self.values.get_mut(ROBOTS) else { return Vec::new() };
         let Some(said) = robots.remove(RobotId::discovery().name()).and_then(Value::into_dict) else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! The settings of the MQTT door: our own broker or somebody else's, and the names of the topics.
+//! The settings of the MQTT door: our own broker or an external one, and the names of the topics.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ const PLAIN: u16 = 1883;
 
 const ENCRYPTED: u16 = 8883;
 
-/// Maximum length of a prefix: a longer one would leave too little of a topic.
+/// Maximum length of a prefix. A longer prefix would leave too little space for the rest of a topic.
 const LONGEST: usize = 64;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,7 +33,8 @@ pub struct MqttSettings {
 pub enum Broker {
     Own {
         bind: Bind,
-        /// Whether name and password are required: always beyond loopback, and on loopback if set.
+        /// Whether name and password are required. They are always required beyond loopback; on loopback the setting
+        /// decides.
         asks_for_keys: bool,
         router: MqttRouter,
     },
@@ -153,7 +154,8 @@ fn login(layers: &Layers) -> Result<Option<Login>, SettingsError> {
     }
 }
 
-/// A word, or several separated by slashes, that can begin topics and be part of Home Assistant's names.
+/// Reads a name that can begin topics and be part of Home Assistant's names. It is one word; with `slashes` it may be
+/// several words separated by slashes.
 fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsError> {
     let written: String = read(layers, key)?;
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
@@ -165,7 +167,8 @@ fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsErr
     Ok(written)
 }
 
-/// The old topics must not be below the prefix of the new topics, nor the new topics below the old prefix.
+/// Reads the prefix of the old topics. Neither prefix may be below the other, since old and new topics would be
+/// mixed.
 fn old_prefix(layers: &Layers, prefix: &str) -> Result<String, SettingsError> {
     let old = name(layers, "mqtt.old_prefix", true)?;
     let (ours, theirs) = (format!("{prefix}/"), format!("{old}/"));

@@ -1,5 +1,5 @@
-//! The address of an external robot: on the network, or a serial device of this machine. Whether something answers there shows
-//! when its adapter connects.
+//! The address of an external robot: an address on the network, or a serial device of this machine. The robot's
+//! adapter connects later, and only then it is known whether a robot answers.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -12,9 +12,9 @@ use super::reading::read;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobotKind {
     Sim,
-    /// The virtual robot of a browser's page, over TCP.
+    /// The virtual robot in the page of a browser, over TCP.
     VirtualTcp,
-    /// The virtual robot of a browser's page, over WebSocket, as in its version of 2021.
+    /// The virtual robot in the page of a browser, over WebSocket, as in its version of 2021.
     VirtualWs,
     /// A robot that uses our line protocol, over TCP or a serial device.
     Line,
@@ -58,7 +58,7 @@ impl RobotAddress {
         (*self != RobotAddress::Here).then(|| self.to_string())
     }
 
-    /// Like `written`, with one fixed name for this machine, which has several names.
+    /// Like `written`, but always with the same name for this machine, which has several names.
     pub fn place(&self) -> Option<String> {
         match self {
             RobotAddress::Network { host, port } => {
@@ -82,7 +82,7 @@ impl fmt::Display for RobotAddress {
     }
 }
 
-/// The address of a robot of this kind, completed by the defaults of the kind.
+/// Reads the address of a robot of this kind. The kind's defaults replace missing parts.
 pub(super) fn robot_address(layers: &Layers, key: &str, kind: RobotKind) -> Result<RobotAddress, SettingsError> {
     let written: String = read(layers, key)?;
     // A device name may have colons too, but a host never has a slash.

@@ -1,5 +1,6 @@
-//! The robots in the settings: the searching robot in `[robot]`, every further robot in a section `[robots.NAME]` with the same
-//! keys. `layers` handles `[robots.discovery]`, which means the searching robot; the effect of the settings is not here.
+//! The robots in the settings: the searching robot in `[robot]`, and every further robot in a section `[robots.NAME]`
+//! with the same keys. `layers` handles `[robots.discovery]`, which means the searching robot. The settings take
+//! effect elsewhere.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -16,8 +17,8 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Sensing;
 use hallsweep_core::speed::Speed;
 
-/// Maximum number of robots, including the searching one: their links share one thread, on which a STOP reaches each robot
-/// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
+/// Maximum number of robots, including the searching robot. All links share one thread, on which a STOP reaches each
+/// robot before anything else (safety S7). For each simulated robot a photo may have to be drawn at any moment.
 pub const MOST_ROBOTS: usize = 8;
 
 impl Settings {
@@ -47,7 +48,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     names.map(one).collect()
 }
 
-/// Two robots with one address, or one page, would disturb each other, so they are refused.
+/// Refuses two robots with the same address or the same page, because they would disturb each other.
 pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), SettingsError> {
     let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
     for (robot, settings) in settings.robots() {
@@ -82,7 +83,8 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
     })
 }
 
-/// Number of cells that the sonar of this robot should see ahead, if it may have a sonar and the search uses it.
+/// Number of cells that the sonar of this robot should see ahead. It is 0 if the robot cannot have a sonar, or if the
+/// search does not use one.
 pub(super) fn sonar_cells(layers: &Layers, section: &str) -> Result<u8, SettingsError> {
     let key = format!("{section}.sonar_cells");
     let cells = u8::try_from(count(layers, &key)?).map_err(|_| layers.wrong(&key, "it is out of range"))?;
@@ -115,7 +117,7 @@ mod tests {
         load(&Sources { environment: variables.iter().map(variable).collect(), ..Sources::default() })
     }
 
-    /// Settings from a file alone.
+    /// Settings from a file and from environment variables; the names of these have their prefix.
     fn written(name: &str, text: &str, variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
         let path = std::env::temp_dir().join(format!("hallsweep-robots-{}-{name}.toml", std::process::id()));
         std::fs::write(&path, text).expect("the temporary directory can be written");

@@ -1,5 +1,5 @@
-//! Several TCP ports used like one, such as those of `127.0.0.1` and `::1`. The admission of connections, and what happens when
-//! there are too many, is not here.
+//! Several TCP ports that are used like one, such as those of `127.0.0.1` and `::1`. The number of connections is
+//! limited elsewhere.
 
 use std::io;
 use std::net::SocketAddr;
@@ -12,16 +12,16 @@ use tokio::runtime::Handle;
 #[derive(Debug)]
 pub struct Listeners {
     ports: Vec<TcpListener>,
-    /// The port to poll first. Ports take turns, so that a crowd at one port does not block another.
+    /// The port that is polled first. The ports take turns, so that a crowd at one port does not block another port.
     turn: usize,
-    /// The runtime that polls the ports, on which input is read (safety S7).
+    /// The runtime that polls the ports and reads input (safety S7).
     pub(super) thread: Handle,
 }
 
 impl Listeners {
-    /// Listens to bound, non-blocking ports. Must be called inside the runtime that polls them.
+    /// Listens to ports that are bound and non-blocking. Must be called inside the runtime that will poll them.
     pub fn new(bound: Vec<std::net::TcpListener>) -> io::Result<Listeners> {
-        // The system shortens this to the longest listen queue that it allows.
+        // The system limits this to its own maximum length of a listen queue.
         bound.iter().try_for_each(|port| SockRef::from(port).listen(i32::MAX))?;
         let ports = bound.into_iter().map(TcpListener::from_std).collect::<io::Result<_>>()?;
         Ok(Listeners { ports, turn: 0, thread: Handle::current() })
@@ -52,7 +52,7 @@ impl Listeners {
 }
 
 impl From<TcpListener> for Listeners {
-    /// Must be called inside the runtime that polls the port.
+    /// Listens to one port. Must be called inside the runtime that will poll the port.
     fn from(port: TcpListener) -> Listeners {
         Listeners { ports: vec![port], turn: 0, thread: Handle::current() }
     }

@@ -1,12 +1,12 @@
-//! Events that clients can cause as often as they like. They are logged with their number at a limited rate, because nobody
-//! must be able to fill the disk. The caller decides what is logged.
+//! Counts events that clients can cause as often as they like. A log line with their number is allowed at a limited
+//! rate, because clients must not be able to fill the disk. The caller decides what is logged.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::runtime::clock::Clock;
 
-/// Minimum time between two lines, each with the number of events; the first event is logged at once.
+/// Minimum time between two log lines. Each line contains the number of events. The first event is logged at once.
 const SILENCE: Duration = Duration::from_secs(10);
 
 #[derive(Debug, Default)]
@@ -22,7 +22,8 @@ struct Count {
 }
 
 impl LogThrottle {
-    /// Counts one more event. When it is time for a log line, returns the number of events since the last one.
+    /// Counts one more event. Returns the number of events since the last log line if a new line is due, otherwise
+    /// `None`.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
     }

@@ -1,6 +1,6 @@
-//! The doors: how operators and programs reach hallsweep. No door knows another door or an adapter. Shared parts are beside the
-//! doors: ports, pending connections, the scaling of limits on systems with few descriptors, quotas of keys, write time limits,
-//! the rate of large publications, and problems.
+//! The doors: how operators and programs reach hallsweep. A door knows neither other doors nor adapters. Parts that
+//! several doors use are in the files beside the doors: ports, limits of connections and requests, write time limits,
+//! limits of logging, the rate of large publications, and problems.
 
 pub mod coap;
 pub mod connection_limits;

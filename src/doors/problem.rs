@@ -1,5 +1,5 @@
-//! Why a door does not do what it was asked. Each door writes the same problem in its own form, with its own status or code.
-//! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached the core.
+//! Why a door refuses a request. Each door writes the same problem in its own form, with its own status or code. For
+//! the core's refusals use `Problem::refused`. The other constructors are for requests that never reached the core.
 //! Problems of a single door are in that door.
 
 use std::sync::Arc;
@@ -20,12 +20,12 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
-    /// The refusal of the core, if its English sentence is the detail.
+    /// The refusal of the core. `None` if `detail` is another sentence than that of the core.
     refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
-    /// What was asked for, if more is known than method and path.
+    /// The requested command, if more is known about the request than method and path.
     asked: Option<Box<Asked>>,
-    /// Whether the problem is recorded, because the core has not recorded the request.
+    /// Whether the door must record this problem. It must not if the core has recorded it already.
     is_for_record: bool,
 }
 
@@ -34,7 +34,7 @@ impl Problem {
         Problem { kind, code, detail, refused: None, luggage: None, asked: None, is_for_record: true }
     }
 
-    /// The refusal of a request by a door, in the core's words. It is not recorded yet.
+    /// Refuses a request with the sentence of the core. The core has not recorded this refusal.
     pub(super) fn refused(refused: &Refused) -> Problem {
         Problem::new((refused.code(), refused.kind().into()), String::new()).with(refused.clone())
     }
@@ -51,7 +51,8 @@ impl Problem {
         Problem { detail, refused: None, ..self }
     }
 
-    /// Marks the problem as no fault of the sender, so that it is not recorded.
+    /// Marks the problem as not to be recorded by the door: the core has recorded it already, or it is no fault of
+    /// the sender.
     pub(super) fn off_record(self) -> Problem {
         Problem { is_for_record: false, ..self }
     }
@@ -60,7 +61,7 @@ impl Problem {
         Problem::new(problem::MALFORMED, detail)
     }
 
-    /// The request is readable, but asks for something that does not exist.
+    /// The request can be read, but one of its values cannot be used, such as an unknown move.
     pub(super) const fn unusable(detail: String) -> Problem {
         Problem::new(problem::UNUSABLE, detail)
     }
@@ -130,7 +131,7 @@ impl Problem {
 }
 
 impl From<NotDone> for Problem {
-    /// The core has recorded its own refusals already.
+    /// The core has already recorded its own refusals, so the door does not record them again.
     fn from(not_done: NotDone) -> Problem {
         match not_done {
             NotDone::Refused(refused, luggage) => Problem { luggage, ..Problem::refused(&refused).off_record() },

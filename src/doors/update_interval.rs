@@ -1,10 +1,10 @@
-//! The minimum interval between two updates of a state that is always sent whole: the larger the state, the longer the
-//! interval. So the map of a large hall, or all its luggage, takes no more of the processor than that of a small hall. The next
-//! update contains all changes since the last one.
+//! The minimum interval between two updates of a state that is always sent as a whole. The larger the state, the
+//! longer the interval. So a large map, or a long list of luggage, needs no more processor time than a small one. The
+//! next update contains all changes since the last update.
 
 use std::time::Duration;
 
-/// A megabyte a second of one state. That takes some hundredths of a processor.
+/// Interval for each byte: at most 1 MB of one state is sent per second. This takes a few hundredths of a processor.
 const A_BYTE: Duration = Duration::from_micros(1);
 
 pub(super) fn for_size(bytes: usize) -> Duration {

@@ -1,6 +1,6 @@
-//! A connection whose reader may stall for a limited time. A write without progress for `STALL` ends the connection, so that
-//! readers that have vanished do not hold their slots for ever. Reading is bounded by the server's header time and by
-//! `reading`.
+//! A connection that limits how long its reader may accept nothing. If a write makes no progress for `STALL`, the
+//! connection ends, so that vanished readers do not hold their slots for ever. Reading is limited elsewhere: by the
+//! HTTP server's time for the head of a request, and by `reading`.
 
 use std::io;
 use std::pin::Pin;

@@ -1,4 +1,4 @@
-//! The languages, and the phrases of each, parsed at the first use.
+//! The languages, and the phrases of each language. The phrases are parsed when they are first used.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -45,7 +45,8 @@ static ITALIAN: LazyLock<Bundle> = LazyLock::new(|| bundle(Language::Italian, &f
 fn bundle(language: Language, files: &[&str]) -> Bundle {
     let tag: LanguageIdentifier = language.tag().parse().expect("the tags of our languages are tags");
     let mut bundle = FluentBundle::new_concurrent(vec![tag]);
-    // Both languages are written from left to right, and so are the names in their phrases.
+    // Both languages, and the names in their phrases, are written from left to right. So no marks for the direction
+    // are needed.
     bundle.set_use_isolating(false);
     for file in files {
         let file = FluentResource::try_new((*file).to_owned()).expect("a test reads every file of phrases");
@@ -72,7 +73,7 @@ impl Language {
         }
     }
 
-    /// The language of a tag with any region: `it`, `it-CH`.
+    /// Returns the language of a tag, with or without a region, such as `it` or `it-CH`.
     pub fn tagged(tag: &str) -> Option<Language> {
         let main = tag.split('-').next().unwrap_or_default();
         Language::ALL.into_iter().find(|language| main.eq_ignore_ascii_case(language.tag()))
@@ -82,7 +83,7 @@ impl Language {
         Language::ALL.into_iter().filter(move |other| *other != self)
     }
 
-    /// The phrases for these scripts by id, as JSON. A script replaces `{ $name }` by a value.
+    /// Returns the phrases for these scripts as JSON, by id. The script itself replaces `{ $name }` by a value.
     pub fn for_scripts(self, scripts: &[&str]) -> String {
         let file = match self {
             Language::English => include_str!("en/scripts.ftl"),

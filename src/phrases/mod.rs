@@ -1,6 +1,6 @@
-//! The texts of the pages in all their languages: THE PHRASES, a folder of files for each language, one line for each phrase
-//! ([Fluent](https://projectfluent.org)). Texts for programs stay English, and are not here. `said` turns the core's values into
-//! phrases.
+//! The texts of the pages in all languages: THE PHRASES. Each language has a folder of files with one line for each
+//! phrase ([Fluent](https://projectfluent.org)). Texts for programs stay English, and are not here. `said` turns the
+//! core's values into phrases.
 
 mod language;
 mod phrase;

@@ -1,4 +1,5 @@
-//! A phrase with its values, formatted only when it is shown. `said` chooses the phrases for values of the core.
+//! A phrase with its values. The phrase is formatted only when it is shown. `said` chooses the phrases for values of
+//! the core.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -7,7 +8,7 @@ use fluent_bundle::{FluentArgs, FluentValue};
 
 use super::language::Language;
 
-/// A phrase with the values set so far. `Display` formats it.
+/// A phrase, and the values set so far. `Display` formats the phrase.
 #[derive(Clone, Debug)]
 pub struct Phrase<'a> {
     language: Language,
@@ -16,11 +17,11 @@ pub struct Phrase<'a> {
     values: Vec<(&'static str, String)>,
 }
 
-/// A phrase that is markup: its text from the file is used as it is, its values are escaped.
+/// A phrase that is markup. The text from the file is used as it is; the values are escaped.
 #[derive(Clone, Debug)]
 pub struct Markup(String);
 
-/// The largest number that is exact in Fluent.
+/// Whole numbers below this limit are exact in Fluent.
 const EXACT: u64 = 1 << 53;
 
 impl Language {
@@ -28,7 +29,7 @@ impl Language {
         Phrase::new(self, "", id)
     }
 
-    /// A phrase of a family, such as `phase-` and `exploring`, for values that have a name.
+    /// Returns the phrase with the id `family-member`, such as `phase-exploring`. For values that have a name.
     pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
         Phrase::new(self, family, member)
     }
@@ -62,7 +63,8 @@ impl<'a> Phrase<'a> {
         said_here(|said| said.insert(id.to_string()));
         let bundle = self.language.bundle();
         let Some(pattern) = bundle.get_message(&id).and_then(|message| message.value()) else {
-            // Tests look for every id in the source; an id composed of a family and a name has a test beside the family.
+            // Tests look for every id in the source. An id that is composed of a family and a name has a test beside
+            // the family.
             debug_assert!(false, "there is no phrase {id} in {}", self.language.name());
             return id.into_owned();
         };
@@ -74,14 +76,14 @@ impl<'a> Phrase<'a> {
     }
 }
 
-/// The ids of the phrases formatted on this thread.
+/// Gives access to the ids of the phrases that were formatted on this thread.
 #[cfg(test)]
 pub(crate) fn said_here<T>(look: impl FnOnce(&mut std::collections::BTreeSet<String>) -> T) -> T {
     thread_local!(static SAID: std::cell::RefCell<std::collections::BTreeSet<String>> = std::cell::RefCell::default());
     SAID.with_borrow_mut(look)
 }
 
-/// Whole numbers select singular or plural; everything else is inserted as it is.
+/// Converts a value for Fluent. Whole numbers select singular or plural. Every other value is inserted as it is.
 fn fluent(value: &str) -> FluentValue<'_> {
     let number = value.parse::<i64>().ok().filter(|number| number.unsigned_abs() < EXACT && number.to_string() == value);
     number.map_or_else(|| FluentValue::from(value), FluentValue::from)

@@ -1,5 +1,5 @@
-//! A picture of the temperature over the mission: a line through the highest reading of each column's time, and a line across
-//! for the threshold.
+//! A chart of the temperature over the mission. Each column covers a part of the time. A line goes through the
+//! highest reading of each column, and a horizontal line shows the threshold.
 
 use std::fmt::Write;
 
@@ -8,24 +8,24 @@ use hallsweep_core::state::Speaking;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::Celsius;
 
-/// Width in units of the picture.
+/// Width of the chart, in its own units.
 pub(super) const WIDTH: usize = 720;
 pub(super) const HEIGHT: usize = 150;
 
-/// Margin above and below the line, in degrees.
+/// Space above the highest and below the lowest value, in °C.
 const MARGIN: f64 = 2.0;
 
 #[derive(Debug)]
 pub(super) struct Chart {
     pub(super) points: String,
     pub(super) threshold: Option<f64>,
-    /// The degrees at the upper and at the lower edge.
+    /// Temperatures at the upper and at the lower edge, in °C.
     pub(super) most: f64,
     pub(super) least: f64,
 }
 
 impl Chart {
-    /// `None` when there are no readings.
+    /// Makes the chart; `None` if there are no readings.
     pub(super) fn of(report: &Report<'_>, threshold: Option<Celsius>) -> Result<Option<Chart>, Failure> {
         let tally = &report.tally;
         let (Some((coldest, _)), Some((hottest, _)), Some((_, began))) = (tally.coldest, tally.hottest, tally.first) else {
@@ -33,7 +33,7 @@ impl Chart {
         };
         let mut columns = vec![None::<f64>; WIDTH];
         let (span, mut set) = (tally.span_ms().max(1), 0_i64);
-        // The last reading is drawn until no source is active any more.
+        // The line continues at the last reading until no source is active any more.
         let (mut last, mut ends, mut speaking) = (None, span, Speaking::default());
         each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
             if let Ok(Entry { fact: Fact::ClockSet(by_ms), .. }) = entry {

@@ -1,5 +1,5 @@
-//! The claim in a report's head: its mission, its last entry, its language and its edition. Everything else follows from the
-//! claim and the journal, so a wrong claim yields a different report and need not be trusted.
+//! The claim in the head of a report: its edition, mission, last entry and language. Everything else follows from the
+//! claim and the journal. So a wrong claim yields a different report, and need not be trusted.
 
 use std::fmt;
 
@@ -10,7 +10,8 @@ use hallsweep_core::units::{MissionId, Seq};
 pub struct Claim {
     pub edition: u32,
     pub mission: MissionId,
-    /// The last entry that the report covers: the end of a page.
+    /// The last entry that the report covers. If the journal has a chain of digests, this entry is the last one of a
+    /// page.
     pub until: Seq,
     pub language: Language,
 }
@@ -22,7 +23,7 @@ pub struct Unclear;
 const AROUND: [&str; 2] = ["<meta name=\"hallsweep-report\" content=\"", "\">"];
 
 impl Claim {
-    /// Number of bytes from the beginning within which the claim stands.
+    /// The claim is within this number of bytes from the beginning of the report.
     pub const WITHIN: usize = 1024;
 
     pub fn read(page: &[u8]) -> Result<Claim, Unclear> {

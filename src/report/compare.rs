@@ -1,23 +1,23 @@
-//! Compares a file with a report that is written a second time; remembers the first byte that differs.
+//! Compares a file with a report that is written again, and remembers the first byte that differs.
 
 use std::io::{self, Read, Write};
 
-/// Number of bytes shown on either side of the difference.
+/// Number of bytes that are shown of each text, from the difference on.
 const SHOWN: usize = 48;
 
 /// The first difference between a file and the expected bytes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("difference at byte {byte}, in line {line}: the file has {has}, and the journal has {wants}")]
 pub struct Difference {
-    /// Counted from 1.
+    /// Position of the difference, counted from 1.
     pub byte: u64,
     pub line: u64,
-    /// The file's bytes at this place in quotes, or words that say that the file ends.
+    /// The file's bytes from this place on, in quotes. If the file ends here, words that say so.
     pub has: String,
     pub wants: String,
 }
 
-/// Receives the expected bytes, and reads the file alongside.
+/// Receives the expected bytes, and compares them with the file.
 pub struct Comparison<R> {
     file: R,
     byte: u64,
@@ -30,8 +30,8 @@ impl<R: Read> Comparison<R> {
         Comparison { file, byte: 1, line: 1, difference: None }
     }
 
-    /// The first difference, if any. A file that goes on after the expected bytes differs too. The outer error is an error of
-    /// reading.
+    /// Returns the first difference, if any. A file that is longer than the expected bytes differs too. The outer
+    /// error means that the file could not be read.
     pub fn finish(mut self) -> io::Result<Result<(), Difference>> {
         if self.difference.is_none() {
             let more = self.read(SHOWN)?;

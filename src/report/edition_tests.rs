@@ -1,5 +1,5 @@
-//! The contents of an edition's reports never change: their words and templates (`words.txt`), and the pages of each edition
-//! (`pages.txt`), made of entries of every kind (`every_kind.jsonl`) and of a large hall.
+//! Tests that the reports of an edition never change. `words.txt` has their words and templates, `pages.txt` the
+//! digests of their pages. The pages are made of entries of every kind (`every_kind.jsonl`) and of a large hall.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -37,10 +37,10 @@ fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
     phrases
 }
 
-/// Files of phrases about facts, and of the report itself, all of whose phrases a report may use.
+/// A report may use all phrases of these files.
 const WHOLE: [&str; 3] = ["said", "log", "report"];
 
-/// Other phrases of a report: ids, and prefixes of ids, which end with a dash.
+/// Phrases of other files that a report may use. Each item is an id, or a prefix of ids that ends with a dash.
 const PARTS: [&str; 16] = [
     "hall",
     "temperature",
@@ -60,7 +60,7 @@ const PARTS: [&str; 16] = [
     "problem-",
 ];
 
-/// Words of this edition's reports: each phrase in both languages, and the templates as they are in the files.
+/// Words of this edition's reports: each phrase in both languages, and the digest of each template.
 pub(super) fn words() -> Vec<String> {
     let mut words = Vec::new();
     for language in ["en", "it"] {
@@ -87,7 +87,8 @@ fn kept(name: &str) -> String {
     std::fs::read_to_string(root().join("src/report").join(name)).unwrap_or_default()
 }
 
-/// Fails when a remembered text has changed. New texts are written to the file if that is requested, and fail otherwise.
+/// Fails if a remembered text has changed. A new text also fails, unless `HALLSWEEP_RENEW=1` is set; then it is added
+/// to the file.
 fn check_kept(name: &str, now: &[String]) {
     let kept = kept(name);
     let missing: Vec<&str> = kept.lines().filter(|line| !now.iter().any(|now| now == line)).collect();
@@ -106,7 +107,8 @@ fn check_kept(name: &str, now: &[String]) {
     }
 }
 
-/// `HALLSWEEP_RENEW=1` adds new texts. Existing ones stay; changing one needs a further edition.
+/// Whether `HALLSWEEP_RENEW=1` is set, which adds new texts. Existing texts stay: changing one needs a further
+/// edition.
 fn is_renewed() -> bool {
     std::env::var("HALLSWEEP_RENEW").is_ok_and(|value| value == "1")
 }
@@ -116,13 +118,13 @@ fn what_reports_of_this_edition_say_is_never_said_otherwise() {
     check_kept("words.txt", &words());
 }
 
-/// Number of remembered entries of each kind.
+/// Maximum number of remembered entries of each kind.
 const OF_EACH_KIND: usize = 4;
 
-/// Maximum length of a remembered entry.
+/// Maximum length of a remembered entry, in bytes.
 const LONGEST: usize = 1500;
 
-/// Entries of every kind as lines of a journal: the remembered ones, and random ones of new kinds.
+/// Entries of every kind as lines of a journal: the remembered ones, and random ones of kinds that are new.
 fn lines_of_every_kind() -> Vec<String> {
     let mut lines: Vec<String> = kept("every_kind.jsonl").lines().map(str::to_owned).collect();
     let known: BTreeSet<&str> = lines.iter().map(|line| journal::kind(&read(line).fact)).collect();
@@ -144,7 +146,7 @@ fn read(line: &str) -> Entry {
     journal::read_line(line.as_bytes()).unwrap().entry
 }
 
-/// Thousands of cells, and pieces with every verdict.
+/// A hall with thousands of cells, and with pieces of every verdict.
 fn large_hall() -> Vec<Entry> {
     const SIDES: (i32, i32) = (140, 90);
     let at = |step: i64, fact| Entry { wall: WallTime { unix_ms: 1_770_109_512_250 + step * 1000, offset_s: 3600 }, fact };
@@ -187,7 +189,8 @@ fn large_hall() -> Vec<Entry> {
     entries
 }
 
-/// Digests of a page for each mission and language; for a file of lines that grows, one digest for each remembered length.
+/// One digest of a page for each edition, language and mission. The file with entries of every kind grows. So its
+/// first lines have a digest, too, for each number of lines that is remembered.
 fn pages() -> Vec<String> {
     let lines = lines_of_every_kind();
     if is_renewed() {

@@ -1,5 +1,5 @@
-//! The known hall as a picture for paper: cells in runs, pieces as numbered signs whose shape tells the verdict, home, and
-//! numbers along the edges, counted from home.
+//! The known hall as a picture for paper. Equal cells in a row are drawn together. Pieces are numbered signs whose
+//! shape shows the verdict. Home has a sign of its own. The numbers along the edges are counted from home.
 
 use std::fmt::Write;
 
@@ -16,13 +16,13 @@ const DRAWN: [(Mark, &str); 5] = [
     (Mark::NotInspected, "todo"),
 ];
 
-/// Minimum size of a sign as a share of the hall's width; it is never smaller than a cell.
+/// Distance from the middle of a sign to its edge, as a share of the hall's longer side. It is at least half a cell.
 const SIGN: f64 = 1.0 / 50.0;
 
 /// Maximum number of labels along an edge.
 const NUMBERS: i32 = 20;
 
-/// The visible part in cells: x, y, width, height.
+/// The visible part of the picture as x, y, width and height, in cells.
 pub(super) fn view_box(state: &PersistentState) -> String {
     let Bounds { least, most } = state.map.known_bounds();
     let room = sign(state) * 1.6;
@@ -103,7 +103,7 @@ fn numbers(svg: &mut String, state: &PersistentState) {
     svg.push_str("</g>");
 }
 
-/// The next of 1, 2, 5, 10, 20, 50 and so on that is greater.
+/// The smallest of 1, 2, 5, 10, 20, 50 and so on that is greater than `least`.
 fn step(least: i32) -> i32 {
     let mut step = 1;
     while step <= least {

@@ -1,5 +1,5 @@
-//! The record of a mission as a list: every entry as a line of JSON, in the form of the journal's export, or as a table of words
-//! (CSV) for spreadsheets.
+//! The record of a mission as a list. In JSON, each entry is a line in the form of the journal's export. In CSV, for
+//! spreadsheets, each entry is a row of words.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ use hallsweep_core::units::{MissionId, Seq};
 
 const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "door", "outcome"];
 
-/// Characters at the start of a cell that make a spreadsheet treat it as a formula.
+/// If a cell begins with one of these characters, a spreadsheet treats the cell as a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
@@ -23,7 +23,8 @@ pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Writ
     still_there(archive, mission, began)
 }
 
-/// Writes every entry as a row, in the words of a language; column and kind names are the same in all languages.
+/// Writes every entry as a row of a table, in the words of a language. The names of columns and kinds are the same in
+/// all languages.
 pub fn write_table(archive: &dyn Archive, mission: MissionId, language: Language, out: &mut dyn Write) -> Result<(), Failure> {
     let (until, began) = (end(archive)?, first(archive, mission)?);
     let mut table = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
@@ -49,7 +50,7 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
             }
         }
     };
-    // The apostrophe keeps a spreadsheet from treating the cell as a formula, whoever wrote it.
+    // The apostrophe keeps a spreadsheet from treating the cell as a formula, whoever wrote the text in the cell.
     let [time, kind, what, who, from, door, outcome] =
         cells.map(|cell| if cell.starts_with(FORMULA) { format!("'{cell}") } else { cell });
     [seq.to_string(), time, kind, what, who, from, door, outcome]

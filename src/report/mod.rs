@@ -1,12 +1,13 @@
-//! The report of a mission: one HTML page with everything in it, for paper and for people who were not there, and the same
-//! record as a list for programs (`list`). The report contains only what is on record, so that it can be made again from the
-//! journal and compared with the copy that was handed over (`compare`). This makes the copy evidence.
+//! The report of a mission: one HTML page with everything in it, for paper and for people who were not there. `list`
+//! has the same record as a list for programs. The report contains only what is on record. So it can be made again
+//! from the journal and compared with the copy that was handed over (`compare`). This makes the copy evidence.
 //!
 //! ```text
 //!   journal ─► Archive ─► Tally, Moment ─► page, hall, chart ─► file         `Claim` in its head: mission, entry, language
 //!      └──── journal check --report ──► the same again ──► Comparison ◄── file
 //! ```
-//! Doors and command line decide when it is made. The comment on `EDITION` says what a change means for earlier reports.
+//! The doors and the command line decide when a report is made. The comment on `EDITION` says what a change means for
+//! earlier reports.
 
 mod chart;
 mod claim;
@@ -32,10 +33,11 @@ use crate::runtime::archive::{Archive, At, Head, PastMoment, Span, Unreadable};
 use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Every later version must confirm reports that were handed over, so their contents never change: whoever changes the page,
-/// its style, or one of its phrases adds an edition, and keeps what earlier editions need. `words.txt` has the words of the
-/// editions, `pages.txt` digests of some pages, and tests compare both. Edition 2 scales the photos of a large report down,
-/// names the robots that took part and what was not searched, and draws a reading until the temperature is not known any more.
+/// Edition of new reports. Every later version must confirm reports that were handed over, so the contents of an
+/// edition never change. Whoever changes the page, its style, or one of its phrases adds an edition, and keeps what
+/// earlier editions need. `words.txt` has the words of the editions, and `pages.txt` has digests of some pages; tests
+/// compare both. Edition 2 scales down the photos of a large report. It also names the robots that took part, and
+/// says what was not searched. Its chart continues the last reading until the temperature is not known any more.
 pub const EDITION: u32 = 2;
 
 /// Number of entries read at once, so that a long mission is never in memory as a whole.
@@ -45,14 +47,14 @@ pub struct Report<'a> {
     archive: &'a dyn Archive,
     claim: Claim,
     began: Option<Seq>,
-    /// The head of the chain of digests; `None` for a journal in memory, where nothing can confirm the report later.
+    /// The head of the chain of digests. `None` for a journal in memory, where nothing can confirm the report later.
     head: Option<Head>,
     tally: Tally,
-    /// The state at the mission's end, or its present state; `None` when it is not stored.
+    /// The state at the mission's end, or its present state; `None` if the state is not stored.
     moment: Option<PastMoment>,
 }
 
-/// Why there is no report, or only its beginning.
+/// Why there is no report, or only the beginning of a report.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     #[error(transparent)]
@@ -62,21 +64,22 @@ pub enum Failure {
 }
 
 impl<'a> Report<'a> {
-    /// The report of a mission as far as it is recorded; `None` when there is no such mission.
+    /// Makes the report of a mission as far as it is recorded; `None` if there is no such mission.
     pub fn new(archive: &'a dyn Archive, mission: MissionId, language: Language) -> Result<Option<Report<'a>>, Unreadable> {
         let end = end(archive)?;
         let head = archive.head(mission, end)?;
         let until = match head {
             Some(head) => Some(head.seq),
-            // Without a chain the report covers the entries seen now, since the journal may grow meanwhile.
+            // Without a chain, the report covers the entries that are there now. The journal may grow while the
+            // report is made.
             None => Tally::of(archive, mission, end)?.last(),
         };
         let Some(until) = until else { return Ok(None) };
         Report::of(archive, Claim { edition: EDITION, mission, until, language }, head)
     }
 
-    /// Makes the report with this claim again; `None` when the journal has no such mission, or no entries up to the claimed
-    /// one.
+    /// Makes the report with this claim again. `None` if the journal has no such mission, or no longer has the
+    /// claimed last entry.
     pub fn again(archive: &'a dyn Archive, claim: Claim) -> Result<Option<Report<'a>>, Unreadable> {
         let head = archive.head(claim.mission, claim.until)?;
         if head.is_none_or(|head| head.seq != claim.until) || claim.until > end(archive)? {
@@ -95,7 +98,8 @@ impl<'a> Report<'a> {
         Ok(Some(Report { archive, claim, began, head, tally, moment }))
     }
 
-    /// Sentences about unreadable parts of the record: entries of the timeline, and entries from which the hall follows.
+    /// Sentences about unreadable parts of the record. Such a part is an entry of the timeline, or an entry from
+    /// which the picture of the hall follows.
     fn damage(&self) -> Vec<&str> {
         let (told, drawn) = (&self.tally.damage, self.moment.iter().flat_map(|moment| &moment.past.damage));
         told.iter().chain(drawn.filter(|words| !told.contains(words))).map(String::as_str).collect()
@@ -109,24 +113,27 @@ impl<'a> Report<'a> {
         format!("hallsweep-mission-{mission}.html")
     }
 
-    /// Writes the report in parts; large parts are never held in memory as a whole.
+    /// Writes the report in parts, so that large parts are never in memory as a whole.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), Failure> {
         page::write(self, out)?;
         still_there(self.archive, self.claim.mission, self.began)
     }
 }
 
-/// The last entry that counts: later entries were declared lost, and the next start deletes them.
+/// The last entry that counts. Later entries were declared lost, and the next start deletes them. If none were lost,
+/// every entry counts.
 fn end(archive: &dyn Archive) -> Result<Seq, Unreadable> {
     Ok(archive.lost_after()?.unwrap_or(Seq(u64::MAX)))
 }
 
-/// The first recorded entry of a mission; it changes, or is gone, once the mission was archived.
+/// The first stored entry of a mission. Once the mission was moved to an archive file, this is another entry, or
+/// none.
 fn first(archive: &dyn Archive, mission: MissionId) -> Result<Option<Seq>, Unreadable> {
     Ok(archive.entries(mission, Span { after: Seq(0), until: Seq(u64::MAX) }, 1)?.first().map(|(seq, _)| *seq))
 }
 
-/// Fails when the mission that began with this entry was archived meanwhile: the data read since then may be incomplete.
+/// Fails if the mission that began with the entry `began` was moved to an archive file meanwhile. The data read since
+/// then may be incomplete.
 fn still_there(archive: &dyn Archive, mission: MissionId, began: Option<Seq>) -> Result<(), Failure> {
     if first(archive, mission)? == began {
         return Ok(());
@@ -145,7 +152,7 @@ fn each(
     in_batches(batch, |seq, entry| visit(seq, entry.as_ref()))
 }
 
-/// Visits entries read in batches, oldest first; a batch that is not full is the last one.
+/// Reads entries in batches and visits them, oldest first. A batch that is not full is the last one.
 fn in_batches<T>(
     batch: impl Fn(Seq) -> Result<Vec<(Seq, T)>, Unreadable>,
     mut visit: impl FnMut(Seq, T) -> Result<(), Failure>,

@@ -1,5 +1,5 @@
-//! The parts of the page, with their contents and words. All parts are small, except for the drawing of the hall, which grows
-//! with the hall.
+//! The parts of the page, with their contents and words. All parts are small except the drawing of the hall, which
+//! grows with the hall.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -21,11 +21,11 @@ use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Maximum size of all photos of a report, in bytes; beyond this size large photos are scaled down.
+/// Maximum size of all photos of a report together, in bytes. If they are larger, the large photos are scaled down.
 const PHOTOS: usize = 5 << 20;
 
-/// Maximum number of photos of one piece in a report, the latest ones: a damaged record may count billions, and the report
-/// looks up each of them.
+/// Maximum number of photos of one piece in a report, which are the latest ones. A damaged record may count billions
+/// of photos, and the report looks up each of them.
 const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
@@ -78,7 +78,8 @@ impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
         let came_to = match reach(state) {
-            // When the reach is not on record, edition 1 says that the whole hall was searched.
+            // If the number of reachable cells is not on record, these words say that the whole hall was searched.
+            // Edition 2 adds what was not searched.
             Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
                 self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
             }
@@ -174,7 +175,7 @@ struct Piece<'r> {
     report: &'r Report<'r>,
     language: Language,
     luggage: &'r Luggage,
-    /// A photo that cannot be shown is replaced by the reason.
+    /// The photos of the piece. If a photo cannot be shown, the reason stands in its place.
     photos: Vec<Result<Picture, String>>,
     side: Option<f64>,
 }
@@ -211,7 +212,8 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
     Ok(())
 }
 
-/// Maximum size of each photo when all together are too large; computed from the record before any photo is read.
+/// Maximum size of each photo in bytes, if all photos together are too large; otherwise `None`. Computed from the
+/// record before any photo is read.
 fn share(state: &PersistentState) -> Option<usize> {
     let (mut total, mut count) = (0_usize, 0_usize);
     for luggage in state.luggage.iter() {
@@ -224,7 +226,8 @@ fn share(state: &PersistentState) -> Option<usize> {
     (total > PHOTOS).then(|| PHOTOS / count)
 }
 
-/// A photo of a piece, scaled down if it exceeds its share; `None` for a failed attempt, which left no photo.
+/// Reads a photo of a piece, and scales it down if it exceeds its share. `None` for a failed attempt, which left no
+/// photo.
 fn picture(
     report: &Report<'_>,
     luggage: &Luggage,
@@ -244,7 +247,7 @@ fn picture(
             }
         })),
         Err(NoTake::Spoilt(_)) => Ok(Some(Err(language.say("report-photo-spoilt").with("take", take).to_string()))),
-        // A fault that may pass is no part of the record, so no report is made.
+        // This fault may pass and is not part of the record, so no report is made.
         Err(NoTake::Unreadable(unreadable)) => Err(unreadable),
     }
 }
@@ -254,7 +257,8 @@ impl Piece<'_> {
         self.report.time(*wall)
     }
 
-    /// The cell of the piece, and its distance from home to the east and to the south in metres.
+    /// The cell of the piece. If the size of cells is known, its distances from home to the east and to the south
+    /// follow, in metres.
     fn place(&self) -> String {
         let cell = self.luggage.cell;
         let place = self.language.place(cell);
@@ -295,11 +299,11 @@ impl Temperature<'_> {
     }
 }
 
-/// The cells of a row, and its class.
+/// The cells of a row, and the CSS class of the row.
 type Cells = (Vec<String>, &'static str);
 
-/// The title of a table, its columns beside entry and time, and the cells for a fact; `None` for a fact that is not in this
-/// table.
+/// A table of facts: its title, its columns beside entry and time, and the function that makes a row. The function
+/// returns `None` for a fact that is not in this table.
 struct Table<'t> {
     title: &'static str,
     columns: &'static [&'static str],
@@ -325,7 +329,7 @@ fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
         if let Fact::Temperature(..) = fact {
             return None;
         }
-        // The trees are recorded at every tick, but only a new stage becomes a row.
+        // The trees are recorded at every tick. Only a new stage becomes a row.
         if let Fact::Retrieval(_) = fact {
             let words = language.fact(fact);
             if told.replace(words.clone()) == words {
@@ -393,7 +397,7 @@ struct Evidence<'r> {
     file_name: String,
 }
 
-/// Hours, minutes and seconds, such as `1:02:05`.
+/// A duration in hours, minutes and seconds, such as `1:02:05`.
 fn lasted(ms: i64) -> String {
     let seconds = ms.max(0) / 1000;
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)

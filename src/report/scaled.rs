@@ -1,6 +1,6 @@
-//! Scales photos of a report down when all photos together would be too large: as JPEG, in steps, until they are small enough.
-//! The originals stay in the journal. Only integer arithmetic is used, so that another machine produces the same bytes and
-//! confirms the report.
+//! Scales down the photos of a report when all photos together would be too large. Each photo becomes a JPEG, which
+//! is made smaller in steps until it is small enough. The originals stay in the journal. Only integer arithmetic is
+//! used. So another machine produces the same bytes and confirms the report.
 
 use std::io::Cursor;
 use std::sync::{Mutex, PoisonError};
@@ -12,18 +12,18 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Longest side of a small photo in pixels: 150 dots per inch on the printed page.
+/// Maximum length of the longest side of a scaled photo, in pixels. On the printed page this is 150 dots per inch.
 const LONGEST: usize = 320;
 
-/// Minimum side in pixels: on a smaller photo nothing can be recognised.
+/// Minimum length of the longest side, in pixels. Nothing can be recognised on a smaller photo.
 const SHORTEST: usize = 24;
 
 const QUALITY: u8 = 60;
 
-/// Maximum number of pixels of a photo that is scaled: more would take too much memory and time.
+/// Maximum number of pixels of a photo that is scaled. A larger photo would take too much memory and time.
 const MOST_PIXELS: usize = 8 << 20;
 
-/// Held while a photo is scaled, so that several reports at once use only one processor and leave the others to the hall.
+/// Held while a photo is scaled. So several reports at once use only one processor, and leave the others free.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// Red, green and blue of each pixel, row by row.
@@ -33,8 +33,8 @@ struct Pixels {
     rgb: Vec<u8>,
 }
 
-/// The photo as a JPEG of at most `most` bytes; `None` when the file cannot be decoded, or nothing could be recognised at that
-/// size.
+/// Scales the photo down to a JPEG of at most `most` bytes. `None` if the file cannot be decoded, or if nothing could
+/// be recognised at that size.
 pub(super) fn scaled(photo: &[u8], media_type: &str, most: usize) -> Option<Vec<u8>> {
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let pixels = if media_type == "image/png" { of_png(photo)? } else { of_jpeg(photo)? };
@@ -62,7 +62,7 @@ fn of_png(photo: &[u8]) -> Option<Pixels> {
     width.checked_mul(height).filter(|pixels| *pixels <= MOST_PIXELS)?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
     reader.next_frame(&mut bytes).ok()?;
-    // Without colours each pixel is one level; a further sample is its opacity.
+    // Without colours, the first sample of a pixel is its brightness. A second sample is its opacity.
     let samples = reader.output_color_type().0.samples();
     let colours = if samples < 3 { [0, 0, 0] } else { [0, 1, 2] };
     let rgb = bytes.chunks_exact(samples).flat_map(|pixel| colours.map(|colour| pixel[colour])).collect();
@@ -80,7 +80,8 @@ fn of_jpeg(photo: &[u8]) -> Option<Pixels> {
 }
 
 impl Pixels {
-    /// Scales the longest side to `side`; each new pixel is the mean of the pixels that it covers.
+    /// Scales the picture so that its longest side has `side` pixels. Each new pixel is the mean of the pixels that
+    /// it covers.
     fn within(&self, side: usize) -> Pixels {
         let longest = self.width.max(self.height);
         let [width, height] = [self.width, self.height].map(|length| (length * side / longest).max(1));
@@ -108,7 +109,7 @@ pub(super) mod tests {
     use super::*;
     use crate::runtime::archive::hex;
 
-    /// A picture of 160 by 120 pixels that does not compress.
+    /// Random pixels of a picture of 160 by 120, which does not compress.
     pub(in crate::report) fn noise(seed: u32) -> Vec<u8> {
         let mut state = seed;
         let mut value = || {
@@ -142,7 +143,7 @@ pub(super) mod tests {
         bytes
     }
 
-    /// Reports that were handed over contain these bytes.
+    /// Reports that were handed over contain these bytes, so no version may change them.
     #[test]
     fn a_photo_is_scaled_to_the_same_bytes_by_every_version() {
         let of = |photo: &[u8], media_type| hex(&Sha256::digest(scaled(photo, media_type, 8170).expect("it can be scaled")));

@@ -7,33 +7,33 @@ use hallsweep_core::command::{Command, Strategy};
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
-/// Maximum number of sentences about unreadable entries; the rest is only counted.
+/// Maximum number of stored sentences about unreadable entries. Further unreadable entries are only counted.
 const DAMAGES: usize = 100;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     seen: Option<Seq>,
-    /// First and last readable entry, with their times.
+    /// First and last readable entry, each with its time.
     pub(super) first: Option<(Seq, WallTime)>,
     pub(super) last: Option<(Seq, WallTime)>,
-    /// The entry that put the mission away.
+    /// The entry that archived the mission, with its time. A mission is archived by RESET or the next START.
     pub(super) archived: Option<(Seq, WallTime)>,
     pub(super) strategy: Option<Strategy>,
     pub(super) accepted: u64,
     pub(super) refused: u64,
-    /// Number of STOPs; many may share an entry.
+    /// Number of accepted STOPs. Many STOPs may share an entry.
     pub(super) stops: u64,
     pub(super) alarms: u64,
     pub(super) acknowledged: u64,
     /// Number of program starts during the mission.
     pub(super) restarts: u64,
-    /// Durations measured by all runs of the program, added up, in milliseconds.
+    /// Sum of the durations that the runs of the program measured, in milliseconds.
     measured_ms: i64,
-    /// The latest clock time in this run, by the present setting of the clock.
+    /// The latest clock time in this run, in milliseconds. It is adjusted to the present setting of the clock.
     clock_ms: Option<i64>,
     /// How often the clock was set or the machine slept.
     pub(super) clock_sets: u64,
-    /// Sum of the changes of the clock, in milliseconds.
+    /// Sum of all changes of the clock, in milliseconds.
     clock_set_ms: i64,
     pub(super) readings: u64,
     pub(super) coldest: Option<(Celsius, WallTime)>,
@@ -66,19 +66,19 @@ impl Tally {
         self.seen
     }
 
-    /// The last entry before the mission was put away, or `until`: the mission's final or present state is the state after that
-    /// entry.
+    /// The entry after which the mission had its final or present state. This is the last entry before the mission
+    /// was archived, or `until`.
     pub(super) fn stood_last(&self, until: Seq) -> Seq {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }
 
-    /// Duration of the mission in milliseconds: if the clock was set, the sum of what each run measured, otherwise by the
-    /// clock.
+    /// Duration of the mission in milliseconds. If the clock was set, this is the sum of what each run measured.
+    /// Otherwise it is the difference of clock times.
     pub(super) fn took_ms(&self) -> i64 {
         if self.clock_sets > 0 { self.measured_ms } else { self.span_ms() }
     }
 
-    /// Time from the first entry to the last, in milliseconds, as if nobody had set the clock.
+    /// Time from the first to the last readable entry, in milliseconds. Changes of the clock are subtracted.
     pub(super) fn span_ms(&self) -> i64 {
         let at = |end: Option<(Seq, WallTime)>| end.map_or(0, |(_, wall)| wall.unix_ms);
         at(self.last).saturating_sub(at(self.first)).saturating_sub(self.clock_set_ms)

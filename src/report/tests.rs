@@ -1,4 +1,5 @@
-//! Any record can be written, in remembered words and with all markup escaped; lost and unreadable parts are told apart.
+//! Tests that a report can be written of any record, in remembered words and with all markup escaped. Lost and
+//! unreadable parts are told apart.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -27,7 +28,7 @@ use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 pub(super) const MISSION: MissionId = MissionId(1);
 
-/// A mission of these entries; every piece has this photo, and entry 3 cannot be read.
+/// A mission with these entries. Every piece has this photo, and entry 3 cannot be read.
 pub(super) struct Mission {
     pub(super) entries: Vec<Entry>,
     photo: Result<&'static [u8], NoTake>,
@@ -54,7 +55,7 @@ impl Mission {
         String::from_utf8(page).unwrap()
     }
 
-    /// Result of `journal check --report` for this page.
+    /// The result of `journal check --report` for this page.
     fn confirms(&self, page: &str) -> Result<(), Difference> {
         let mut comparison = Comparison::new(page.as_bytes());
         let claim = Claim::read(page.as_bytes()).unwrap();
@@ -96,7 +97,7 @@ impl PartialArchive for Mission {
     }
 }
 
-/// Thousands of entries of every kind, always the same.
+/// A mission with thousands of entries of every kind, which are always the same.
 pub(super) fn of_every_kind() -> Mission {
     let mut runner = TestRunner::deterministic();
     let entries = (0..4000).map(|_| arbitrary::entry().new_tree(&mut runner).expect("a value").current()).collect();
@@ -259,7 +260,7 @@ fn found() -> Entry {
     piece(1, 3)
 }
 
-/// A piece that was photographed once, with a photo of this many bytes.
+/// The entry of a piece that was photographed once. The photo has this number of bytes.
 fn piece(id: u64, bytes: usize) -> Entry {
     let record = Luggage {
         id: LuggageId(id),
@@ -345,7 +346,7 @@ fn a_small_report_has_its_photos_whole_and_one_that_cannot_be_scaled_is_named() 
     let page = photographed(9, 1).report(Language::English);
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 9);
     assert!(!page.contains("scaled down"), "{page}");
-    // The record says that the photo is large, but the bytes are no photo.
+    // The record says that the photo is large, but the bytes cannot be decoded as a photo.
     let none: &[u8] = vec![0; 7 << 20].leak();
     let mission = Mission { photo: Ok(none), ..Mission::of(vec![piece(1, none.len())]) };
     let digest = hex(&Sha256::digest(none));
@@ -371,7 +372,7 @@ fn what_cannot_be_understood_is_said_once_wherever_it_stands() {
     assert!(!Mission::of(vec![found()]).report(Language::English).contains("What is missing here"));
 }
 
-/// Safety V3: otherwise a report would name entries that the next start deletes.
+/// Safety V3: lost entries are in no report. The next start deletes these entries.
 #[test]
 fn what_was_said_to_be_lost_is_in_no_report_and_in_no_list() {
     let entries = vec![command("anna", "START"), command("anna", "STOP"), found(), command("bruno", "START")];
@@ -403,11 +404,11 @@ fn what_a_mission_took_is_what_each_run_measured_where_the_clock_was_set() {
     let set = vec![
         at(0, None),
         at(10_000, None),
-        // The third entry is the unreadable one.
+        // Entry 3, which cannot be read in this test.
         at(10_000, None),
         at(-3_589_000, Some(Fact::ClockSet(-3_600_000))),
         at(-3_580_000, None),
-        // An entry written late, by the clock before it was set, counts once.
+        // This entry was written late, with a time from before the change of the clock. The time counts only once.
         at(-3_585_000, None),
         at(50_000_000, started()),
         at(50_005_000, None),

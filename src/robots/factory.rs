@@ -1,5 +1,5 @@
-//! Creates all robots of the settings by their kinds: first reads what is stored about each, then makes the adapter that runs
-//! it. `app` decides who learns of the robots, and on which threads they run.
+//! Creates all robots of the settings. First it reads what is stored about each robot, then it makes the adapter that
+//! runs the robot. `app` decides who learns of the robots, and on which threads they run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,16 +19,16 @@ use hallsweep_sim::Hall;
 
 pub struct Robots {
     hall: Arc<Hall>,
-    /// The searching robot first.
+    /// All robots except the pair; the searching robot is first.
     all: Vec<(RobotId, Robot)>,
-    /// The pair that fetches. When the settings do not want the pair, it is not started, but pieces that it has removed stay
-    /// removed.
+    /// The pair of robots that fetches luggage. If the settings do not use the pair, it is not started, but pieces
+    /// that it removed earlier stay removed.
     pair: SimPair,
     wants_pair: bool,
     seed: u64,
     speed: Speed,
     chosen: Option<ChosenHall>,
-    /// Why the chosen hall cannot be used: then nobody knows in which hall the simulated robots are.
+    /// Why the chosen hall cannot be used. Then it is unknown in which hall the simulated robots are.
     no_hall: Option<String>,
     /// The hall as named in the settings, and the start in it.
     usual: (String, Option<(u32, u32)>),
@@ -37,7 +37,7 @@ pub struct Robots {
     team: Arc<[Participant]>,
 }
 
-/// `Display` is the message for whoever started the program.
+/// `Display` is the message for the person who started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum Unusable {
     #[error(transparent)]
@@ -54,7 +54,7 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
-        // If the settings change the start, that counts as another hall, which overrides a chosen hall.
+        // A changed start in the settings counts as another hall, and then the hall chosen earlier does not apply.
         let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
         let instead = format!("{}{start}", settings.hall);
         let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
@@ -105,7 +105,7 @@ impl Robots {
         }
     }
 
-    /// For an external robot only the address is known.
+    /// Where the searching robot drives. For an external robot only the address is known.
     pub fn venue(&self) -> Venue {
         match self.all.first() {
             Some((_, Robot::Sim(_))) => sim::venue(&self.hall, self.seed, &self.team),
@@ -142,8 +142,8 @@ impl Robots {
         self.pair.lose(why);
     }
 
-    /// The reason for each robot that may be anywhere; these robots will not be started. Pieces that the pair has removed stay
-    /// removed for the other robots even when the settings do not want the pair.
+    /// The reason for each robot whose position is unknown. These robots will not be started. The pair is included
+    /// even if the settings do not use it, because pieces that it removed stay removed for the other robots.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
         let mut lost: Vec<String> = robots.chain(self.pair.lost()).map(str::to_owned).collect();
@@ -151,7 +151,7 @@ impl Robots {
         lost
     }
 
-    /// A fault in the folder that stops nothing, with the advice what to do.
+    /// A message about a fault in the folder that does not prevent the start. The message says what to do.
     pub fn note(&self, folder: &Path) -> Option<String> {
         self.chosen.as_ref().and_then(|_| sim::unreadable_halls(folder))
     }
@@ -164,8 +164,8 @@ impl Robots {
         })
     }
 
-    /// Puts the robots that were left in another hall at home in this one. Starting the robots overwrites what was stored about
-    /// the other hall.
+    /// Moves the robots that were left in another hall to the home cell of this hall. When the robots start, what was
+    /// stored about the other hall is overwritten.
     pub fn put_down(&mut self) {
         for robot in self.simulated() {
             robot.put_down();
@@ -173,7 +173,7 @@ impl Robots {
         self.pair.put_down();
     }
 
-    /// Leaves what is stored about another hall as it is: the robots are in that hall again at the next start.
+    /// Keeps what is stored about another hall. At the next start the robots are in that hall again.
     pub fn keep_other_hall(&mut self) {
         for robot in self.simulated() {
             robot.keep_other_hall();
@@ -199,7 +199,8 @@ impl Robots {
             remote
         };
         let moved = if self.wants_pair { self.pair.moved() } else { watch::channel(self.pair.taken_away()).1 };
-        // The pair comes first: the pieces it had lifted are back in place before the other robots enter another hall.
+        // The pair comes first. So the pieces that it lifted are back in their places before the other robots enter
+        // another hall.
         let pair = self.wants_pair.then(|| self.pair.adapters(clock, remote(&SimPair::ids())));
         let of_one = |(id, robot): (RobotId, Robot)| match robot {
             Robot::Sim(robot) => robot.adapter(clock, moved.clone(), remote(&[id])),

@@ -1,6 +1,6 @@
-//! Robots, one folder for each vendor, and the only place that names vendors: from the settings, the factory creates what the
-//! loop needs. The simulated robot is a vendor like any other: it has a body, sensors and a camera, and knows nothing of
-//! missions.
+//! The robots, one folder for each vendor. Only this folder names vendors: from the settings, the factory creates
+//! what the core's loop needs. The simulated robot is a vendor like any other: it has a body, sensors and a
+//! camera, and knows nothing of missions.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -17,5 +17,5 @@ pub use external::UnusableScene;
 pub use factory::{Adapters, Robots, Unusable};
 pub use sim::SimulatorParts;
 
-/// Runs a robot: takes the adapter's end of the link, and ends when the loop's end is gone.
+/// Runs a robot with its end of the link. The future ends when the core's loop has dropped the other end.
 pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;

@@ -1,5 +1,5 @@
-//! The port through which doors read data that is too large or too old for a snapshot: photos, past missions, the journal.
-//! Reading may touch a disk, so doors call it where blocking is allowed.
+//! The port through which doors read data that is too large or too old for a snapshot: photos, past missions, the
+//! journal. Reading may use a disk, so doors call the port where blocking is allowed.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub struct Unreadable(pub String);
 pub enum NoTake {
     #[error(transparent)]
     Unreadable(#[from] Unreadable),
-    /// The photo is lost for good, because its bytes are missing or differ from the record; in words for an operator.
+    /// The photo is lost for good: its bytes are missing or differ from the record. The words are for an operator.
     #[error("{0}")]
     Spoilt(String),
 }
@@ -33,17 +33,18 @@ impl From<NoTake> for Unreadable {
     }
 }
 
-/// Readable data, and a sentence about each part of the record that cannot be read. Nothing that follows from such a part is
-/// included.
+/// Data that could be read, and one sentence for each part of the record that cannot be read. Data that follows from
+/// an unreadable part is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sound<T> {
     pub of: T,
-    /// Sentences about unreadable parts, in words for an operator; at most a few, even when there are many.
+    /// Sentences about unreadable parts, in words for an operator. If there are many such parts, only a few are
+    /// listed.
     pub damage: Vec<String>,
 }
 
-/// The entries of the journal after the entry `after`, up to `until`. The entries are read as they were known at `until`,
-/// whatever came later.
+/// The entries of the journal after the entry `after`, up to the entry `until`. Each entry is read as it was known at
+/// `until`, whatever came later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     pub after: Seq,
@@ -63,24 +64,24 @@ pub struct MissionRecord {
     pub id: MissionId,
     pub strategy: Arc<str>,
     pub began: WallTime,
-    /// When the mission was put away; `None` for the present mission.
+    /// When the mission was archived; `None` for the present mission.
     pub archived: Option<WallTime>,
-    /// The last phase that the mission reached, by its name on the wire.
+    /// The last phase that the mission reached, under its name at the doors.
     pub phase: Arc<str>,
     pub luggage: u64,
     pub dangerous: u64,
-    /// The bombs that were left in place when the mission was put away.
+    /// The dangerous pieces that were still in the hall when the mission was archived.
     pub left: Vec<LuggageId>,
 }
 
-/// A moment of a mission, right after an entry: the last entry up to a given number, or up to a given time. If the mission has
-/// no entry up to there, the moment after its first entry is meant.
+/// A moment of a mission: the moment right after its last entry up to a number or a time. If all entries are later
+/// than the time, the moment is right after the first entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
     Entry(Seq),
-    /// Milliseconds since 1970.
+    /// The time, in milliseconds since 1970.
     Time(i64),
-    /// Milliseconds since 1970, searched only between these two entries: a clock that was set back shows the same time twice.
+    /// Like `Time`, but searched only between these two entries. A clock that was set back shows the same time twice.
     TimeAmong(i64, [Seq; 2]),
 }
 
@@ -92,7 +93,8 @@ pub struct PastMoment {
     pub later: Option<Seq>,
 }
 
-/// Head of the chain of digests: the last entry of a page, and the digest of that page, which covers all pages before it.
+/// Head of the chain of digests: the last entry of a page, and the digest of this page. The digest also covers all
+/// pages before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Head {
     pub seq: Seq,
@@ -112,54 +114,57 @@ impl Head {
     }
 }
 
-/// Bytes in lower-case hexadecimal digits, as every digest is written.
+/// Writes bytes in lower-case hexadecimal digits, the form of every digest.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Read access to the store. Object-safe, because both stores, in memory and on disk, implement it.
+/// Read access to the store. The trait is object-safe, because two stores implement it: one in memory and one on
+/// disk.
 pub trait Archive: Send + Sync {
-    /// The newest photo of a piece, in whatever mission it was found.
+    /// The newest photo of a piece of any mission.
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
 
-    /// One photo of a piece by its number, counted from 1.
+    /// One photo of a piece. `take` is its number, counted from 1.
     fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake>;
 
-    /// The record of a piece, in whatever mission it was found.
+    /// The record of a piece of any mission.
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable>;
 
-    /// The newest missions older than `before`, newest first, at most `most`.
+    /// At most `most` missions older than `before`, newest first.
     fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable>;
 
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable>;
 
-    /// The state when a mission was put away, or its present state, with map and luggage.
+    /// The state when a mission was archived, or its present state, with map and luggage.
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
-    /// The states of a mission at these moments, in this order; the maps share their equal parts. Empty when a moment given by
-    /// its entry is before the first one, or when the entries needed are no longer stored.
+    /// The states of a mission at these moments, in this order. The maps share their equal parts. Empty if a moment
+    /// given by its entry is before the first entry, or if the entries needed are no longer stored.
     fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable>;
 
-    /// The entries of a mission, oldest first, at most `most`.
+    /// At most `most` entries of a mission, oldest first.
     fn entries(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
-    /// Like `entries`, as exported JSON, one line each without its line break; an entry that cannot be read becomes a line that
-    /// says why.
+    /// Like `entries`, but as lines of exported JSON without line breaks. An entry that cannot be read becomes a line
+    /// that says why.
     fn lines(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<(Seq, String)>, Unreadable>;
 
-    /// The page of the chain with the last entry of a mission up to `until`; `None` when there is no such entry, or no chain.
+    /// The page of the chain that has the mission's last entry up to `until`. `None` if there is no such entry, or no
+    /// chain.
     fn head(&self, mission: MissionId, until: Seq) -> Result<Option<Head>, Unreadable>;
 
-    /// The entries of a mission that the timeline shows, oldest first, at most `most`: phases, holds, temperatures, luggage,
-    /// verdicts, alarms, commands, stages of a retrieval, and when the program began and ended.
+    /// At most `most` entries of a mission that the timeline shows, oldest first. These are phases, holds,
+    /// temperatures, luggage, verdicts, alarms, commands, stages of a retrieval, and the program's starts and ends.
     fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
-    /// The entry after which everything was declared lost, if the next start will delete the lost entries; only a store on disk
-    /// has such an entry.
+    /// The last entry before the entries that were declared lost. `None` unless the next start will delete the lost
+    /// entries. Only a store on disk has such an entry.
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
         Ok(None)
     }
 
-    /// Entries about a mission's retrieval and its holds among the last thousands, oldest first, at most `most`.
+    /// At most `most` entries about a mission's retrieval and its holds, oldest first. Only the last thousands of
+    /// entries are searched.
     fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable>;
 }

@@ -1,5 +1,5 @@
-//! Reading the archive from the doors: on threads that may block, a bounded number at once, with a time limit. All doors share
-//! the bound. `archive` lists the queries.
+//! Reads the archive for the doors, on threads that may block. The number of queries at once and their time are
+//! limited. All doors share the limit. `archive` lists the queries.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,14 +8,14 @@ use tokio::sync::Semaphore;
 
 use super::archive::{Archive, Unreadable};
 
-/// Maximum number of queries at once, each on a thread of its own: more would not be faster on one disk, and photos and the
-/// robot's state file need threads as well. Further queries wait.
+/// Maximum number of queries at once, each on a thread of its own. More threads would not be faster on one disk.
+/// Photos and the robot's state file need threads as well. Further queries wait.
 const LOOKS: usize = 8;
 
-/// Maximum time of a query, including the wait for its turn: a disk that takes longer hangs.
+/// Maximum time of a query, including the wait for its turn. A disk that takes longer is treated as hanging.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// The doors' access to the archive. Cheap to clone; all clones share the bound.
+/// The doors' access to the archive. Cheap to clone; all clones share the limit.
 #[derive(Clone)]
 pub struct ArchiveReader {
     archive: Arc<dyn Archive>,
@@ -27,12 +27,13 @@ impl ArchiveReader {
         ArchiveReader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
-    /// The archive itself, for a caller that reads a whole mission on a thread of its own and bounds the number of such threads.
+    /// The archive itself, for a caller that reads a whole mission on a thread of its own. The caller must limit the
+    /// number of such threads.
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::clone(&self.archive)
     }
 
-    /// Runs a query. Must be called inside a runtime.
+    /// Runs a query and returns its result. Must be called inside a runtime.
     pub async fn look_up<T: Send + 'static>(
         &self,
         read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,
@@ -40,7 +41,7 @@ impl ArchiveReader {
         let (archive, looks) = (Arc::clone(&self.archive), Arc::clone(&self.looks));
         let answer = async {
             let turn = looks.acquire_owned().await.map_err(|_| ended())?;
-            // The permit is returned when the query ends, even when nobody waits for it any more.
+            // The permit is returned when the query ends, even if its caller has gone away.
             let reading = tokio::task::spawn_blocking(move || (read(&*archive), turn));
             reading.await.map_err(|_| ended())?.0
         };
@@ -49,7 +50,7 @@ impl ArchiveReader {
     }
 }
 
-/// The query panicked.
+/// The error for a query that panicked.
 fn ended() -> Unreadable {
     Unreadable("a mistake in hallsweep ended the reading; its log says more".to_owned())
 }
@@ -69,7 +70,7 @@ mod tests {
         ArchiveReader::new(Arc::new(Empty))
     }
 
-    /// Safety A5.
+    /// Safety A5: only a few queries run at once, and the others get their turn.
     #[tokio::test]
     async fn only_a_few_read_at_once_and_the_others_have_their_turn() {
         let shared = reader();
@@ -95,7 +96,7 @@ mod tests {
         assert!((1..=LOOKS).contains(&most), "{most} read at once");
     }
 
-    /// Safety A5: a disk that hangs takes all permits, and whoever waits for one gets an error.
+    /// Safety A5: a disk that hangs takes all permits. A caller that waits for a permit then gets an error.
     #[tokio::test(start_paused = true)]
     async fn nobody_waits_for_ever() {
         let reader = reader();
@@ -106,7 +107,7 @@ mod tests {
         assert!(reader.look_up(|_| Ok(())).await.is_ok(), "it goes on when the disk answers again");
     }
 
-    /// Safety A7: a panic ends only this query, and returns its permit.
+    /// Safety A7: a query that panics ends only itself, and returns its permit.
     #[tokio::test]
     async fn a_reading_that_panics_ends_itself_alone() {
         let reader = reader();

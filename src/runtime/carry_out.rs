@@ -1,5 +1,5 @@
-//! Sending a command and waiting for its effect, for every door: the answer with a state that contains the effect, or the
-//! refusal with the record it is about. Each door decides how a client sees the result.
+//! Sends a command and waits for its effect, for every door. The result is the answer with a state that contains the
+//! effect, or the refusal with the record of the piece. Each door decides how a client sees the result.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,26 +10,27 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum wait for the state of an accepted command. The loop publishes it before it answers, so normally there is no wait.
+/// Maximum wait for the state that contains the effect of an accepted command. The loop publishes this state before
+/// it answers, so normally there is no wait.
 const SEEN_TIME: Duration = Duration::from_millis(500);
 
 #[derive(Clone, Debug)]
 pub struct Done {
     pub accepted: Accepted,
-    /// A state at least as new as the answer's revision.
+    /// A state at least as new as the answer's revision. If it does not come in time, this is the newest known state.
     pub snapshot: Arc<Snapshot>,
 }
 
 #[derive(Clone, Debug)]
 pub enum NotDone {
-    /// The core refused the command; with the record of the piece of luggage it was about, if that is known.
+    /// The core refused the command. If the command was about a known piece of luggage, its record follows.
     Refused(Refused, Option<Arc<Luggage>>),
     Gone,
 }
 
 impl Handle {
-    /// Sends a command immediately, as `give` does; the future waits for the result. A stop is carried out even when the future
-    /// is dropped. Must be called inside a runtime.
+    /// Sends a command immediately, as `give` does. The future waits for the result. A stop is carried out even if
+    /// the future is dropped. Must be called inside a runtime.
     #[must_use = "the command is given; what became of it is said by the future"]
     pub fn carry_out(&self, request: Request) -> impl Future<Output = Result<Done, NotDone>> + Send + use<> {
         let about = request.command.luggage();
@@ -47,7 +48,8 @@ impl Handle {
     async fn seen(&self, accepted: Accepted) -> Arc<Snapshot> {
         let mut watch = self.watch();
         let contains = |snapshot: &Arc<Snapshot>| snapshot.revision >= accepted.revision;
-        // An accepted command stays accepted even if the loop has ended or is slow: then the newest known state is returned.
+        // An accepted command stays accepted even if the loop has ended or is slow. In this case the newest known
+        // state is returned.
         let _ = tokio::time::timeout(SEEN_TIME, async { watch.wait_for(contains).await.map(|_| ()) }).await;
         self.snapshot()
     }
@@ -73,7 +75,8 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::{Epoch, LuggageId, Revision};
 
-    /// A handle to a loop that answers one command with `answer`, and publishes the state of that revision after a while.
+    /// A handle to a loop that answers one command with `answer`. After a while, the loop publishes a state with the
+    /// revision `published`.
     fn answering(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
         let (commands, mut envelopes) = mpsc::channel(COMMANDS);
         let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());

@@ -7,7 +7,7 @@ use tokio::time::Instant;
 
 use hallsweep_core::units::{Now, WallTime};
 
-/// The real clock, counted from its creation. Follows tokio's paused time in tests.
+/// The real clock, and the time since it was created. In tests it follows tokio's paused time.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
@@ -40,13 +40,13 @@ impl Clock {
         Now { since_start: self.start.elapsed(), wall }
     }
 
-    /// Number of milliseconds by which the wall clock was set since the start.
+    /// Returns by how many milliseconds the wall clock was set since the start.
     pub fn set_ms(&self, now: Now) -> i64 {
         let elapsed = i64::try_from(now.since_start.as_millis()).unwrap_or(i64::MAX);
         now.wall.unix_ms.saturating_sub(self.start_ms).saturating_sub(elapsed)
     }
 
-    /// The time alone, because the date takes longer to compute.
+    /// The time since the start, without the date, which takes longer to compute.
     pub fn since_start(&self) -> Duration {
         self.start.elapsed()
     }

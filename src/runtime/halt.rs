@@ -1,5 +1,6 @@
-//! The halt that bypasses every queue (safety S1): a count that anyone may raise and that every robot writer checks before it
-//! begins an order. A stop also raises the epoch. The core decides what a halt means for the mission.
+//! The halt, which bypasses every queue (safety S1). It is a count that anyone may raise. Every robot writer checks
+//! the count before it begins an order. A stop also raises the epoch. The core decides what a halt means for the
+//! mission.
 
 use std::time::Duration;
 
@@ -8,14 +9,14 @@ use tokio::sync::watch;
 use super::figures::Figures;
 use hallsweep_core::units::Epoch;
 
-/// Maximum wait of a stop's answer for its record on disk: a healthy disk takes a thousandth of it, and a disk that hangs must
-/// not delay the answer that the robot was halted.
+/// Maximum time for which the answer to a stop waits for the record on disk. A healthy disk takes a thousandth of
+/// this time. A disk that hangs must not delay the answer that the robot was halted.
 const NOTING: Duration = Duration::from_millis(100);
 
-/// How often the robots were halted, for any reason, and in which epoch of stops.
+/// Number of halts so far, for any reason, and the epoch, which each stop raises.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Halts {
-    /// Raised by every halt: an order sent before it must not begin.
+    /// Raised by every halt. An order that was sent before the halt must not begin.
     pub count: u64,
     pub epoch: Epoch,
 }
@@ -24,7 +25,7 @@ pub struct Halts {
 #[derive(Clone, Debug)]
 pub struct Halter {
     halts: watch::Sender<Halts>,
-    /// The last stop on disk; `None` while nothing can be written.
+    /// The epoch of the last stop on disk; `None` while nothing can be written.
     noted: watch::Sender<Option<Epoch>>,
     figures: Figures,
 }
@@ -35,7 +36,7 @@ impl Halter {
         Halter { halts, noted: watch::Sender::new(None), figures: Figures::default() }
     }
 
-    /// Halts every robot now, and raises the epoch, which is returned: commands from before it are outdated.
+    /// Halts every robot now, and raises the epoch. Returns the new epoch: commands from earlier epochs are outdated.
     pub fn stop(&self) -> Epoch {
         let mut raised = Epoch(0);
         self.figures.raise_stop();
@@ -46,7 +47,7 @@ impl Halter {
         raised
     }
 
-    /// Halts every robot now, without raising the epoch as a STOP does.
+    /// Halts every robot now. The epoch is not raised, unlike after a STOP.
     pub fn halt(&self) {
         self.halts.send_modify(|halts| halts.count += 1);
     }
@@ -59,16 +60,18 @@ impl Halter {
         HaltWatch { all: self.halts.subscribe(), own: None }
     }
 
-    /// Reports the epoch up to which stops are on disk, where they outlive the program; `None` while they cannot be written.
+    /// Reports the epoch up to which stops are on disk, where they survive the end of the program. `None` while they
+    /// cannot be written.
     pub fn note(&self, noted: Option<Epoch>) {
         self.noted.send_replace(noted);
     }
 
-    /// Waits until the stop of this epoch is on disk: for `NOTING` at most, and not at all while nothing can be written.
+    /// Waits until the stop of this epoch is on disk, but at most for `NOTING`. Does not wait while nothing can be
+    /// written.
     pub async fn until_noted(&self, epoch: Epoch) {
         let mut noted = self.noted.subscribe();
         let done = noted.wait_for(|noted| noted.is_none_or(|noted| noted >= epoch));
-        // The stop has acted already; a late record is written later.
+        // The stop has acted already. If the record is late, it is still written.
         let _ = tokio::time::timeout(NOTING, done).await;
     }
 }
@@ -90,7 +93,7 @@ impl HaltWatch {
         Halts { count: count + self.own.as_ref().map_or(0, |own| *own.borrow()), epoch }
     }
 
-    /// Waits for the next halt; never returns when no halt can be raised any more.
+    /// Waits for the next halt, and returns the halts so far. Never returns if no halt can be raised any more.
     pub async fn raised(&mut self) -> Halts {
         let HaltWatch { all, own } = self;
         tokio::select! {
@@ -98,7 +101,7 @@ impl HaltWatch {
             () = changed(all) => {}
             () = async { match own { Some(own) => changed(own).await, None => std::future::pending().await } } => {}
         }
-        // Both are marked as seen, so that only later halts count as new.
+        // Both counts are marked as seen, so that only later halts are new.
         let Halts { count, epoch } = *all.borrow_and_update();
         Halts { count: count + own.as_mut().map_or(0, |own| *own.borrow_and_update()), epoch }
     }
@@ -114,7 +117,8 @@ async fn changed<T>(watch: &mut watch::Receiver<T>) {
 mod tests {
     use super::*;
 
-    /// Safety S1, S4: the answer waits for the record, never for long, and not while nothing can be written.
+    /// Safety S1, S4: the answer waits for the record, but never for long. While nothing can be written, it does not
+    /// wait.
     #[tokio::test(start_paused = true)]
     async fn a_stop_waits_a_moment_for_being_written_down() {
         let halter = Halter::new(Epoch(4));

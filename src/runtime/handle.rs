@@ -1,4 +1,5 @@
-//! The driving port: how every door sends commands and sees the state. Cheap to clone; hides all channels.
+//! The handle through which every door sends commands and sees the state (the driving port). Cheap to clone; hides
+//! all channels.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,17 +19,18 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 
-/// Capacity of the loop's queue: enough for every operator of a site to press at once.
+/// Capacity of the loop's queue. It is enough if every operator of a site sends a command at once.
 pub const COMMANDS: usize = 256;
 
-/// Queue length from which stops are counted beside the queue. This leaves 32 places for other commands, which a flood of stops
-/// would otherwise block.
+/// Queue length from which stops are counted beside the queue. So 32 places are left for other commands, which a
+/// flood of stops would otherwise block.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
 pub enum Envelope {
     Command(Request, oneshot::Sender<Decision>),
-    /// A command that a door refused, for the record: who, which command, why, and who waits until it is recorded.
+    /// A command that a door refused, for the record: the sender, the command and the reason. The channel is for a
+    /// caller that waits until the refusal is recorded.
     Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Decision>>),
     Simulated(Issuer, Simulated),
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
@@ -50,14 +52,14 @@ pub struct Gone;
 
 pub type CommandOutcome = Result<Decision, Gone>;
 
-/// A command that found the queue full, and waits for room.
+/// A command that found the queue full, and waits for a free place.
 struct QueuedCommand {
     commands: mpsc::Sender<Envelope>,
     envelope: Envelope,
 }
 
 impl Handle {
-    /// A handle over the channels of a loop that reads only its queue.
+    /// A handle to a loop that reads only the queue of commands.
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
         Handle::with_overflow(commands, snapshots, halter).0
     }
@@ -76,10 +78,10 @@ impl Handle {
         &self.halter
     }
 
-    /// Sends a command. It is stamped and queued immediately, so that commands keep their order, and a stop halts the robots
-    /// even when the future is dropped. The future is the answer; for a stop it ends when the robot stands and the stop is on
-    /// disk, or a tenth of a second later (safety S4, S8). When the queue is full, a command other than a stop is queued later,
-    /// by its future. Must be called inside a runtime.
+    /// Sends a command. It is stamped and queued immediately: commands keep their order, and a stop halts the robots
+    /// even if the future is dropped. The future is the answer. For a stop, it ends when the robot stands and the
+    /// stop is on disk. It ends a tenth of a second later at the latest (safety S4, S8). If the queue is full, the
+    /// future queues the command later, unless the command is a stop. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = CommandOutcome> + Send + use<> {
         let request = self.stamp(request);
@@ -96,14 +98,15 @@ impl Handle {
                     halter.until_noted(epoch).await;
                 }
             };
-            // Both waits of a stop are bounded, and independent of each other.
+            // A stop waits for the robot and for the record. Both waits are bounded, and neither depends on the
+            // other.
             let (answer, ()) = tokio::join!(answered, noted);
             answer.map_err(|_| Gone)
         }
     }
 
-    /// Records that a door refused somebody's command (safety A6), and waits until the refusal is on record. Does not wait
-    /// while nothing can be recorded, nor when the refusal shares an entry with others.
+    /// Records that a door refused a command (safety A6), and waits until the refusal is on record. Does not wait
+    /// while nothing can be recorded, or if the refusal shares an entry with others.
     pub async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -111,8 +114,8 @@ impl Handle {
         answered.await.map(drop).map_err(|_| Gone)
     }
 
-    /// Like `note_refused` for callers that cannot wait. When the queue is full, refusals are counted by sender: of each sender
-    /// the last refusal is recorded, with the number of refusals.
+    /// Like `note_refused`, for callers that cannot wait. If the queue is full, refusals are counted by sender. For
+    /// each sender, the last refusal is recorded, with the number of refusals.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         let note = Envelope::Refused(issuer, asked, refused, None);
         if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
@@ -124,21 +127,21 @@ impl Handle {
         self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }
 
-    /// Asks to put these simulated robots into a hall; answers when the move is on record. The robots count as unreached until
-    /// they report from there.
+    /// Asks to put these simulated robots into a hall. Answers when the move is on record. The robots count as
+    /// unreached until they report from the new hall.
     pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> CommandOutcome {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)
     }
 
-    /// The epoch of the last stop, which commands arriving now belong to.
+    /// The epoch of the last stop. Commands that arrive now belong to this epoch.
     pub fn epoch(&self) -> Epoch {
         self.halter.watch().now().epoch
     }
 
-    /// Number of commands sent so far, at all doors, that can release a halted robot. A door that reads the same number before it
-    /// sends a STOP and later knows that no robot was released in between.
+    /// Number of commands sent so far, at all doors, that can release a halted robot. A door may read this number
+    /// before it sends a STOP and again later. If the number is the same, no robot was released in between.
     pub fn releases(&self) -> u64 {
         self.releases.load(Ordering::SeqCst)
     }
@@ -155,8 +158,9 @@ impl Handle {
         self.snapshots.clone()
     }
 
-    /// Queues a command if there is room; returns it otherwise, except for a stop, which is counted beside the queue: it is
-    /// recorded even when nobody waits for its answer. When the loop has ended, the answer's channel closes.
+    /// Queues a command if there is room, and otherwise returns it. A stop that finds no room is counted beside the
+    /// queue, and is recorded even if nobody waits for its answer. If the loop has ended, the answer's channel
+    /// closes.
     fn queue(&self, request: Request, answer: oneshot::Sender<Decision>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
@@ -176,11 +180,12 @@ impl Handle {
         }
     }
 
-    /// Stamps a command with its epoch. A stop gets the epoch it raises. Any other command gets the epoch in which it arrived,
-    /// or the present one if its door gave none: a stop that overtakes the command makes it outdated.
+    /// Stamps a command with its epoch. A stop gets the epoch that it raises. Any other command gets the epoch in
+    /// which it arrived, or the present epoch if its door gave none. So a stop that overtakes the command makes it
+    /// outdated.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
-            // A stop counts from the epoch it raises, whenever its door received it.
+            // A stop belongs to the epoch that it raises, even if its door received it earlier.
             (request.epoch, request.arrived) = (Some(self.halter.stop()), None);
         } else {
             // The door may have received the command before the last stop.
@@ -188,7 +193,8 @@ impl Handle {
             request.arrived = Some(request.arrived.map_or(now, |arrived| arrived.min(now)));
         }
         if request.command.releases() {
-            // After reading the epoch: a STOP whose door has read a count that includes this command then makes it outdated.
+            // The command is counted only after the epoch was read. A STOP from a door that has read the new count
+            // therefore makes the command outdated.
             self.releases.fetch_add(1, Ordering::SeqCst);
         }
         request
@@ -204,7 +210,7 @@ mod tests {
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::Epoch;
 
-    /// A handle to a loop that does not run, and the queue of that loop.
+    /// A handle to a loop that does not run, with the loop's queue.
     fn handle() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
         let (handle, envelopes, halter, _) = handle_with_overflow();
         (handle, envelopes, halter)
@@ -229,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Safety S1.
+    /// Safety S1: commands that can release a robot are counted when they are sent, at whatever door.
     #[tokio::test]
     async fn what_can_let_a_robot_go_is_counted_when_it_is_given_and_at_whatever_door() {
         let (handle, _envelopes, _) = handle();
@@ -257,7 +263,7 @@ mod tests {
         drop(answers);
     }
 
-    /// Safety S1, S4.
+    /// Safety S1, S4: a stop halts when it is sent, and makes all commands sent before it outdated.
     #[tokio::test]
     async fn a_stop_halts_when_it_is_given_and_outdates_what_was_given_before() {
         let (handle, mut envelopes, halter) = handle();
@@ -268,7 +274,8 @@ mod tests {
         drop((started, stopped));
     }
 
-    /// Safety S4: a command belongs to the epoch that its door reports, however long ago that was; a stop counts from now.
+    /// Safety S4: a command belongs to the epoch that its door reports, even if that is long ago. A stop belongs to
+    /// the epoch that it raises.
     #[tokio::test]
     async fn what_was_heard_before_a_stop_arrived_before_it_and_a_stop_counts_from_what_it_raises() {
         let (handle, mut envelopes, _) = handle();
@@ -284,7 +291,7 @@ mod tests {
         }
     }
 
-    /// Safety A6: nobody has to wait for the answer of a stop.
+    /// Safety A6: stops are recorded even if nobody waits for their answers.
     #[tokio::test]
     async fn stops_come_to_the_loop_although_their_senders_hang_up_and_the_queue_is_full() {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();
@@ -300,7 +307,7 @@ mod tests {
         assert_eq!(came, [(Some(last), 9 * COMMANDS as u64)], "all of them, up to the last");
     }
 
-    /// Safety A5, S9.
+    /// Safety A5, S9: a flood of stops leaves places in the queue to other commands.
     #[tokio::test]
     async fn stops_leave_places_in_the_queue_to_other_commands() {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();
@@ -314,7 +321,7 @@ mod tests {
         drop(waiting);
     }
 
-    /// Safety A5, A6.
+    /// Safety A5, A6: refusals that find the queue full are counted beside the queue.
     #[test]
     fn what_is_refused_while_the_queue_is_full_is_counted_beside_it() {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();

@@ -1,5 +1,5 @@
-//! The port to one robot. Each adapter holds one end of its port; the adapter of a simulated robot is no exception. How an
-//! adapter talks to its robot is not known here.
+//! The port to one robot. Each adapter holds the other end of its port, and so does the adapter of a simulated robot.
+//! How an adapter talks to its robot is not known here.
 //!
 //! ```text
 //!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)
@@ -14,13 +14,14 @@ use super::halt::HaltWatch;
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::RobotEvent;
 
-/// Capacity of the queue of orders: one is open at a time, and a few may have been voided before the adapter took them.
+/// Capacity of the queue of orders. Only one order is open at a time, but a few may have become void before the
+/// adapter took them.
 pub const ORDERS: usize = 8;
 
-/// Capacity of the queue of reports: a burst of sonar readings and an answer.
+/// Capacity of the queue of reports. It is enough for a burst of sonar readings and an answer.
 pub const REPORTS: usize = 64;
 
-/// An order, and the number of halts when it was sent: it must not begin after a further halt.
+/// An order, and the number of halts when it was sent. A motion must not begin after a further halt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamped {
     pub order: Order,
@@ -28,7 +29,8 @@ pub struct Stamped {
 }
 
 impl Stamped {
-    /// Whether this is a motion that must not begin any more, because `halts` is higher than when it was sent (safety S6).
+    /// Whether the order is a motion that must not begin any more. This is so if `halts` is higher than when the
+    /// order was sent (safety S6).
     pub const fn is_void(&self, halts: u64) -> bool {
         self.halts < halts && self.order.action.is_motion()
     }
@@ -39,13 +41,13 @@ pub struct RobotLink {
     pub orders: mpsc::Sender<Stamped>,
     pub led: watch::Sender<bool>,
     pub reports: mpsc::Receiver<RobotEvent>,
-    /// How often the core has halted this robot alone; `halts` adds the halts of all robots.
+    /// Number of times that the core has halted this robot alone. `halts` adds the halts of all robots.
     pub halt: watch::Sender<u64>,
     pub halts: HaltWatch,
 }
 
-/// The adapter's end of the link. The adapter halts whenever `halts` is raised and answers the order under way with `Halted`; an
-/// order stamped with fewer halts than there were is answered with `Halted` and not begun.
+/// The adapter's end of the link. When `halts` is raised, the adapter halts, and answers the order under way with
+/// `Halted`. A motion that was stamped with fewer halts does not begin, and is answered with `Halted`.
 #[derive(Debug)]
 pub struct RobotSide {
     pub orders: mpsc::Receiver<Stamped>,

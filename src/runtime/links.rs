@@ -1,4 +1,4 @@
-//! The loop's ends of the links to all robots, by their ids.
+//! The loop's ends of the links to all robots. Each link is found by the id of its robot.
 
 use std::future::poll_fn;
 use std::task::{Context, Poll};
@@ -11,7 +11,8 @@ use hallsweep_core::robot::RobotId;
 
 pub(super) struct Links {
     links: Vec<RobotEnd>,
-    /// The robot whose report was taken last. The robot after it is polled first, so that no robot crowds out the others.
+    /// Index of the robot whose report was taken last. The next robot is polled first, so that no robot crowds out
+    /// the others.
     last: usize,
 }
 
@@ -27,7 +28,7 @@ impl Links {
         Links { links: links.into_iter().map(link).collect(), last: 0 }
     }
 
-    /// The next report of any robot. The end of an adapter is reported once, as a lost link.
+    /// Waits for the next report of any robot. If an adapter ends, this is reported once, as a lost link.
     pub(super) async fn report(&mut self) -> (RobotId, RobotEvent) {
         poll_fn(|context| self.poll_report(context)).await
     }
@@ -52,7 +53,8 @@ impl Links {
         self.to(robot).map_or_else(Halts::default, |link| link.halts.now())
     }
 
-    /// Sends an order that becomes void after any further halt; false when the adapter does not take it.
+    /// Sends an order with the halts so far. If it is a motion, a further halt makes it void. Returns false if the
+    /// adapter does not take the order.
     pub(super) fn send(&self, robot: &RobotId, order: Order, halts: Halts) -> bool {
         let Some(link) = self.to(robot) else { return false };
         let sent = link.orders.try_send(Stamped { order, halts: halts.count });
@@ -92,7 +94,7 @@ mod tests {
         RobotId::new("porter").unwrap()
     }
 
-    /// The links of two robots, their other ends in the same order, and the halter of both.
+    /// The links to two robots, the adapters' ends in the same order, and the halter of both robots.
     fn pair() -> (Links, [RobotSide; 2], Halter) {
         let halter = Halter::new(Epoch(0));
         let ((first, first_side), (second, second_side)) = (link(halter.watch()), link(halter.watch()));
@@ -117,7 +119,7 @@ mod tests {
         }
     }
 
-    /// Safety S2.
+    /// Safety S2: an order goes to its robot alone, and is void after a halt of that robot.
     #[tokio::test]
     async fn an_order_goes_to_its_robot_alone_and_is_void_after_a_halt_of_that_robot() {
         let (links, [mut discovery, mut porters], _halter) = pair();

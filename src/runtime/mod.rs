@@ -1,4 +1,5 @@
-//! The runtime: the one loop that joins core, robots, store and doors, and the handle by which doors reach it.
+//! The runtime: the one loop that connects core, robots, store and doors, and the handle that doors use to reach the
+//! loop.
 
 pub mod archive;
 pub mod archive_reader;

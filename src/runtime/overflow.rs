@@ -1,6 +1,6 @@
-//! STOPs, and refusals that nobody waits for, that found the queue of commands full. They are counted by sender; all are
-//! recorded, however many there are (safety A5, A6), and each STOP is answered. A STOP has halted the robot before it gets
-//! here.
+//! STOPs that found the queue of commands full, and refusals that found it full and for which nobody waits. Both are
+//! counted by sender. All are recorded, however many there are (safety A5, A6), and each STOP is answered. A STOP has
+//! already halted the robot when it gets here.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -14,18 +14,19 @@ use hallsweep_core::refused::Refused;
 
 pub(super) type Decision = Result<Accepted, Refused>;
 
-/// Number of senders counted separately: more than there are keys, at each door. Further senders share one count for each door.
+/// Number of senders that are counted separately. It is higher than the number of keys times the number of doors.
+/// Further senders share one count for each door.
 const SENDERS: usize = 512;
 
-/// Number of answers at which the abandoned ones, which nobody waits for, are dropped. The number of answers that somebody
-/// waits for is bounded by the connections of the doors.
+/// Number of answers at which abandoned answers are dropped. An answer is abandoned if nobody waits for it any more.
+/// The number of other answers is limited by the connections of the doors.
 const ANSWERS: usize = 1024;
 
 /// The sending end. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct OverflowIn(Arc<Inner>);
 
-/// The receiving end; when it is dropped nobody is answered any more.
+/// The receiving end. When it is dropped, nobody is answered any more.
 #[derive(Debug)]
 pub(super) struct OverflowOut(Arc<Inner>);
 
@@ -44,7 +45,7 @@ pub(super) struct Overflow {
 
 type Senders<T> = BTreeMap<SenderKey, Counted<T>>;
 
-/// Name, address and door.
+/// Name, address and door of a sender.
 type SenderKey = (Arc<str>, Arc<str>, Door);
 
 #[derive(Debug)]
@@ -53,7 +54,7 @@ pub(super) struct Counted<T> {
     pub(super) count: u64,
     /// Channels of senders that may still wait for an answer.
     pub(super) answers: Vec<oneshot::Sender<Decision>>,
-    /// Number of answers at which the abandoned ones are dropped next.
+    /// Number of answers at which abandoned answers are dropped next.
     look_at: usize,
 }
 
@@ -63,7 +64,7 @@ pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
 }
 
 impl OverflowIn {
-    /// Stores a STOP, or returns it when the receiving end is gone.
+    /// Stores a STOP. Returns the STOP if the receiving end is gone.
     pub(super) fn put_stop(
         &self,
         stop: Request,
@@ -77,7 +78,8 @@ impl OverflowIn {
         None
     }
 
-    /// Stores a refusal by a door; drops it when the receiving end is gone, because nothing is recorded any more.
+    /// Stores a refusal by a door. If the receiving end is gone, nothing is recorded any more, so the refusal is
+    /// dropped.
     pub(super) fn put_refusal(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         if let Some(Overflow { refusals, .. }) = &mut *self.0.lock() {
             put(refusals, sender(&issuer), (issuer, asked, refused), None);
@@ -156,7 +158,7 @@ mod tests {
         senders.into_iter().map(|((_, from, _), counted)| (from.to_string(), counted.count, counted.answers.len())).collect()
     }
 
-    /// Safety A5, A6.
+    /// Safety A5, A6: stops of one sender are counted together. Answers for which nobody waits are dropped.
     #[test]
     fn stops_of_one_sender_are_counted_together_and_answers_nobody_waits_for_are_forgotten() {
         let (into, out) = overflow();
@@ -189,7 +191,7 @@ mod tests {
         assert_eq!(counts(stops), [("192.0.2.7".to_owned(), 1, 1)]);
     }
 
-    /// Safety A5.
+    /// Safety A5: only `SENDERS` senders are counted separately. All others share a count without a name.
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_those_beyond_are_counted_under_no_name_of_these() {
         let (into, out) = overflow();

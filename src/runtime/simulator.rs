@@ -1,5 +1,6 @@
-//! The port to the simulator: how a door sees the simulator, changes it while it runs, and moves the robots to another hall.
-//! The simulation itself is not known here; the core decides whether the hall may be changed now.
+//! The port to the simulator. Through this port a door sees the simulator, changes it while it runs, and moves the
+//! robots to another hall. The simulation itself is not known here. The core decides whether the hall may be changed
+//! now.
 
 use std::collections::BTreeSet;
 use std::pin::Pin;
@@ -17,10 +18,10 @@ use hallsweep_core::units::Cell;
 /// Maximum number of cells blocked at once: more than anybody places by hand.
 pub const MOST_BLOCKED: usize = 64;
 
-/// Maximum side of a hall loaded while the program runs, in cells: a page must be able to draw it.
+/// Maximum side of a hall that is loaded while the program runs, in cells. A page must be able to draw the hall.
 pub const MOST_SIDE: u32 = 250;
 
-/// Whether a hall may be stored under this name, which appears in addresses and in file names.
+/// Whether a hall may be stored under this name. The name appears in addresses and in file names.
 pub fn is_hall_name(name: &str) -> bool {
     let is_plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
     name.starts_with(is_plain) && name.len() <= 40 && name.chars().all(|letter| is_plain(letter) || letter == '-')
@@ -34,7 +35,7 @@ pub struct Faults {
     pub no_thermometer: bool,
     /// Every photo of the searching robot fails.
     pub camera_fails: bool,
-    /// Cells with an obstacle that the hall does not have.
+    /// Cells with an added obstacle, which the hall itself does not have.
     pub blocked: BTreeSet<Cell>,
 }
 
@@ -50,7 +51,7 @@ pub struct SimulatorState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallFacts {
     pub name: Arc<str>,
-    /// Columns and rows.
+    /// Number of columns and number of rows.
     pub size: (u32, u32),
     pub cell_m: f64,
     pub pieces: usize,
@@ -126,21 +127,20 @@ pub trait Simulator: Send + Sync {
 
     fn kept_halls(&self) -> Vec<String>;
 
-    /// The offered hall of this name, as a hall file.
-    ///
-    /// When there is no hall of this name, or the hall is faulty.
+    /// Returns the offered hall of this name, as a hall file. Fails if there is no such hall, or if the hall is
+    /// faulty.
     fn hall(&self, name: &str) -> Result<String, NotSimulated>;
 
     /// Applies the fields that are set in `change`, and records them.
     fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing;
 
-    /// Lets every robot finish its action under way, while time is paused.
+    /// Lets every robot finish its action under way. Used while time is paused.
     fn step(self: Arc<Self>, issuer: Issuer) -> Changing;
 
     /// Moves the robots to their homes in another hall.
     fn put_down(self: Arc<Self>, hall: OtherHall, issuer: Issuer) -> Changing;
 
-    /// Stores the hall of a hall file under a name; replaces a stored hall only if `may_replace`.
+    /// Stores a hall file under a name. A stored hall of this name is replaced only if `may_replace` is true.
     fn keep(self: Arc<Self>, name: String, toml: String, may_replace: bool, issuer: Issuer) -> Changing;
 
     fn discard(self: Arc<Self>, name: String, issuer: Issuer) -> Changing;

@@ -1,4 +1,4 @@
-//! The port to the store: it takes pages in order, and reports at once or later that they are stored.
+//! The port to the store. The store takes pages in order, and reports that they are stored, at once or later.
 
 use std::sync::Arc;
 
@@ -9,18 +9,20 @@ use hallsweep_core::units::Seq;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StoreStatus {
-    /// The entry up to which everything is stored, apart from losses.
+    /// Every entry up to this one is stored, except for lost entries.
     pub kept: Seq,
     pub failure: Option<Arc<str>>,
-    /// How often writing has failed. A rise means that every page not stored yet is lost, and so is every page whose sender did
-    /// not know of the loss; the core records the present state anew once the store writes again.
+    /// How often writing has failed. When this number rises, every page that is not stored yet is lost. A page whose
+    /// sender did not know of the loss is lost, too. Once the store writes again, the core records the present state
+    /// anew.
     pub losses: u64,
 }
 
-/// Stores pages for good, each whole or not at all. Object-safe, because both stores, in memory and on disk, implement it.
+/// Stores pages for good, each whole or not at all. The trait is object-safe, because two stores implement it: one in
+/// memory and one on disk.
 pub trait Store: Send {
-    /// Takes a page; must not block. `word` reports whether and when it is stored. A page whose sender knows of fewer `losses`
-    /// than there were is dropped.
+    /// Takes a page; must not block. `word` reports when the page is stored. `losses` is the number of losses that
+    /// the sender knows of. If there were more, the page is dropped.
     fn record(&mut self, page: Page, losses: u64);
 
     fn word(&self) -> watch::Receiver<StoreStatus>;

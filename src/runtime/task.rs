@@ -1,5 +1,5 @@
-//! The only loop: passes halts, reports, commands and time to the core, and the core's effects to robots, store and doors. The
-//! loop decides nothing.
+//! The only loop. It passes halts, reports, commands and time to the core, and the core's effects to robots,
+//! store and doors. The loop itself decides nothing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -41,11 +41,11 @@ pub struct Task {
     overflow: OverflowOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, Vec<WaitingSender>>,
-    /// Refusals that are answered once they are on record (safety A6), in the order of their entries.
+    /// Refusals in the order of their entries. Each is answered once it is on record (safety A6).
     refusals: VecDeque<(Seq, WaitingSender, Refused)>,
     /// Whether the store's last report was a failure to write.
     store_failed: bool,
-    /// Number of the store's losses that the core was told of.
+    /// Number of the store's losses that were reported to the core.
     losses: u64,
     is_ending: bool,
     figures: Figures,
@@ -59,7 +59,8 @@ struct WaitingSender {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Course {
-    /// Why the loop was asked to end, if it was: the robot is halted then, and pending requests are still answered.
+    /// Why the loop was asked to end; `None` until then. The robot is halted, and pending requests are still
+    /// answered.
     pub ended_by: Option<&'static str>,
     pub is_over: bool,
 }
@@ -100,7 +101,7 @@ impl Task {
         (handle, task)
     }
 
-    /// Runs until `course` is over or every handle is gone.
+    /// Runs until `course` is over, or until every handle was dropped.
     pub async fn run(mut self, mut course: watch::Receiver<Course>) {
         self.hear_store();
         self.settle();
@@ -119,7 +120,8 @@ impl Task {
                     }
                 }
                 Ok(()) = self.word.changed() => self.hear_store(),
-                // Timers come before commands and reports, so that a silent sensor is noticed even in a steady flow of both.
+                // Timers come before reports and commands. So a silent sensor is noticed even if reports and commands
+                // never stop.
                 () = self.clock.reach(due) => {
                     let now = self.now();
                     self.engine.handle_timeout(now);
@@ -132,11 +134,12 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                // This comes last, so that endless stops do not block the rest: stops are handled before any command is taken
-                // anyway.
+                // This comes last, so that endless stops do not block the rest. Stops are handled before any command
+                // is taken anyway.
                 _ = self.halts.raised() => {}
                 () = self.overflow.news() => {}
-                // No event happened, but pages that show an age need to know whether the clock was set.
+                // Nothing has happened. But pages show how old values are, and need to know whether the clock was
+                // set.
                 () = self.clock.reach(Some(self.clock.since_start() + GLANCE)) => {
                     self.now();
                 }
@@ -150,7 +153,8 @@ impl Task {
         self.settle();
     }
 
-    /// Records the stops and refusals that came before the end; tells senders of other commands that they were too late.
+    /// Handles what came before the end. Stops and refusals are recorded. Senders of other commands are told that
+    /// they were too late.
     fn take_rest(&mut self) {
         self.hear_halts();
         while let Ok(envelope) = self.commands.try_recv() {
@@ -165,7 +169,8 @@ impl Task {
         }
     }
 
-    /// Tells the core of stops, before anything sent after them, and of refusals that found the queue full.
+    /// Tells the core of stops before anything that was sent after them. Also tells it of stops and refusals that
+    /// found the queue full.
     fn hear_halts(&mut self) {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
@@ -232,11 +237,12 @@ impl Task {
 
     fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Decision) {
         self.figures.answered(self.clock.since_start().saturating_sub(since));
-        // The sender may have gone away; the command was carried out or refused all the same.
+        // The sender may have gone away. The command was carried out or refused all the same.
         let _ = answer.send(given);
     }
 
-    /// Performs every effect. The state is published before the answer, so that whoever got the answer sees the effect.
+    /// Performs every effect. The state is published before the answer is sent, so that the receiver of the answer
+    /// sees the effect.
     fn settle(&mut self) {
         let mut answers = Vec::new();
         loop {
@@ -248,7 +254,7 @@ impl Task {
                     Effect::Record(page) => {
                         self.handed.hand(&page, self.clock.since_start());
                         self.store.record(page, self.losses);
-                        // A store that has reported already need not wait for the next round.
+                        // If the store has reported already, its report is handled now and not in the next round.
                         if self.word.has_changed().unwrap_or(false) {
                             self.hear_store();
                         }
@@ -265,8 +271,8 @@ impl Task {
         self.refuse();
     }
 
-    /// Answers the refusals that are on record. While nothing can be recorded they are answered at once, and recorded when the
-    /// store writes again.
+    /// Answers the refusals that are on record. While nothing can be recorded, refusals are answered at once. They
+    /// are recorded when the store writes again.
     fn refuse(&mut self) {
         let kept = self.word.borrow().kept;
         let due = self.refusals.iter().take_while(|(seq, ..)| *seq <= kept || self.store_failed).count();
@@ -312,10 +318,10 @@ impl Task {
         self.figures.hear_store(word, lost);
     }
 
-    /// Sends an order with the number of halts so far, unless a stop was raised since the order was made: then the core is told
-    /// of the stop first, so that it does not repeat the order.
+    /// Sends an order with the number of halts so far. A motion is not sent if a stop was raised after the core
+    /// ordered it. The core is then told of the stop first, so that it does not repeat the order.
     fn send(&mut self, robot: RobotId, order: Order) {
-        // Count and epoch are read together: a stop between two reads would let an older order begin.
+        // Count and epoch are read together. Otherwise a stop between two reads would let an older order begin.
         let halts = self.links.halts(&robot);
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
             let now = self.now();
@@ -330,7 +336,7 @@ impl Task {
         self.engine.handle_event(Event::Robot(robot, answer), now);
     }
 
-    /// The time for the next input of the core. If somebody has set the clock, the core is told of that first.
+    /// Returns the time for the next input of the core. If the clock was set, the core is told of that first.
     fn now(&mut self) -> Now {
         let now = self.clock.now();
         self.engine.note_clock(self.clock.set_ms(now), now);

@@ -1,8 +1,8 @@
-//! What the loop counts and measures of itself, with the robot and the store of its other tests.
+//! Tests of what the loop counts and measures about itself, with the robot and the store of the loop's other tests.
 
 use super::*;
 
-/// In paused time only the awaited durations pass.
+/// In paused time, only the durations for which the test waits pass.
 #[tokio::test(start_paused = true)]
 async fn what_is_on_record_is_counted_and_how_long_it_took_is_measured() {
     let (handle, task, robot, word) = task_with(false);

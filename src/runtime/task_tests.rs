@@ -1,4 +1,4 @@
-//! The loop with a robot and a store whose answers the test gives, mostly in paused time.
+//! Tests of the loop, mostly in paused time. The test itself gives the answers of the robot and of the store.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -21,7 +21,7 @@ use hallsweep_core::units::{Epoch, Seq};
 #[path = "task_figures_tests.rs"]
 mod figures;
 
-/// A store that stores nothing, but reports that it did: at once, or when the test says so.
+/// A store that stores nothing, but reports its pages as stored. It reports at once, or when the test says so.
 struct Forgetful {
     word: watch::Sender<StoreStatus>,
     at_once: Arc<AtomicBool>,
@@ -43,7 +43,7 @@ fn request(command: Command) -> Request {
     Request::new(command, Issuer::operator(Door::LOCAL))
 }
 
-/// Sends a command immediately; the future is its answer.
+/// Sends a command immediately, and returns its answer as a future.
 fn give(handle: &Handle, command: Command) -> impl Future<Output = CommandOutcome> + use<> {
     let answer = handle.give(request(command.clone()));
     async move { within(&format!("the answer to {command:?}"), answer).await }
@@ -109,7 +109,7 @@ async fn whoever_was_answered_sees_what_was_done() {
     assert_eq!(state.mission.phase, PhaseName::Exploring);
 }
 
-/// Safety S1: a stop works while the loop does not get to its commands.
+/// Safety S1: a stop works even if the loop does not take commands from its queue.
 #[tokio::test]
 async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
     let (handle, _hanging, mut robot) = task();
@@ -137,7 +137,7 @@ async fn no_order_is_given_after_a_stop_was_answered() {
     }
 }
 
-/// Safety S6, while somebody else keeps pressing START.
+/// Safety S6: no step begins after a stop was answered, even if somebody else keeps sending START.
 #[tokio::test(start_paused = true)]
 async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered() {
     let (handle, mut robot, _close) = running().await;
@@ -154,7 +154,7 @@ async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered(
     }
 }
 
-/// A stop is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
+/// A stop is raised while the loop is about to send an order. The loop ends its round, and the robot gets no order.
 #[tokio::test]
 async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
     let (handle, mut task, mut robot) = task();
@@ -171,7 +171,7 @@ async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
     assert!(task.engine.snapshot().mission.holds.contains(&Hold::Operator));
 }
 
-/// Safety S2: heat halts as directly as a stop does.
+/// Safety S2: heat halts the robot as directly as a stop does.
 #[tokio::test]
 async fn heat_halts_past_the_queue_of_orders() {
     let (handle, mut robot, _close) = running().await;
@@ -181,7 +181,8 @@ async fn heat_halts_past_the_queue_of_orders() {
     assert!(robot.halts.now().count > halts);
 }
 
-/// Safety S2 and V3: the answer and the robot wait for the record, however late it comes.
+/// Safety S2 and V3: START is answered and the robot moves only when the record is stored, however late that is. STOP
+/// does not wait.
 #[tokio::test]
 async fn a_store_that_answers_late_delays_start_but_not_stop() {
     let (handle, task, robot, word) = task_with(false);
@@ -196,7 +197,7 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
     assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
 }
 
-/// A moving robot and its order, with a store that stores at once, or hangs from now on.
+/// A moving robot and its order. The store stores at once, or hangs from now on.
 async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order) {
     let at_once = Arc::new(AtomicBool::new(true));
     let (handle, task, robot, _word) = task_keeping(&at_once);
@@ -209,7 +210,7 @@ async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order
 
 const TENTH: Duration = Duration::from_millis(100);
 
-/// Safety S8: whatever the store does.
+/// Safety S8: the answer to a stop waits until the robot stands, whatever the store does.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_the_robot_stands_and_its_state_says_so() {
     for hangs in [false, true] {
@@ -227,7 +228,8 @@ async fn the_answer_to_a_stop_waits_until_the_robot_stands_and_its_state_says_so
     }
 }
 
-/// Safety S8: a robot that does not obey delays the answer by a tenth of a second, and its state says that it does not stand.
+/// Safety S8: if the robot does not obey, the answer comes after a tenth of a second. Its state says that the robot
+/// does not stand.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     for hangs in [false, true] {
@@ -243,7 +245,7 @@ async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     }
 }
 
-/// Safety S4: an answered stop is on disk, where it outlives the program, if it can be written in time.
+/// Safety S4: an answered stop is on disk if it can be written in time. There it survives the end of the program.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     let (handle, task, robot) = task();
@@ -284,7 +286,7 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
     assert!((TENTH..TENTH + Duration::from_millis(5)).contains(&took), "{took:?}");
 }
 
-/// Safety A6: nobody waits for their answers any more.
+/// Safety A6: stops sent before the end are recorded. Nobody waits for their answers any more.
 #[tokio::test]
 async fn stops_that_were_given_before_the_end_are_on_record() {
     struct Listing(watch::Sender<StoreStatus>, Arc<std::sync::Mutex<Vec<String>>>);
@@ -319,8 +321,8 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     assert!(alone.iter().all(|command| command == "STOP"), "who gave another command hears that it was too late: {listed:?}");
 }
 
-/// Safety R1: no order begins afterwards, whatever was under way and whoever still sends commands, and no hold appears that
-/// nobody has pressed.
+/// Safety R1: no order begins afterwards, whatever was under way and whoever still sends commands. No hold appears
+/// that nobody has set.
 #[tokio::test(start_paused = true)]
 async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_more() {
     let (handle, mut robot, course, order) = moving(false).await;
@@ -336,7 +338,8 @@ async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_m
     assert!(within("the end of orders", robot.orders.recv()).await.is_none());
 }
 
-/// Safety S8: nothing new begins before the robot stands, and the answer to the stop shows a state in which it does.
+/// Safety S8: nothing new begins before the robot stands. The answer to the stop shows a state in which the robot
+/// stands.
 #[tokio::test(start_paused = true)]
 async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     let (handle, mut robot, _close, order) = moving(false).await;
@@ -351,7 +354,7 @@ async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     assert!(before < stopped && stopped < handle.snapshot().revision, "the state in between is the one in which it stands");
 }
 
-/// A photo is no motion: one that was ordered before a stop is still taken.
+/// A photo is not a motion. So a photo that was ordered before a stop is still taken.
 #[tokio::test]
 async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     let (handle, mut task, mut robot) = task();
@@ -365,7 +368,8 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     assert!(robot.orders.try_recv().is_err());
 }
 
-/// Safety A6: an answered refusal is in the journal, whenever the program dies; a store that fails makes nobody wait.
+/// Safety A6: an answered refusal is in the journal, whenever the program dies. If the store fails, nobody waits for
+/// it.
 #[tokio::test]
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = task_with(false);
@@ -386,8 +390,8 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     assert!(refused().await.unwrap().unwrap().is_err());
 }
 
-/// Safety A6: the same for refusals by a door. One that shares an entry with others is answered at once, and one that nobody
-/// waits for is recorded like the rest.
+/// Safety A6: the same for refusals by a door. A refusal that shares an entry with others is answered at once. A
+/// refusal for which nobody waits is recorded like the rest.
 #[tokio::test]
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
     let (handle, task, robot, word) = task_with(false);
@@ -411,7 +415,7 @@ async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_a
     }
 }
 
-/// Safety S1, A6.
+/// Safety S1, A6: stops and refusals that find the queue full are recorded, and the stops are answered.
 #[tokio::test(start_paused = true)]
 async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered() {
     let (handle, task, robot) = task();
@@ -430,13 +434,15 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
     drop(starts);
 }
 
-/// Safety V3: whoever waits for a lost record is told so, even when the store writes again before the loop reads its status.
+/// Safety V3: a sender whose record is lost is told so, even if the store writes again before the loop reads its
+/// status.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start(handle, task, robot).await;
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
-    // The accepted command is not shown before it is on record, but the later refusal is: it tells that the loop has taken both.
+    // The accepted command is not shown before it is on record. The later refusal is shown at once, which tells that
+    // the loop has taken both.
     giving(&handle, Command::Retrieve);
     seen(&handle, "the refusal", says("refused")).await;
     assert!(!waiting.is_finished());

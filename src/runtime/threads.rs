@@ -1,5 +1,5 @@
-//! Threads with a loop of their own (safety S7), so that urgent work never waits behind busy work elsewhere. `app` decides what
-//! runs on which thread.
+//! Threads that each run a loop of their own (safety S7). So urgent work on one thread never waits for work on
+//! another. `app` decides what runs on which thread.
 
 use std::io;
 use std::sync::mpsc;
@@ -20,14 +20,14 @@ pub struct Thread {
 }
 
 impl Thread {
-    /// Starts a thread; the system shows `name`, which has at most 15 bytes.
+    /// Starts a thread. The system shows `name`, which has at most 15 bytes.
     pub fn start(name: &str) -> io::Result<Thread> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let handle = runtime.handle().clone();
         let (end, asked) = oneshot::channel();
         let (last, ended) = mpsc::channel();
         std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            // The thread also ends when its owner has disappeared without asking.
+            // The thread also ends if its owner has disappeared without asking it to end.
             let _ = runtime.block_on(asked);
             runtime.shutdown_timeout(LEFT_BEHIND);
             drop(last);
@@ -45,7 +45,8 @@ impl Drop for Thread {
         if let Some(end) = self.end.take() {
             let _ = end.send(());
         }
-        // Nothing is ever sent on this channel: it closes at the end. A thread that hangs is not waited for.
+        // Nothing is ever sent on this channel. It closes when the thread has ended. A thread that hangs is left
+        // behind after this time.
         let _ = self.ended.recv_timeout(2 * LEFT_BEHIND);
     }
 }

@@ -1,6 +1,6 @@
-//! How the files of the data folder are created and opened, for every module that stores something there. A file is private to
-//! its owner, or shared with the group where the folder belongs to the group. Only plain files are opened: opening a pipe would
-//! block for ever, and a dangling link would look like a missing file.
+//! How the files of the data folder are created and opened, for every module that stores something there. A file is
+//! private to its owner, or shared with the group if the folder belongs to the group. Only plain files are opened:
+//! opening a pipe would block for ever, and a dangling link would look like a missing file.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const SPECIAL: &str = "it is a pipe or a device, not a plain file";
 
-/// Fails with a short reason when `path` is no plain file, or a file that this user may not read. A missing file is not an
+/// Fails with a short reason when `path` is not a plain file, or when this user may not read it. A missing file is no
 /// error.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
@@ -29,7 +29,8 @@ fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> 
     }
 }
 
-/// Checks rights without opening the file: a program that closes a file of an SQLite database loses its locks on that database.
+/// Checks rights without opening the file. Opening is avoided because a program that closes a file of an SQLite
+/// database loses its locks on this database.
 #[cfg(unix)]
 fn check_rights(path: &Path, is_folder: bool) -> io::Result<()> {
     use rustix::fs::Access;
@@ -42,7 +43,7 @@ fn check_rights(_: &Path, _: bool) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads a plain file, at most `most` + 1 bytes, so that the caller sees when it is too large.
+/// Reads a plain file, at most `most` + 1 bytes, so that the caller can detect a file that is too large.
 pub(crate) fn read(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path, File::options().read(true))?.take(most as u64 + 1).read_to_end(&mut bytes)?;
@@ -57,13 +58,14 @@ pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u
     }
 }
 
-/// Opens a plain file with `options`; a file created by them is private.
+/// Opens a plain file with `options`. If this call creates the file, the file is private.
 pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     check_plain(path)?;
     open_at_once(path, options)
 }
 
-/// Opens without checking first. `NONBLOCK` keeps a pipe that replaced the file since the check from blocking.
+/// Opens a file without checking it first. With `NONBLOCK` this does not block if a pipe has replaced the file since
+/// the check.
 fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
@@ -71,8 +73,8 @@ fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other(SPECIAL)) }
 }
 
-/// Creates a file under its temporary name. A leftover of a kill with this name is removed first, so that no pipe blocks and no
-/// link is followed. A folder with this name stays, and is an error.
+/// Creates a file under its temporary name. A file of this name was left by a killed program. It is removed first, so
+/// that no pipe blocks and no link is followed. A folder of this name stays, and is an error.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
     let _ = fs::remove_file(path);
     check_no_folder(path)?;
@@ -100,7 +102,7 @@ fn open_unchecked(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Creates a folder, and its parents, for its owner alone.
+/// Creates a folder and its parents, for the owner only.
 pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
     let mut builder = DirBuilder::new();
     #[cfg(unix)]
@@ -108,7 +110,7 @@ pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
     builder.recursive(true).create(path)
 }
 
-/// Creates a folder inside an existing folder; shared with the group where the parent belongs to the group.
+/// Creates a folder inside an existing folder. It is shared with the group if the parent folder belongs to the group.
 pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         return Ok(());
@@ -120,7 +122,7 @@ pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
 /// Flushes the names in a folder to disk.
 pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-    // Other systems cannot open a folder as a file, and make its names durable by themselves.
+    // Other systems cannot open a folder as a file, and store the names durably without this call.
     if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
@@ -128,8 +130,8 @@ pub(super) fn above(path: &Path) -> &Path {
     path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether the group may replace files of this folder as its owner may. With an access list (ACL) the mode does not tell what the
-/// group may do.
+/// Whether the group may replace files of this folder, as the owner may. Returns false for a folder with an access
+/// list (ACL), since then the mode does not tell what the group may do.
 #[cfg(unix)]
 pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     use std::os::unix::fs::PermissionsExt;
@@ -139,14 +141,14 @@ pub(super) fn is_the_groups(folder: &Path) -> io::Result<bool> {
     Ok(mode & (GROUP_WRITES | OWN_FILES_ONLY) == GROUP_WRITES && !has_access_list(folder))
 }
 
-/// Whether a path has an access list that names other users, or a default list for new files in it.
+/// Whether a path has an access list that names other users, or a folder has a default list for new files.
 #[cfg(target_os = "linux")]
 pub(super) fn has_access_list(path: &Path) -> bool {
     let lists = ["system.posix_acl_access", "system.posix_acl_default"];
     let mut room = [0; 256];
     lists.into_iter().any(|list| match rustix::fs::getxattr(path, list, &mut room[..]) {
         Ok(bytes) => bytes > 0,
-        // The list is longer than the buffer, so a list exists.
+        // The list does not fit into the buffer, so a list exists.
         Err(error) => error == rustix::io::Errno::RANGE,
     })
 }
@@ -156,18 +158,18 @@ pub(super) fn has_access_list(_: &Path) -> bool {
     false
 }
 
-/// Grants the group the owner's rights where the folder belongs to the group, regardless of the umask of the process.
+/// Gives the group the owner's rights if the folder belongs to the group, regardless of the umask of the process.
 #[cfg(unix)]
 pub(super) fn share(path: &Path, made: &File) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     let (folder, there) = (above(path), made.metadata()?);
     let shared = there.mode() | (there.mode() & 0o700) >> 3;
-    // A new file has the group of its creator unless the folder passes on its own.
+    // A new file has the group of its creator, unless the folder passes on its own group.
     if shared == there.mode() || fs::metadata(folder)?.gid() != there.gid() || !is_the_groups(folder)? {
         return Ok(());
     }
     match made.set_permissions(fs::Permissions::from_mode(shared)) {
-        // The volume does not allow modes to be set, so the mode that it chose stays.
+        // The volume does not allow programs to set modes, so the file keeps the mode that the volume chose.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Ok(()),
         set => set,
     }

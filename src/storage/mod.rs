@@ -1,5 +1,6 @@
-//! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; the file that
-//! remembers a STOP; and how all files of the data folder are named, created, opened and written.
+//! The store on disk or in memory, which implements `runtime::store::Store` and `runtime::archive::Archive`. This
+//! folder also has the file that remembers a STOP. It decides how all files of the data folder are named, created,
+//! opened and written.
 
 pub(crate) mod files;
 pub mod names;

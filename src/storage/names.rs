@@ -1,10 +1,11 @@
-//! The table of every file that the program keeps in the data folder, and the only place that spells these names. Small files can
-//! be opened only by a `Name`, so the table is complete; the tests of damage and the page `docs/journal.md` use `ALL` (safety
-//! R5).
+//! The table of all files that the program keeps in the data folder, and the only place that spells their names.
+//! Small files can be opened only by a `Name`, so the table is complete. The tests of damaged files and the page
+//! `docs/journal.md` use `ALL` (safety R5).
 
 use std::path::{Path, PathBuf};
 
-/// Path of a file or folder within the data folder. `*` stands for the part of the name that differs between files of one kind.
+/// Path of a file or folder within the data folder. If there are several files of one kind, `*` stands for the part
+/// of the name that differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name(&'static str);
 
@@ -56,7 +57,7 @@ impl Name {
         data.join(self.0)
     }
 
-    /// Path of one file of its kind, with `part` in place of `*`.
+    /// Path of one file of this kind, with `part` in place of `*`.
     pub(crate) fn of(self, data: &Path, part: &str) -> PathBuf {
         data.join(self.0.replace('*', part))
     }

@@ -1,9 +1,9 @@
-//! A small file that holds secrets: who may read it, and how it is replaced.
+//! A small file that holds secrets: this file finds out who may read it, and replaces it.
 //!
 //! ```text
-//!   its owner alone                 created so, in a folder that only its owner may write to
-//!   the group of its folder         whoever may replace the file learns nothing new by reading it
-//!   whoever the volume allows       some volumes give every file the same mode, whatever is asked for
+//!   its owner alone                 normal, in a folder that only its owner may write to
+//!   the group of its folder         accepted: the group may replace the file, so reading it reveals nothing new
+//!   whoever the volume allows       accepted: some volumes give every file the same mode in any case
 //!   anybody else                    the secrets may be known already
 //! ```
 
@@ -26,11 +26,12 @@ pub(crate) struct PrivateFile(PathBuf);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Readers {
     Owner,
-    /// The owner and the group of the folder, which may replace the file anyway.
+    /// The owner, and the group of the folder. This group may replace the file anyway.
     Group,
-    /// Everybody whom the volume allows: it gives every new file this mode or a wider one, so nobody opened this file on purpose.
+    /// Everybody whom the volume allows. The volume gives every new file this mode or a wider one, so nobody opened
+    /// this file on purpose.
     OfVolume,
-    /// Other users; the mode as in `chmod`.
+    /// Other users can read the file too. The number is the mode as in `chmod`.
     Others(u32),
 }
 
@@ -43,8 +44,8 @@ impl PrivateFile {
         &self.0
     }
 
-    /// The first `most` bytes and who may read them; `None` when there is no such file. On systems without modes the user's own
-    /// folder protects the file.
+    /// Reads the first `most` bytes, and finds out who may read them; `None` when there is no such file. On systems
+    /// without modes the user's own folder protects the file.
     pub(crate) fn read(&self, most: u64) -> io::Result<Option<(Vec<u8>, Readers)>> {
         let file = match files::open(&self.0, File::options().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -56,9 +57,9 @@ impl PrivateFile {
         Ok(Some((bytes, readers)))
     }
 
-    /// Excludes other callers of this function until the returned lock is dropped, so that a write follows from what was read.
-    /// Waits two seconds at most, since anybody who may read the folder can lock it, and does not wait where the folder cannot be
-    /// locked.
+    /// Keeps other callers of this function waiting until the returned lock is dropped. So nobody else writes between
+    /// the caller's read and its write. Waits two seconds at most, since everybody who may read the folder can lock
+    /// it. Does not wait if the folder cannot be locked.
     pub(crate) fn alone(&self) -> Option<File> {
         let folder = File::open(files::above(&self.0)).ok()?;
         (0..GLANCES).find_map(|_| match folder.try_lock() {
@@ -71,13 +72,13 @@ impl PrivateFile {
         Some(folder)
     }
 
-    /// Replaces the file and returns once it is on disk. Creates the folder when there is none.
+    /// Replaces the file, and returns when the new file is on disk. Creates the folder if it does not exist.
     pub(crate) fn replace(&self, bytes: &[u8]) -> io::Result<()> {
         let folder = files::above(&self.0);
         files::make_folder(folder)?;
-        // The process id keeps two programs that write at once apart.
+        // With the process id, two programs that write at the same time use different names.
         let fresh = self.0.with_extension(format!("{}.new", std::process::id()));
-        // A leftover of a crash may belong to another user, so it is not written into.
+        // A file left by a crash may belong to another user, so it is removed and not written into.
         let _ = fs::remove_file(&fresh);
         let written = write(&fresh, bytes).and_then(|()| fs::rename(&fresh, &self.0));
         if written.is_err() {
@@ -94,7 +95,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Creates a private file; fails when the name exists.
+/// Creates a private file. Fails when the name exists.
 fn make(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
@@ -119,13 +120,14 @@ fn readers(path: &Path, file: &fs::Metadata, made: impl FnOnce() -> u32) -> io::
     Ok(if made() & open == open { Readers::OfVolume } else { Readers::Others(file.mode() & 0o777) })
 }
 
-/// The mode that the volume gives to a private file in this folder, found by creating a file, since there is no other way. 0
+/// The mode that the volume gives to a private file in this folder. Only creating a file shows this mode. Returns 0
 /// when no file can be created.
 #[cfg(unix)]
 fn mode_of_volume(folder: &Path) -> u32 {
     use std::hash::{BuildHasher, Hasher, RandomState};
     use std::os::unix::fs::MetadataExt;
-    // A random name: in containers programs may share a process id, and a killed program leaves its file behind.
+    // The name is random: in containers two programs may have the same process id, and a killed program leaves its
+    // file behind.
     let tried = names::MODE.of(folder, &format!("{:016x}", RandomState::new().build_hasher().finish()));
     let made = make(&tried).and_then(|made| made.metadata()).map_or(0, |made| made.mode());
     let _ = fs::remove_file(&tried);
@@ -179,13 +181,14 @@ mod tests {
             assert_eq!(readers_of(&file), expect, "{mode:o}");
         }
         set(file.path(), 0o660);
-        // The group may do nothing there, or it may add files but not replace those of others.
+        // In these folders the group may not write, or may not replace the files of others.
         for folder_mode in [0o700, 0o750, 0o1770] {
             set(&folder, folder_mode);
             assert_eq!(readers_of(&file), Readers::Others(0o660), "in a folder {folder_mode:o}");
         }
         set(&folder, 0o2770);
-        // An access list that names a user, where the system supports it: version 2, the owner, user 1, group, mask, others.
+        // An access list that names a user, if the system supports it. The parts are version 2, the owner, user 1,
+        // group, mask, others.
         #[cfg(target_os = "linux")]
         {
             let entry =
@@ -205,7 +208,7 @@ mod tests {
                 set(&folder, 0o2770);
             }
         }
-        // Only root can give a file to a group that it is not in.
+        // Only root can give a file to any group.
         let stranger = fs::metadata(&folder).unwrap().gid() + 1;
         if chown(file.path(), None, Some(stranger)).is_ok() {
             assert_eq!(readers_of(&file), Readers::Others(0o660), "of another group than the folder");

@@ -1,6 +1,6 @@
-//! The one way to read and write small files of the data folder: the STOP file, the position of the simulated robot, the mark
-//! of lost entries. The owner of a file decides its contents and when it is written. Creating and opening is in `files`,
-//! secrets are in `private_file`.
+//! Reads and writes the small files of the data folder: the STOP file, the position of the simulated robot, the mark
+//! of lost entries. The module that owns a file decides its contents and when it is written. `files` creates and
+//! opens the files; secrets are in `private_file`.
 //!
 //! ```text
 //!   make        new file, fsync, rename      all or nothing, and durable: the first write
@@ -18,7 +18,7 @@ use super::files;
 use super::names::Name;
 use crate::runtime::archive::hex;
 
-/// Detects a damaged text: the first 8 bytes of its SHA-256.
+/// Detects damage of a text: returns the first 8 bytes of its SHA-256.
 pub(crate) fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text)[..8])
 }
@@ -28,17 +28,17 @@ pub(crate) struct SmallFile {
     path: PathBuf,
     /// Opened for writing; `None` before the first write and after a failed write.
     open: Option<File>,
-    /// Whether the failure is in the log already.
+    /// Whether the log already reports the failure.
     is_failing: bool,
 }
 
 impl SmallFile {
-    /// Does not touch the disk.
+    /// Names the file. Does not touch the disk.
     pub(crate) fn within(data: &Path, name: Name) -> SmallFile {
         SmallFile::of(data, name, "")
     }
 
-    /// Like `within`, for a kind with several files, which differ in `part`.
+    /// Like `within`, for a name with `*`, which `part` replaces.
     pub(crate) fn of(data: &Path, name: Name, part: &str) -> SmallFile {
         SmallFile { path: name.of(data, part), open: None, is_failing: false }
     }
@@ -47,7 +47,8 @@ impl SmallFile {
         &self.path
     }
 
-    /// Reads at most `most` + 1 bytes, so that the caller sees when it is too large; `None` when there is no such file.
+    /// Reads at most `most` + 1 bytes, so that the caller can detect a file that is too large; `None` when there is
+    /// no such file.
     pub(crate) fn read(&self, most: usize) -> io::Result<Option<Vec<u8>>> {
         files::read_if_there(&self.path, most)
     }
@@ -56,7 +57,7 @@ impl SmallFile {
         self.path.with_extension("new")
     }
 
-    /// Replaces the file and waits for the disk: a power cut leaves the old contents or the new ones.
+    /// Replaces the file and waits for the disk. After a power cut the file has the old contents or the new ones.
     pub(crate) fn make(&mut self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.unfinished();
         let mut file = files::create(&unfinished)?;
@@ -67,7 +68,7 @@ impl SmallFile {
         Ok(())
     }
 
-    /// Replaces the file without a flush: the new contents outlive `kill -9`, but not a power cut.
+    /// Replaces the file without a flush. The new contents survive `kill -9`, but not a power cut.
     pub(crate) fn swap(&mut self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.unfinished();
         files::create(&unfinished)?.write_all(bytes)?;
@@ -85,14 +86,15 @@ impl SmallFile {
         Ok(())
     }
 
-    /// Overwrites the start of the file, creating it when there is none. The returned file can be flushed.
+    /// Overwrites the beginning of the file, and creates the file if it does not exist. The returned file can be
+    /// flushed.
     pub(crate) fn write_over(&self, bytes: &[u8]) -> io::Result<File> {
         let mut file = files::open(&self.path, File::options().write(true).create(true).truncate(false))?;
         file.write_all(bytes)?;
         Ok(file)
     }
 
-    /// Logs when writing starts to fail and when it works again, not each attempt.
+    /// Logs when writing starts to fail and when it works again, but not each attempt.
     pub(crate) fn say(&mut self, outcome: &io::Result<()>, failing: &str, well_again: &str) {
         match outcome {
             Ok(()) if std::mem::take(&mut self.is_failing) => tracing::info!(file = %self.path.display(), "{well_again}"),

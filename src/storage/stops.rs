@@ -1,13 +1,13 @@
-//! A second record of STOP (safety S4): a stop is answered before it is in the journal, so its epoch is also written in place
-//! to a small file, where it outlives `kill -9` even when the journal cannot be written. `app` decides what a start does with
-//! the epoch, and only the journal records who stopped.
+//! A second record of STOP (safety S4). A stop is answered before it is in the journal. So its epoch is also written
+//! in place to a small file. There it survives `kill -9`, even when the journal cannot be written. `app` decides what
+//! a start does with the epoch. Only the journal records who stopped.
 //!
 //! ```text
-//!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one counts, and the
+//!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two such lines; the greater epoch counts, and the
 //!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     other one is written next
 //! ```
-//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed:
-//! written bytes are in the system's hands at once, and only a power cut may lose the last seconds.
+//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is
+//! flushed: the system has the written bytes at once, and only a power cut may lose the last seconds.
 
 use std::fs;
 use std::io;
@@ -22,16 +22,16 @@ use hallsweep_core::units::Epoch;
 /// How a line begins: the program's name and the version of the format.
 const BEGINS: &str = "hallsweep stops 1 ";
 
-/// Bytes of a line: its beginning, twenty digits, a space, sixteen of checksum, the end of the line.
+/// Bytes of a line: its beginning, twenty digits, a space, sixteen digits of the checksum, and the end of the line.
 const LINE: usize = BEGINS.len() + 20 + 1 + 16 + 1;
 
 /// Bytes of the file. Both lines are in one sector.
 const SIZE: usize = 2 * LINE;
 
-/// Largest epoch accepted from the file; nobody can press STOP often enough to exceed it.
+/// Largest epoch that is accepted from the file. Nobody can press STOP often enough to exceed it.
 const GREATEST: u64 = i64::MAX as u64;
 
-/// Time after which a failed write is retried, when no stop comes before.
+/// A failed write is retried after this time, or at the next stop if that comes earlier.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
@@ -50,12 +50,12 @@ struct FoundStop {
     epoch: Epoch,
     /// The line that has the greater epoch.
     line: usize,
-    /// Whether the other line is readable too. If not, it may have named a later stop.
+    /// Whether the other line is readable too. If not, that line may have named a later stop.
     is_sure: bool,
 }
 
 impl Stops {
-    /// Why the file in the folder `dir` cannot be used at all, with the advice what to do; `None` when it can be used, or does
+    /// Why the file in the folder `dir` cannot be used at all, and what to do. `None` when it can be used, or does
     /// not exist yet. Changes nothing.
     pub fn unusable(dir: &Path) -> Option<String> {
         let file = SmallFile::within(dir, names::STOPS);
@@ -69,8 +69,8 @@ impl Stops {
         }
     }
 
-    /// Opens the file in the folder `dir`, or creates it with its full size. A fault is not an error but logged, and the next
-    /// stop retries. A file with an unreadable line is set aside and begun anew.
+    /// Opens the file in the folder `dir`, or creates it with its full size. A fault is logged and is not an error;
+    /// the next stop retries. A file with an unreadable line is set aside, and a new file replaces it.
     pub fn open(dir: &Path) -> Stops {
         let mut stops = Stops {
             file: SmallFile::within(dir, names::STOPS),
@@ -88,8 +88,8 @@ impl Stops {
                 found => {
                     stops.was_damaged = true;
                     stops.epoch = found.map_or(Epoch(0), |found| found.epoch);
-                    // The damaged file gets a second name, so that it can still be found after a kill before the new file
-                    // exists. On a volume without links it is overwritten all the same, because a STOP must find its file.
+                    // The damaged file gets a second name, so that it can be found even after a kill before the new
+                    // file exists. On a volume without links it is overwritten, because a STOP must find its file.
                     let aside = names::STOPS_DAMAGED.within(dir);
                     let _ = fs::remove_file(&aside);
                     stops.was_set_aside = fs::hard_link(stops.file.path(), &aside).is_ok();
@@ -111,8 +111,8 @@ impl Stops {
         self.epoch
     }
 
-    /// Path of the file if its contents could not be read, in which case the last stop may be missing from the records. The
-    /// second value says whether the contents were set aside.
+    /// Path of the file if its contents could not be read. In this case the last stop may be missing from the
+    /// records. The second value says whether the contents were set aside.
     pub fn damaged(&self) -> Option<(&Path, bool)> {
         self.was_damaged.then_some((self.file.path(), self.was_set_aside))
     }
@@ -150,8 +150,8 @@ impl Stops {
     }
 }
 
-/// Writes every stop and tells the halter, on a thread that may block, so that a disk that hangs prevents no stop. Ends with
-/// the program.
+/// Writes every stop and reports it to the halter. The writing is done on a thread that may block, so that a disk
+/// that hangs prevents no stop. Ends with the program.
 pub async fn follow(mut stops: Stops, halter: Halter) {
     let mut halts = halter.watch();
     halter.note(Some(stops.epoch()));

@@ -1,4 +1,5 @@
-//! What the STOP file survives: kills, damage, arbitrary bytes. A file of its own because of its length.
+//! Tests of the STOP file: it survives kills, damage and arbitrary bytes. They are in a separate file because they
+//! are long.
 
 use std::path::PathBuf;
 
@@ -56,7 +57,7 @@ fn a_line_that_was_cut_short_costs_only_itself_and_leaves_a_doubt() {
         let again = Stops::open(&scratch.0);
         assert_eq!((again.epoch(), again.damaged()), (Epoch(6), None));
     }
-    // After reopening it overwrites the older line, so that a kill in the middle of that costs nothing that was there.
+    // After reopening, the older line is overwritten. So a kill in the middle of the write loses no earlier stop.
     for epochs in [[7, 6], [6, 7]] {
         std::fs::write(file_in(&scratch), epochs.map(|epoch| line(Epoch(epoch))).concat()).unwrap();
         Stops::open(&scratch.0).keep(Epoch(8));
@@ -90,7 +91,7 @@ fn it_is_for_its_owner_alone_and_nothing_else_is_left_there() {
     assert_eq!(std::fs::read_dir(&scratch.0).unwrap().count(), 1);
 }
 
-/// The folder does not exist yet, or no longer: the stop is written once it does.
+/// The folder does not exist yet, or no longer exists. The stop is written once the folder exists.
 #[tokio::test(start_paused = true)]
 async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
     let scratch = Scratch::new();
@@ -119,7 +120,7 @@ async fn a_stop_that_was_noted_stands_in_the_file() {
     let scratch = Scratch::new();
     let halter = Halter::new(Epoch(0));
     let following = tokio::spawn(follow(Stops::open(&scratch.0), halter.clone()));
-    // One yield lets the thread begin.
+    // One yield lets the task begin.
     tokio::task::yield_now().await;
     for _ in 0..100 {
         let epoch = halter.stop();

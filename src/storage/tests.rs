@@ -1,3 +1,4 @@
-//! What tests of many rooms use of the storage: the folder of one test. The tests themselves are beside what they test.
+//! Shared by tests of many parts of the program: the folder of one test. The tests of the storage are beside the code
+//! that they test.
 
 pub(crate) mod scratch;

@@ -1,6 +1,6 @@
-//! The queue between the threads that log and the stream that receives the lines (safety S11). A thread of its own writes, so
-//! that nobody else waits when the stream blocks, and nobody panics when it fails. Lines that find no room or cannot be written
-//! are counted, and the log reports their number as soon as the stream accepts lines again.
+//! The queue between the threads that log and the stream that receives the lines (safety S11). A separate thread
+//! writes to the stream. So no other thread waits when the stream blocks, or panics when it fails. Lines that find no
+//! room or cannot be written are counted. The log reports their number as soon as the stream accepts lines again.
 
 use std::io::{self, ErrorKind, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,7 +11,8 @@ use crate::api::time::rfc3339;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::LOG_LINES_LOST;
 
-/// Maximum size of the waiting text, in bytes. The writing thread may have as much again, so both come to 1 MiB.
+/// Maximum size of the waiting text, in bytes. The writing thread may have the same amount again, so both together
+/// have at most 1 MiB.
 const ROOM: usize = 512 * 1024;
 
 /// Pause before the next attempt on a non-blocking stream that is full.
@@ -26,7 +27,7 @@ pub(super) struct Queue {
 #[derive(Debug, Default)]
 struct State {
     text: Vec<u8>,
-    /// Lines dropped after `text`.
+    /// Number of lines dropped after `text`.
     dropped: u64,
     is_writing: bool,
 }
@@ -102,7 +103,8 @@ fn say_lost(stream: &mut impl Write, lost: &mut u64) {
     }
 }
 
-/// Waits while a non-blocking stream is full; returns the rest of the text once the stream fails.
+/// Writes the text, and waits while a non-blocking stream is full. Returns the rest of the text when the stream
+/// fails.
 fn unwritten<'a>(stream: &mut impl Write, mut text: &'a [u8]) -> &'a [u8] {
     while !text.is_empty() {
         match stream.write(text) {
@@ -128,7 +130,7 @@ mod tests {
 
     use super::*;
 
-    /// A stream whose writes do what the test says, and hang until the test says it.
+    /// A stream for tests. Each write does what the test says, and hangs until the test says it.
     struct Stream {
         turns: Receiver<Result<usize, ErrorKind>>,
         taken: Sender<Vec<u8>>,
@@ -136,7 +138,7 @@ mod tests {
 
     impl Write for Stream {
         fn write(&mut self, text: &[u8]) -> io::Result<usize> {
-            // When the test is over everything is accepted.
+            // After the end of the test everything is accepted.
             let most = self.turns.recv().unwrap_or(Ok(usize::MAX))?.min(text.len());
             let _ = self.taken.send(text[..most].to_vec());
             Ok(most)
@@ -163,7 +165,7 @@ mod tests {
             turns.iter().for_each(|turn| self.turn.send(*turn).unwrap());
         }
 
-        /// Everything that the stream received once nothing hangs any more.
+        /// Lets all further writes succeed; returns everything that the stream received.
         fn taken(self) -> String {
             drop(self.turn);
             self.queue.end(Duration::from_secs(60));
@@ -194,7 +196,7 @@ mod tests {
         );
 
         let bench = Bench::new();
-        // The disk accepts half a line, then nothing, not even the number of lost lines.
+        // The stream accepts half a line, then nothing, not even the number of lost lines.
         bench.turns(&[Ok(6), Err(ErrorKind::StorageFull), Err(ErrorKind::StorageFull)]);
         bench.queue.put(b"kept\nhalf\nlost\n");
         bench.queue.end(Duration::from_secs(60));

@@ -1,12 +1,12 @@
-//! The blackboard: named entries by which the nodes of a tree, and trees that share it, exchange values. Names are
-//! looked up when a tree is built; a tick uses slots. Scopes of subtrees are resolved in `build`.
+//! The blackboard: named entries through which the nodes of a tree exchange values. Several trees can share a
+//! blackboard. Names are looked up when a tree is built; a tick uses slots. `build` resolves the scopes of subtrees.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::value::{LONGEST_TEXT, Value, ValueType};
 
-/// Most entries of one blackboard: more than all ports of the largest tree that people draw.
+/// Maximum number of entries of one blackboard. It is more than all ports of the largest tree that people draw.
 pub const MOST_ENTRIES: usize = 8192;
 
 /// The index of an entry, which never changes while the blackboard exists.
@@ -26,7 +26,8 @@ pub struct BlackboardEntry {
     ty: ValueType,
     value: Option<Value>,
     written: u64,
-    /// Set once a port names the entry or a value was written to it: only then may a script write it with `=`.
+    /// True once a port names the entry or a value was written to it. Only then may a script write the entry with
+    /// `=`.
     is_there: bool,
 }
 
@@ -43,7 +44,7 @@ impl BlackboardEntry {
         self.ty
     }
 
-    /// The value that was written last; `None` if no value was written, or it was removed.
+    /// The value that was written last; `None` if no value was written, or if it was removed.
     #[must_use]
     pub const fn value(&self) -> Option<&Value> {
         self.value.as_ref()
@@ -56,7 +57,7 @@ impl BlackboardEntry {
     }
 }
 
-/// Why a value cannot be put on the blackboard, or an entry cannot be created there.
+/// Why a value cannot be put on the blackboard, or why an entry cannot be created there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     /// The entry has another type, to which the value cannot be converted without loss.
@@ -66,7 +67,7 @@ pub enum Unfit {
         name: Arc<str>,
         /// The type that a port gave the entry.
         ty: ValueType,
-        /// The value to be written, as it stands in a file.
+        /// The value to be written, in the form of a file.
         value: String,
     },
     /// Two ports give the entry two different types. Only `Any` is compatible with every type.
@@ -74,7 +75,7 @@ pub enum Unfit {
     TwoTypes {
         /// The entry's name on the blackboard, with the path of its subtree.
         name: Arc<str>,
-        /// The type that the port bound first gives the entry.
+        /// The type that the first bound port gives the entry.
         before: ValueType,
         /// The type that the refused port gives the entry.
         now: ValueType,
@@ -87,7 +88,7 @@ pub enum Unfit {
         /// The length of the text in bytes.
         length: usize,
     },
-    /// The blackboard has [`MOST_ENTRIES`] already, or the slot is not one of its own.
+    /// The blackboard already has [`MOST_ENTRIES`], or the slot belongs to another blackboard.
     #[error("there are more than {MOST_ENTRIES} entries on the blackboard")]
     TooMany,
 }
@@ -118,19 +119,19 @@ impl Blackboard {
         self.writes
     }
 
-    /// The slot of the entry of this name. Look it up only once, since it never changes.
+    /// The slot of the entry with this name. It never changes, so look it up only once.
     #[must_use]
     pub fn slot(&self, name: &str) -> Option<Slot> {
         self.by_name.get(name).copied()
     }
 
-    /// The value of the entry of this name; `None` if it has none, or there is no such entry.
+    /// The value of the entry with this name; `None` if the entry has no value or does not exist.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.value(self.slot(name)?)
     }
 
-    /// Writes a value to the entry of this name, and creates the entry if necessary.
+    /// Writes a value to the entry with this name, and creates the entry if necessary.
     ///
     /// # Errors
     /// If the value does not fit the type of the entry, or there are too many entries.
@@ -139,10 +140,10 @@ impl Blackboard {
         self.put(slot, value)
     }
 
-    /// Creates an entry of this name and type, or finds the existing one.
+    /// Creates an entry with this name and type, or finds the existing one.
     ///
     /// # Errors
-    /// If the existing entry has another type, or a value that is not of this type, or there are too many entries.
+    /// If the existing entry has another type, or a value of another type, or if there are too many entries.
     pub fn declare(&mut self, name: &str, ty: ValueType) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             let entry = &mut self.entries[slot.index()];
@@ -168,8 +169,8 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// The slot of this name, which is reserved if necessary. The entry need not exist yet: some scripts create it, and
-    /// others require it to exist.
+    /// Returns the slot with this name, and reserves it if necessary. The entry need not exist yet: some scripts
+    /// create it, and others require it to exist.
     pub(crate) fn mention(&mut self, name: &str) -> Result<Slot, Unfit> {
         if let Some(slot) = self.slot(name) {
             return Ok(slot);
@@ -184,27 +185,28 @@ impl Blackboard {
         Ok(slot)
     }
 
-    /// The value of the entry in this slot of this blackboard; `None` if it has no value.
+    /// The value of the entry in this slot; `None` if it has no value. The slot must be one of this blackboard.
     #[must_use]
     pub fn value(&self, slot: Slot) -> Option<&Value> {
         self.entries.get(slot.index())?.value.as_ref()
     }
 
-    /// Whether a script may write this entry with `=`: a port names it, or a value was written to it.
+    /// Whether a script may write this entry with `=`. That is so if a port names the entry, or a value was written
+    /// to it.
     pub(crate) fn is_there(&self, slot: Slot) -> bool {
         self.entries.get(slot.index()).is_some_and(|entry| entry.is_there)
     }
 
-    /// The entry in this slot of this blackboard.
+    /// The entry in this slot. The slot must be one of this blackboard.
     #[must_use]
     pub fn entry(&self, slot: Slot) -> Option<&BlackboardEntry> {
         self.entries.get(slot.index())
     }
 
-    /// Writes a value to a slot. It is converted to the type of the entry if nothing is lost.
+    /// Writes a value to a slot. The value is converted to the type of the entry if nothing is lost.
     ///
     /// # Errors
-    /// If the value does not fit.
+    /// If the value does not fit the entry.
     pub fn put(&mut self, slot: Slot, value: Value) -> Result<(), Unfit> {
         let Some(entry) = self.entries.get_mut(slot.index()) else { return Err(Unfit::TooMany) };
         if let Value::Text(text) = &value
@@ -225,8 +227,8 @@ impl Blackboard {
         Ok(())
     }
 
-    /// Turns the text in this slot into a number if it is one and no port gives the entry a type, so that scripts can
-    /// use it in arithmetic.
+    /// Turns the text in this slot into a number, so that scripts can calculate with it. The text must be a
+    /// number, and no port may give the entry a type.
     pub(crate) fn take_for_number(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index())
             && entry.ty == ValueType::Any
@@ -239,7 +241,7 @@ impl Blackboard {
         }
     }
 
-    /// Removes an entry for scripts: before the next `=` it has to be created again. Its slot and its type stay.
+    /// Removes an entry for scripts. It must be created again before the next `=`. Its slot and its type stay.
     pub(crate) fn remove(&mut self, slot: Slot) {
         self.unset(slot);
         if let Some(entry) = self.entries.get_mut(slot.index()) {
@@ -247,7 +249,7 @@ impl Blackboard {
         }
     }
 
-    /// Removes the value of an entry, which counts as a write; the entry and its type stay.
+    /// Removes the value of an entry, which counts as a write. The entry and its type stay.
     pub fn unset(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index()) {
             self.writes += 1;
@@ -256,7 +258,7 @@ impl Blackboard {
         }
     }
 
-    /// Restores stored values. All other entries lose their values. Build the trees first.
+    /// Restores stored values. All other entries lose their values. The trees must be built before.
     ///
     /// # Errors
     /// If a value does not fit its entry.
@@ -265,8 +267,8 @@ impl Blackboard {
         kept.into_iter().try_for_each(|(name, value)| self.set(name, value))
     }
 
-    /// Removes the values of all entries for a new run, the barriers of `Sync` included. Texts that a tree was built
-    /// with (`<SubTree … speed="2"/>`) are removed too, so a new run is best built anew.
+    /// Removes the values of all entries for a new run, including the barriers of `Sync`. Texts with which a tree was
+    /// built (`<SubTree … speed="2"/>`) are removed too. It is therefore best to build a new tree for a new run.
     pub fn clear(&mut self) {
         for index in 0..self.entries.len() {
             self.unset(Slot(u32::try_from(index).unwrap_or(u32::MAX)));

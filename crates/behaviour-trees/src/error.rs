@@ -1,5 +1,5 @@
-//! Why a file of trees is refused, with the place in the file, in one sentence each. An error while a tree runs is a
-//! `tick::Fault`.
+//! The reasons why a file of trees is refused, each with the place in the file and one sentence. `tick::Fault` is an
+//! error while a tree runs.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ impl TreeError {
 }
 
 impl fmt::Display for TreeError {
-    /// Written as `line:column: reason`; a caller that knows the file puts its name in front.
+    /// Writes `line:column: reason`. A caller that knows the file puts the name of the file in front.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.place, self.reason)
     }
@@ -33,7 +33,7 @@ impl fmt::Display for TreeError {
 
 impl std::error::Error for TreeError {}
 
-/// Why a file is refused, or what is noted about it, with a sentence for its author.
+/// Why a file is refused, or what is noted about the file. Each reason has a sentence for the author of the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
     /// The file is longer than `xml::LONGEST_FILE`.
@@ -44,10 +44,10 @@ pub enum Reason {
         /// The longest file that is read, in bytes.
         most: usize,
     },
-    /// The message of the XML parser, without the place.
+    /// The file is not XML. The text is the message of the XML parser, without the place.
     #[error("this is not XML: {0}")]
     NotXml(String),
-    /// The name of the root element of a file that is XML, but not a file of trees.
+    /// The file is XML, but not a file of trees. The text is the name of its root element.
     #[error("the file begins with <{0}> instead of <root BTCPP_format=\"4\">")]
     NotTrees(String),
     /// The file has no version. Files of format 3 have none, so format 4 is not assumed.
@@ -56,41 +56,42 @@ pub enum Reason {
          convert_v3_to_v4.py of BehaviorTree.CPP"
     )]
     NoFormat,
-    /// The value of `BTCPP_format`, if it is not 4.
+    /// The value of `BTCPP_format` is not 4. The text is this value.
     #[error("<root> says BTCPP_format=\"{0}\", but only format \"4\" is supported")]
     Format(String),
-    /// The name of an element that is not allowed in its place, or is of another namespace.
+    /// An element is not allowed in its place, or is of another namespace. The text is the name of the element.
     #[error("<{0}> is not allowed here")]
     Misplaced(String),
-    /// An XML namespace. Only prefixes that the root declares are allowed, as in a file with a schema.
+    /// The file uses an XML namespace. Only prefixes that the root declares are allowed, as in a file with a schema.
     #[error("xmlns is not supported: files of trees have no namespaces")]
     Namespace,
-    /// An `<include>`: this crate opens no files.
+    /// The file has an `<include>`. This crate opens no files.
     #[error("<include> is not supported: put all trees into one file")]
     Include,
-    /// A second `<TreeNodesModel>`. Faults in it are reported as well.
+    /// There is a second `<TreeNodesModel>`. Faults in it are reported as well.
     #[error("there is a second <TreeNodesModel>, but only one is allowed")]
     SecondModel,
-    /// The element of a port without a name in a model, such as `input_port`.
+    /// A port in a model has no name. The text is the name of the element, such as `input_port`.
     #[error("<{0}> has no name")]
     NoName(String),
-    /// The first 40 characters of a text between elements.
+    /// There is a text between elements. The value is its first 40 characters.
     #[error("there is text between the elements: {0:?}")]
     Text(String),
-    /// The name of an element whose `ID` is missing or empty.
+    /// The `ID` of an element is missing or empty. The text is the name of the element.
     #[error("<{0}> has no ID")]
     NoId(String),
-    /// The name of an element that is its own kind, such as `<Sequence>`, and nevertheless has an ID.
+    /// An element has an ID, although its name is already its kind, such as `<Sequence>`. The text is the name of the
+    /// element.
     #[error("<{0}> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have")]
     NeedlessId(String),
-    /// The ID of two models, or of two trees that differ. Equal trees are allowed, since BehaviorTree.CPP writes a tree
-    /// once for each use.
+    /// Two models, or two different trees, have this ID. Equal trees are allowed, because BehaviorTree.CPP writes a
+    /// tree once for each use.
     #[error("the ID {0} is already in use")]
     TwiceId(String),
-    /// The ID of a tree that is the name of a built-in node or of a leaf in the catalogue.
+    /// A tree has this ID, which is also the name of a built-in node or of a leaf in the catalogue.
     #[error("the ID {0} is the name of a kind of node")]
     TakenId(String),
-    /// A tree without a root, or with several; comments do not count.
+    /// A tree has no root, or several roots. Comments do not count.
     #[error("the tree {id} has {count} root nodes, but must have one")]
     Roots {
         /// The tree's ID; `BehaviorTree_0` and so on for a tree without one.
@@ -98,25 +99,26 @@ pub enum Reason {
         /// Number of elements in the `<BehaviorTree>`.
         count: usize,
     },
-    /// A file without trees. A file with only models can be read, but not run.
+    /// The file has no trees. A file with only models can be read, but not run.
     #[error("there is no <BehaviorTree> in the file")]
     NoTree,
-    /// The IDs of several trees, none of which is the main one.
+    /// The file has several trees with these IDs, but does not name the main tree.
     #[error("the file has several trees, but no main_tree_to_execute: {0}")]
     NoMain(String),
-    /// The ID for which a `<SubTree>`, the file or the program asks, but which no tree has.
+    /// A `<SubTree>`, the file or the program asks for a tree with this ID, but there is no such tree.
     #[error("there is no tree {} in the file", .0.escape_debug())]
     UnknownTree(String),
-    /// A tree that uses itself, directly or by way of others.
+    /// A tree uses itself, directly or through other trees.
     #[error("the tree {0} uses itself")]
     Recursive(String),
-    /// The name of an element without children that is neither a built-in node nor in the catalogue.
+    /// An element without children is neither a built-in node nor in the catalogue. The text is its name.
     #[error("the node {0} is not known")]
     UnknownNode(String),
-    /// The name of an element with children that is no built-in node. Since it has children, it cannot be a leaf.
+    /// An element with children is not a built-in node. It cannot be a leaf, because it has children. The text is its
+    /// name.
     #[error("the node {0} is not known, and has children: a <TreeNodesModel> must declare it as <Control> or <Decorator>")]
     UnknownParent(String),
-    /// A node or an attribute of format 3 that has another name in format 4.
+    /// A node or an attribute of format 3 has another name in format 4.
     #[error("{written} is of format 3: in format 4 it is {now}")]
     Format3 {
         /// The name in the file, such as `SequenceStar`.
@@ -124,18 +126,18 @@ pub enum Reason {
         /// What to write in format 4, such as `SequenceWithMemory`.
         now: &'static str,
     },
-    /// A declared control node or decorator, which cannot be performed here.
+    /// The file declares a control node or a decorator, which this engine cannot perform.
     #[error(
         "{id} is a <{form}> that the file declares: a tree with {id} can be checked but not run, since a mock replaces only \
          a leaf"
     )]
     NotPerformed {
-        /// The name by which its model declares it.
+        /// The name of the node in its model.
         id: String,
         /// `Control` or `Decorator`.
         form: &'static str,
     },
-    /// A name that is accepted here, but not by the newest version of BehaviorTree.CPP.
+    /// A name is accepted here, but the newest version of BehaviorTree.CPP refuses it.
     #[error("BehaviorTree.CPP refuses the name {name:?} from version 4.10 on: {why}")]
     RefusedThere {
         /// The name of a tree, a model or a port.
@@ -143,7 +145,7 @@ pub enum Reason {
         /// Why the name is refused, as the end of a sentence.
         why: &'static str,
     },
-    /// An element of the wrong form for its node, such as `<Condition ID="Sequence">`.
+    /// An element has the wrong form for its node, such as `<Condition ID="Sequence">`.
     #[error("{id} is written as <{written}>, but is a node of another kind")]
     WrongForm {
         /// The kind that its `ID` names, such as `Sequence`.
@@ -151,7 +153,7 @@ pub enum Reason {
         /// The element in the file, such as `Condition`.
         written: &'static str,
     },
-    /// More or fewer children than a node of this kind has; comments do not count.
+    /// A node has more or fewer children than its kind allows. Comments do not count.
     #[error("{id} has {count} children, and must have {wanted}")]
     Children {
         /// The kind of the parent, such as `Inverter`.
@@ -161,10 +163,10 @@ pub enum Reason {
         /// The allowed number in words, such as `2 to 3`.
         wanted: String,
     },
-    /// Two asynchronous children, each of which would have the other halted.
+    /// A node has two asynchronous children. Each of them would cause a halt of the other.
     #[error("ReactiveSequence has more than one AsyncSequence as a child")]
     TwoAsync,
-    /// An attribute that is no port of this kind. Attributes that begin with `_` are never ports.
+    /// An attribute is not a port of this kind of node. Attributes that begin with `_` are never ports.
     #[error("{id} has no port {port}")]
     UnknownPort {
         /// The kind of the node, such as `Repeat`.
@@ -172,7 +174,7 @@ pub enum Reason {
         /// The name of the attribute, such as a misspelt `num_cycle`.
         port: String,
     },
-    /// An attribute that resembles a condition but is none: ignoring it would be dangerous.
+    /// An attribute resembles a condition but is none. Ignoring it would be dangerous.
     #[error("{written} is no condition or setting: write {meant}")]
     Misspelt {
         /// The name of the attribute, with its wrong capitals or underscores.
@@ -180,7 +182,7 @@ pub enum Reason {
         /// The condition that it resembles, or `_autoremap`.
         meant: &'static str,
     },
-    /// A port of a node, or of the model of a subtree, that is not set and has no default.
+    /// A port is not set and has no default. It belongs to a node, or to the model of a subtree.
     #[error("{id} needs its port {port}")]
     MissingPort {
         /// The kind of the node, or the ID of the subtree.
@@ -188,7 +190,7 @@ pub enum Reason {
         /// The attribute to add, such as `num_cycles`.
         port: String,
     },
-    /// A literal, or an element of a queue, that cannot be read as the required type.
+    /// A literal, or an element of a queue, cannot be read as the required type.
     #[error("the port {port} needs a value of type {}, but has \"{value}\"", ty.word())]
     Literal {
         /// The attribute with the literal, such as `num_cycles`.
@@ -198,13 +200,13 @@ pub enum Reason {
         /// The literal, or the wrong element of the queue.
         value: String,
     },
-    /// The name of a port that writes an entry, but has a literal.
+    /// A port that writes an entry has a literal. The text is the name of the port.
     #[error("the port {0} is an output, so its value must name an entry: {{name}}")]
     LiteralOutput(String),
-    /// The name of a port whose value is needed when the tree is built, but that names an entry.
+    /// A port names an entry, but its value is needed when the tree is built. The text is the name of the port.
     #[error("the port {0} is read when the tree is built, so its value cannot be an entry")]
     EntryForLiteral(String),
-    /// A value that the port cannot have, although its type is right, such as a negative time.
+    /// A port does not allow this value, although its type is right. An example is a negative time.
     #[error("the port {port} is {value:?}, and must be {wanted}")]
     Word {
         /// The attribute with the value, such as `msec`.
@@ -214,10 +216,10 @@ pub enum Reason {
         /// The allowed values of the port, in words.
         wanted: &'static str,
     },
-    /// The name of two barriers on one blackboard with different parties.
+    /// Two barriers on one blackboard have this name but different parties.
     #[error("another node gives the barrier {0} different parties")]
     Parties(String),
-    /// A script that cannot be parsed, or that names too many entries.
+    /// A script cannot be parsed, or names too many entries.
     #[error("{attribute} is not a valid script: {error}")]
     Script {
         /// The name of the attribute with the script, such as `_skipIf`.
@@ -225,31 +227,31 @@ pub enum Reason {
         /// What is wrong with the script. Places in it are counted in bytes from 0.
         error: ScriptError,
     },
-    /// An entry that cannot have the type or the value that the file gives it.
+    /// An entry cannot have the type or the value that the file gives it.
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    /// More of something than is accepted, so that no file takes long to check.
+    /// There is more of something than is accepted. The limit ensures that every file is checked quickly.
     #[error("there are more than {most} {what}")]
     TooMany {
-        /// The thing that there is too much of, in the plural.
+        /// The thing that there is too much of, in the plural form.
         what: &'static str,
-        /// The largest number that a file may have.
+        /// The maximum number that a file may have.
         most: usize,
     },
-    /// More than [`MOST_NODES`] nodes in one tree. Each use of a subtree counts. Otherwise a few subtrees that use each
-    /// other twice would fill the memory.
+    /// One tree has more than [`MOST_NODES`] nodes. Each use of a subtree counts. Otherwise a few subtrees that use
+    /// each other twice would fill the memory.
     #[error("the tree has more than {MOST_NODES} nodes, subtrees included")]
     TooManyNodes,
-    /// More than [`MOST_TEXT`] bytes of attributes in one tree. Each use of a subtree counts, since it is built each
-    /// time.
+    /// One tree has more than [`MOST_TEXT`] bytes of attributes. Each use of a subtree counts, because it is built
+    /// each time.
     #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, subtrees included")]
     TooMuchText,
-    /// Deeper than [`DEEPEST`] levels. A tick descends by recursive calls, which must fit on a thread's stack.
+    /// The tree is deeper than [`DEEPEST`] levels. A tick uses recursive calls, which must fit on a thread's stack.
     #[error("the tree is deeper than {DEEPEST} levels, subtrees included")]
     TooDeep,
 }
 
-/// The name in format 4 of a node or an attribute of format 3; `None` if no other name is known.
+/// Returns the name in format 4 of a node or an attribute of format 3; `None` if no other name is known.
 pub(crate) fn format_4_name(name: &str) -> Option<&'static str> {
     match name {
         "SubTreePlus" => Some("SubTree, with _autoremap where it has __autoremap"),

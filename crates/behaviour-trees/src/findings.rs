@@ -1,20 +1,20 @@
-//! All faults of a file of trees, and other notes for its author.
+//! Collects all faults of a file of trees, and other notes for its author.
 
 use std::collections::BTreeSet;
 
 use super::error::TreeError;
 use crate::fnv1a;
 
-/// Maximum number of faults that are named, and of notes. Further faults are only counted.
+/// Maximum number of faults that are named. The same limit applies to notes. Further faults are only counted.
 pub const MOST_FAULTS: usize = 100;
 
-/// Faults, for which a file is refused, and notes, for which it is not refused.
+/// Faults and notes about a file. A file with faults is refused; a file with notes is not.
 #[derive(Debug, Default)]
 pub struct Findings {
     faults: Vec<TreeError>,
     notes: Vec<TreeError>,
-    /// Place of every fault, and hash of its sentence. A subtree is checked at each use, but its faults are reported
-    /// once.
+    /// Place of every fault, and hash of its sentence. A subtree is checked at each use, but each of its faults is
+    /// reported only once.
     seen: BTreeSet<(u32, u32, u64)>,
 }
 
@@ -26,19 +26,19 @@ impl Findings {
         }
     }
 
-    /// Adds a note. Notes with the same reason are reported once, at the first place.
+    /// Adds a note. Notes with the same reason are reported once, at the place of the first one.
     pub(crate) fn note(&mut self, note: TreeError) {
         if self.notes.len() < MOST_FAULTS && !self.notes.contains(&note) {
             self.notes.push(note);
         }
     }
 
-    /// The fault that was found first, which need not be the first in the file.
+    /// The fault that was found first. It need not be the first fault in the file.
     pub(crate) fn first(&self) -> Result<(), TreeError> {
         self.faults.first().map_or(Ok(()), |fault| Err(fault.clone()))
     }
 
-    /// The faults in the order of the file, [`MOST_FAULTS`] at most.
+    /// The faults in the order of the file, at most [`MOST_FAULTS`].
     #[must_use]
     pub fn faults(&self) -> Vec<&TreeError> {
         let mut faults: Vec<&TreeError> = self.faults.iter().collect();
@@ -46,7 +46,7 @@ impl Findings {
         faults
     }
 
-    /// Number of faults that [`Findings::faults`] does not name.
+    /// Number of faults that [`Findings::faults`] does not return.
     #[must_use]
     pub fn more(&self) -> usize {
         self.seen.len() - self.faults.len()

@@ -1,15 +1,15 @@
-//! The engine's own kinds of nodes: their names, their ports and their numbers of children. Their rules stand in
-//! `tick`; leaves are in `leaf`.
+//! The engine's own kinds of nodes: their names, their ports and their numbers of children. `tick` has their
+//! rules, and `leaf` has the leaves.
 
 use super::value::ValueType;
 
 named! {
-    /// The supported nodes of BehaviorTree.CPP 4, by their names in a file, and `Sync`, which is an addition.
+    /// The supported nodes of BehaviorTree.CPP 4, with their names in a file. `Sync` is an addition of this crate.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum BuiltIn {
         /// Ticks its children in order. The first failure ends the node.
         Sequence = "Sequence",
-        /// A sequence that continues at the child that failed.
+        /// A sequence that continues at the failed child when it is ticked again.
         SequenceWithMemory = "SequenceWithMemory",
         /// A sequence that returns RUNNING after each child.
         AsyncSequence = "AsyncSequence",
@@ -25,39 +25,46 @@ named! {
         Parallel = "Parallel",
         /// Ticks all children until all are done.
         ParallelAll = "ParallelAll",
-        /// Ticks its first child, the condition, to its end; then the second child if it succeeded, else the third.
+        /// Ticks its first child, the condition, until it is done. Then ticks the second child if the condition
+        /// succeeded, otherwise the third.
         IfThenElse = "IfThenElse",
-        /// Ticks its first child, the condition, in every tick; then the second child if it succeeds, else the third.
+        /// Ticks its first child, the condition, in every tick. Then ticks the second child if the condition
+        /// succeeds, otherwise the third.
         WhileDoElse = "WhileDoElse",
-        /// Ticks all children but the last as a sequence; if one of them fails, ticks the last child and fails.
+        /// Ticks all children but the last as a sequence. If one of them fails, ticks the last child and then fails.
         TryCatch = "TryCatch",
-        /// Ticks the child whose `case_N` equals `variable`; the third child if none of the two cases does.
+        /// Ticks the child whose `case_N` equals `variable`. If neither case is equal, ticks the third child.
         Switch2 = "Switch2",
-        /// Ticks the child whose `case_N` equals `variable`; the fourth child if none of the three cases does.
+        /// Ticks the child whose `case_N` equals `variable`. If none of the three cases is equal, ticks the fourth
+        /// child.
         Switch3 = "Switch3",
-        /// Ticks the child whose `case_N` equals `variable`; the fifth child if none of the four cases does.
+        /// Ticks the child whose `case_N` equals `variable`. If none of the four cases is equal, ticks the fifth
+        /// child.
         Switch4 = "Switch4",
-        /// Ticks the child whose `case_N` equals `variable`; the sixth child if none of the five cases does.
+        /// Ticks the child whose `case_N` equals `variable`. If none of the five cases is equal, ticks the sixth
+        /// child.
         Switch5 = "Switch5",
-        /// Ticks the child whose `case_N` equals `variable`; the seventh child if none of the six cases does.
+        /// Ticks the child whose `case_N` equals `variable`. If none of the six cases is equal, ticks the seventh
+        /// child.
         Switch6 = "Switch6",
-        /// Returns success for failure, and failure for success. RUNNING and SKIPPED stay.
+        /// Returns success for failure, and failure for success. RUNNING and SKIPPED are not changed.
         Inverter = "Inverter",
-        /// Ticks its child again when the child fails, `num_attempts` times in all; −1 means without end.
+        /// Ticks its child again when the child fails, at most `num_attempts` times in all. −1 means no limit.
         RetryUntilSuccessful = "RetryUntilSuccessful",
-        /// Ticks its child again when the child succeeds, `num_cycles` times in all; −1 means without end.
+        /// Ticks its child again when the child succeeds, `num_cycles` times in all. −1 means no limit.
         Repeat = "Repeat",
-        /// If its child still runs after `msec` milliseconds, halts the child and fails; 0 means never.
+        /// If its child still runs after `msec` milliseconds, halts the child and fails. 0 means no limit.
         Timeout = "Timeout",
-        /// Is RUNNING for `delay_msec` milliseconds, and then ticks its child.
+        /// Returns RUNNING for `delay_msec` milliseconds, and then ticks its child.
         Delay = "Delay",
-        /// Returns success for failure. RUNNING and SKIPPED stay.
+        /// Returns success for failure. RUNNING and SKIPPED are not changed.
         ForceSuccess = "ForceSuccess",
-        /// Returns failure for success. RUNNING and SKIPPED stay.
+        /// Returns failure for success. RUNNING and SKIPPED are not changed.
         ForceFailure = "ForceFailure",
-        /// Performs its child only once. From then on it is SKIPPED, or returns the child's result again.
+        /// Performs its child only once. After that, the node returns SKIPPED, or returns the child's result again.
         RunOnce = "RunOnce",
-        /// Ticks its child until the child fails. After a success the node is RUNNING, and the child begins again.
+        /// Ticks its child until the child fails. After a success of the child, the node returns RUNNING, and the
+        /// child begins again.
         KeepRunningUntilFailure = "KeepRunningUntilFailure",
         /// Ticks its child for each whole number of a queue.
         LoopInt = "LoopInt",
@@ -67,54 +74,54 @@ named! {
         LoopDouble = "LoopDouble",
         /// Ticks its child for each text of a queue.
         LoopString = "LoopString",
-        /// Ticks its child when an entry was written, and is SKIPPED otherwise.
+        /// Ticks its child if an entry was written, otherwise returns SKIPPED.
         SkipUnlessUpdated = "SkipUnlessUpdated",
-        /// Ticks its child when an entry was written, and is RUNNING otherwise.
+        /// Ticks its child if an entry was written, otherwise returns RUNNING.
         WaitValueUpdate = "WaitValueUpdate",
-        /// Another tree, with a blackboard of its own.
+        /// Runs another tree, which has its own blackboard.
         SubTree = "SubTree",
-        /// SUCCESS in its first tick.
+        /// Returns SUCCESS in its first tick.
         AlwaysSuccess = "AlwaysSuccess",
-        /// FAILURE in its first tick.
+        /// Returns FAILURE in its first tick.
         AlwaysFailure = "AlwaysFailure",
-        /// Writes a literal or the value of another entry to an entry; fails if there is no value.
+        /// Writes a literal, or the value of another entry, to an entry. Fails if there is no value.
         SetBlackboard = "SetBlackboard",
-        /// Removes the value of an entry of its own tree, and always succeeds.
+        /// Removes the value of an entry of its own tree. Always succeeds.
         UnsetBlackboard = "UnsetBlackboard",
-        /// RUNNING for `msec` milliseconds, then SUCCESS.
+        /// Returns RUNNING for `msec` milliseconds, then SUCCESS.
         Sleep = "Sleep",
-        /// Executes a script and succeeds; a script that cannot be executed ends the tick with a fault.
+        /// Executes a script and succeeds. If the script cannot be executed, the tick ends with a fault.
         Script = "Script",
         /// Succeeds if a script is true, otherwise fails.
         ScriptCondition = "ScriptCondition",
-        /// Succeeds if an entry was written since the last tick of this node.
+        /// Succeeds if an entry was written after the last tick of this node.
         WasEntryUpdated = "WasEntryUpdated",
-        /// Ticks its child if a script is true; otherwise it returns the status in its port `else`.
+        /// Ticks its child if a script is true. Otherwise it returns the status in its port `else`.
         Precondition = "Precondition",
-        /// RUNNING until all parties of a barrier have arrived.
+        /// Returns RUNNING until all parties of a barrier have arrived.
         Sync = "Sync",
     }
 }
 
 named! {
-    /// The class of a node by its number of children. Its word is the name of an element in files.
+    /// The class of a node by its number of children. The word is the name of an element in files.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Family {
-        /// One child or more; some kinds need two.
+        /// One or more children; some kinds need two.
         Control = "Control",
-        /// One child, which is the next node in the row of nodes.
+        /// One child. In the row of nodes, the child comes directly after its parent.
         Decorator = "Decorator",
         /// No children: an action or a condition.
         Leaf = "Action",
     }
 }
 
-/// What may be written at a port of a built-in node.
+/// The form of the value that may be written at a port of a built-in node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PortForm {
     /// A literal of this type, or an entry.
     Value(ValueType),
-    /// Only a literal, since the value is needed when the tree is built.
+    /// Only a literal, because the value is needed when the tree is built.
     Literal,
     /// The name of an entry, with or without braces.
     EntryName,
@@ -148,7 +155,7 @@ const fn entry_name(name: &'static str) -> BuiltInPort {
     BuiltInPort { name, written: PortForm::EntryName, needed: Needed::Yes }
 }
 
-/// The ports of a loop. The queue is a text with `;` between the elements, or an entry that holds one.
+/// The ports of a loop. The queue is a text with `;` between its elements, or an entry that holds such a text.
 const fn queue(element: ValueType) -> [BuiltInPort; 3] {
     let value = BuiltInPort { name: "value", written: PortForm::Output(element), needed: Needed::No };
     [self::value("queue", ValueType::Text, Needed::Yes), literal("if_empty", Needed::Otherwise("SUCCESS")), value]
@@ -172,13 +179,13 @@ const SWITCH: [BuiltInPort; 7] = [
 ];
 
 impl BuiltIn {
-    /// The kind of this name, which is case-sensitive.
+    /// The kind with this name, which is case-sensitive.
     #[must_use]
     pub fn named(word: &str) -> Option<BuiltIn> {
         BuiltIn::ALL.into_iter().find(|kind| kind.word() == word)
     }
 
-    /// The class of this kind. A `SubTree` is a `Decorator`, whose child is the root of the other tree.
+    /// The class of this kind. A `SubTree` is a `Decorator`. Its child is the root of the other tree.
     #[must_use]
     pub const fn family(self) -> Family {
         use BuiltIn as B;
@@ -205,7 +212,7 @@ impl BuiltIn {
         if !matches!(self, BuiltIn::Switch2 | BuiltIn::Switch3 | BuiltIn::Switch4 | BuiltIn::Switch5 | BuiltIn::Switch6) {
             return 0;
         }
-        // The switches stand one after the other in the enum.
+        // The switches are declared one after the other in the enum.
         2 + self as usize - BuiltIn::Switch2 as usize
     }
 
@@ -214,12 +221,12 @@ impl BuiltIn {
         LOOPS.into_iter().find(|(kind, _)| *kind == self).map(|(_, element)| element)
     }
 
-    /// Whether a node of this kind remembers the last write of an entry that it has seen.
+    /// Whether a node of this kind remembers the last write of an entry that the node has seen.
     pub(crate) const fn looks_at_writes(self) -> bool {
         matches!(self, BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated)
     }
 
-    /// The least and the greatest number of children.
+    /// The minimum and the maximum number of children.
     pub(crate) const fn children(self) -> (usize, usize) {
         if self.cases() > 0 {
             return (self.cases() + 1, self.cases() + 1);

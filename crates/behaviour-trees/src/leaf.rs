@@ -1,5 +1,5 @@
-//! Leaves: their names and ports, the catalogue of leaves that a tree may name, and the trait of their performer, which
-//! defines what a leaf does.
+//! Leaves: their names and ports, the catalogue of leaves that a tree may name, and the trait of their performer. The
+//! performer defines what a leaf does.
 
 use std::borrow::Cow;
 use std::time::Duration;
@@ -13,33 +13,34 @@ use super::value::{Value, ValueType};
 use crate::value::Cell;
 
 named! {
-    /// Whether a leaf reads a port, writes it, or both. The word is the element that declares such a port in a model.
+    /// Whether a leaf reads a port, writes it, or both. The word is the name of the element that declares such a port
+    /// in a model.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Direction {
         /// The leaf reads a literal or an entry.
         In = "input_port",
-        /// The leaf writes an entry. A literal in place of the entry is a fault.
+        /// The leaf writes an entry. A literal instead of an entry is a fault.
         Out = "output_port",
         /// The leaf reads a literal or an entry, and may write an entry. A value written to a literal is lost.
         InOut = "inout_port",
     }
 }
 
-/// A port of a leaf: an argument or a result, which a file sets by an attribute.
+/// A port of a leaf: an argument or a result. A file sets it with an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
-    /// The attribute by which a file sets it.
+    /// The attribute with which a file sets the port.
     pub name: Cow<'static, str>,
     /// Whether the port is read or written. Writing a port that is only read ends the tick with a fault.
     pub direction: Direction,
     /// The type of the port's values. Literals in a file must be of this type.
     pub ty: ValueType,
-    /// The value, as text, if a file does not set the port.
+    /// The value that the port has, as text, if a file does not set it.
     pub default: Option<Cow<'static, str>>,
 }
 
 impl Port {
-    /// A port that is read, without a default: a file need not set it.
+    /// A port that is read and has no default. A file need not set it.
     #[must_use]
     pub const fn input(name: &'static str, ty: ValueType) -> Port {
         Port { name: Cow::Borrowed(name), direction: Direction::In, ty, default: None }
@@ -51,7 +52,7 @@ impl Port {
         Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
     }
 
-    /// A port as a file declares it. An empty default means that there is none, as in BehaviorTree.CPP.
+    /// A port as a file declares it. An empty default means that there is no default, as in BehaviorTree.CPP.
     #[must_use]
     pub fn of_model(port: &ModelPort) -> Port {
         let default = Model::note(&port.notes, "default").filter(|default| !default.is_empty());
@@ -63,7 +64,7 @@ impl Port {
         }
     }
 
-    /// Sets the value, as text, that holds if a file does not set the port.
+    /// Sets the value, as text, that the port has if a file does not set it.
     #[must_use]
     pub fn or(self, default: &'static str) -> Port {
         Port { default: Some(Cow::Borrowed(default)), ..self }
@@ -73,11 +74,12 @@ impl Port {
 /// A kind of leaf. A tree may have many leaves of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafKind {
-    /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
+    /// The name of the leaf's element, or the `ID` in its `<Action>` or `<Condition>`.
     pub name: Cow<'static, str>,
-    /// Whether the leaf is a query: it changes nothing, is written as a `<Condition>`, and should return at once.
+    /// Whether the leaf is a query. A query changes nothing, is written as a `<Condition>`, and should return at
+    /// once.
     pub is_condition: bool,
-    /// Its ports; a leaf refers to them by their indices in this list.
+    /// The ports of the leaf. A leaf refers to a port by its index in this list.
     pub ports: Vec<Port>,
 }
 
@@ -95,16 +97,16 @@ impl LeafKind {
     }
 }
 
-/// The leaves that a tree may name. Their performer refers to them by their indices in this list.
+/// The leaves that a tree may name. Their performer refers to a leaf by its index in this list.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Catalogue {
     kinds: Vec<LeafKind>,
-    /// Control nodes, decorators and subtrees that files declare. None of them is performed here.
+    /// Control nodes, decorators and subtrees that files declare. This engine performs none of them.
     declared: Vec<Model>,
 }
 
 impl Catalogue {
-    /// A catalogue of these leaves. If two have the same name, the first one counts.
+    /// A catalogue of these leaves. If two leaves have the same name, the first one counts.
     #[must_use]
     pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
         Catalogue { kinds, declared: Vec::new() }
@@ -116,14 +118,14 @@ impl Catalogue {
         &self.kinds
     }
 
-    /// The index of the leaf of this name. [`Leaf::kind`] returns it when such a leaf is performed.
+    /// The index of the leaf with this name. [`Leaf::kind`] returns the same index when such a leaf is performed.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<usize> {
         self.kinds.iter().position(|kind| kind.name == name)
     }
 
-    /// Adds the models in a file's `<TreeNodesModel>`, except for names in use. The file may be the file of the trees
-    /// or another one.
+    /// Adds the models in a file's `<TreeNodesModel>`, except models whose names are already in use. The file may be
+    /// the file of the trees or another file.
     pub fn add_models(&mut self, document: &Document) {
         for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
             if matches!(model.form, Form::Action | Form::Condition) {
@@ -136,21 +138,21 @@ impl Catalogue {
         }
     }
 
-    /// The control node, decorator or subtree of this name that a file declares. It is checked but not performed.
+    /// The control node, decorator or subtree with this name that a file declares. It is checked but not performed.
     #[must_use]
     pub fn declared(&self, name: &str) -> Option<&Model> {
         self.declared.iter().find(|model| model.id == name)
     }
 
-    /// Adds a leaf at the end, unless its name is in use.
+    /// Adds a leaf at the end, unless its name is already in use.
     pub fn add(&mut self, kind: LeafKind) {
         if self.place(&kind.name).is_none() && self.declared(&kind.name).is_none() {
             self.kinds.push(kind);
         }
     }
 
-    /// Adds a leaf. If its name exists, adds its missing ports to that leaf. This is for leaves that are known only
-    /// from their use.
+    /// Adds a leaf. If the name exists, adds the missing ports to the existing leaf. This is for leaves that are
+    /// known only from their use.
     pub(crate) fn add_or_widen(&mut self, kind: LeafKind) {
         let Some(place) = self.place(&kind.name) else { return self.kinds.push(kind) };
         let known = &mut self.kinds[place];
@@ -162,13 +164,13 @@ impl Catalogue {
     }
 }
 
-/// The performer of a tree's leaves, called in the tick that reaches them.
+/// Performs the leaves of a tree. It is called in the tick that reaches a leaf.
 pub trait Leaves {
-    /// Performs a leaf, or continues it, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change the
-    /// state of the leaf: a running leaf still runs, and may be halted. IDLE ends the tick with an error.
+    /// Performs or continues a leaf, and returns RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED does not change the
+    /// state of the leaf: a running leaf still runs and may be halted. IDLE ends the tick with an error.
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
 
-    /// Halts a running leaf, which is IDLE afterwards. It is called only for running leaves.
+    /// Halts a running leaf. The leaf is then IDLE. This is called only for running leaves.
     fn halt(&mut self, leaf: &mut Leaf<'_>);
 }
 
@@ -180,7 +182,7 @@ pub(crate) enum Binding {
     Slot(Slot),
 }
 
-/// A leaf while it is performed, with its ports. A new value is made for each call.
+/// A leaf while it is performed, with its ports. A new `Leaf` is made for each call.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     pub(crate) kind: usize,
@@ -194,16 +196,16 @@ pub struct Leaf<'a> {
     pub(crate) misuse: Option<Misuse>,
 }
 
-/// A port was used in a way that is not allowed, which ends the tick with a fault.
+/// A port was used in a way that is not allowed. This ends the tick with a fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Misuse {
     /// The kind of the leaf has no port with this index.
     #[error("it has no port number {0}")]
     NoPort(usize),
-    /// The name of a port with `Direction::In`.
+    /// The leaf writes a port with `Direction::In`. The text is the name of the port.
     #[error("it writes its port {0}, which is an input")]
     ReadOnly(String),
-    /// The blackboard refuses the value, because it is of another type or too long a text.
+    /// The blackboard refuses the value, because the value has another type or is too long a text.
     #[error("it writes its port {port}: {unfit}")]
     Unfit {
         /// The attribute that names the entry in the file.
@@ -214,50 +216,51 @@ pub enum Misuse {
 }
 
 impl Leaf<'_> {
-    /// Its index in the catalogue with which the tree was built.
+    /// The leaf's index in the catalogue with which the tree was built.
     #[must_use]
     pub const fn kind(&self) -> usize {
         self.kind
     }
 
-    /// Its node in the tree, which distinguishes two leaves of one kind.
+    /// The leaf's node in the tree. It distinguishes two leaves of one kind.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// Its name in the file: `name="…"`, or the name of its kind.
+    /// The leaf's name in the file (`name="…"`), or the name of its kind.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.label.name
     }
 
-    /// Its path in the tree, as the graphical editor shows it.
+    /// The leaf's path in the tree, as the graphical editor shows it.
     #[must_use]
     pub fn path(&self) -> &str {
         &self.label.path
     }
 
-    /// The name of its kind, which several leaves of a tree may share.
+    /// The name of the leaf's kind. Several leaves of a tree may have the same kind.
     #[must_use]
     pub fn id(&self) -> &str {
         &self.label.id
     }
 
-    /// Whether the leaf begins: it was not running before this tick.
+    /// Whether the leaf begins, which means that it was not running before this tick.
     #[must_use]
     pub const fn is_starting(&self) -> bool {
         self.is_starting
     }
 
-    /// How long the leaf has been running; zero when it starts. Time in which the tree is not ticked does not count.
+    /// How long the leaf has been running; zero when it starts. Time during which the tree is not ticked does not
+    /// count.
     #[must_use]
     pub const fn elapsed(&self) -> Duration {
         self.elapsed
     }
 
-    /// The value of a port, by its index in the list of its kind. `None` if the file does not set the port, or its
-    /// entry has no value.
+    /// The value of a port. `port` is its index in the list of the leaf's kind. `None` if the file does not set the
+    /// port, or if its entry has no value.
     #[must_use]
     pub fn read(&self, port: usize) -> Option<&Value> {
         match self.bindings.get(port)? {
@@ -267,13 +270,13 @@ impl Leaf<'_> {
         }
     }
 
-    /// The index of the port of this name, for performers without a fixed set of leaves, such as mocks.
+    /// The index of the port with this name. It is for performers without a fixed set of leaves, such as mocks.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<usize> {
         self.ports.iter().position(|port| port.name == name)
     }
 
-    /// The value of a port if it is a text. Other values are not converted.
+    /// The value of a port, if it is a text. Other values are not converted.
     #[must_use]
     pub fn text(&self, port: usize) -> Option<&str> {
         self.read(port)?.as_text()
@@ -303,8 +306,8 @@ impl Leaf<'_> {
         self.read(port)?.as_cell()
     }
 
-    /// Writes an entry through a port. If the file does not set the port, nothing is written. A value that does not fit
-    /// ends the tick with an error.
+    /// Writes an entry through a port. If the file does not set the port, nothing is written. If the value does not
+    /// fit, the tick ends with an error.
     pub fn write(&mut self, port: usize, value: Value) {
         if let Err(misuse) = self.try_write(port, value) {
             self.misuse.get_or_insert(misuse);

@@ -1,6 +1,5 @@
-//! Behaviour trees: an engine with the rules of BehaviorTree.CPP 4, which reads and writes its files. START HERE.
-//! Leaves are performed by the program, through the trait `Leaves`. The rules of every node stand beside the code that
-//! performs it.
+//! Behaviour trees: an engine with the rules of BehaviorTree.CPP 4, which reads and writes its files. START HERE. The
+//! program performs the leaves, through the trait `Leaves`. The rules of every node are documented beside its code.
 //!
 //! ```text
 //!   file ─ xml::read ─► Document ─ Tree::build ─► Tree ─ tick(blackboard, leaves, time) ─► Status
@@ -23,7 +22,7 @@
 
 #![warn(missing_docs)]
 
-/// Declares an enum whose variants have one fixed word each, with the list of all variants in order.
+/// Declares an enum with one fixed word for each variant, and a list of all variants in order.
 macro_rules! named {
     ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
         $(#[$meta])*
@@ -76,7 +75,7 @@ pub use self::tick::Fault;
 pub use self::tree::{NodeId, NodeView, Tree};
 pub use self::value::{Cell, Value, ValueType};
 
-/// FNV-1a over the bytes of a text. The hash is stored, so it must be the same in every version of the program.
+/// The FNV-1a hash of a text. The hash is stored, so it must be the same in every version of the program.
 fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -1,5 +1,5 @@
-//! The log of a tree's ticks. It stores only the changes of each tick, which is enough to show the state of every
-//! node and entry at that time. The log is stored and shown elsewhere.
+//! The log of a tree's ticks. It has only the changes of each tick. The state of every node and entry at that time
+//! can be calculated from them. Other code stores and shows the log.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -10,44 +10,46 @@ use super::status::Status;
 use super::tree::{NodeId, NodeView, Tree};
 use super::value::Value;
 
-/// Most changes in a log: an hour of a tree with ten ticks a second, in each of which ten nodes change. Older changes
-/// are merged into the state before the oldest remaining tick.
+/// Maximum number of changes in a log. This is one hour of a tree with ten ticks a second, if ten nodes change in
+/// each tick. Older changes are merged into the state before the oldest remaining tick.
 pub const MOST_CHANGES: usize = 360_000;
 
 /// A node's state after a tick. It differs from the returned status if the parent has reset the node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeState {
-    /// The status after the tick: IDLE if the parent has reset the node, whatever it returned.
+    /// The status after the tick. It is IDLE if the parent has reset the node, even if the node returned another
+    /// status.
     pub after: Status,
     /// The status returned in the tick; `None` if the node was not ticked.
     pub returned: Option<Status>,
 }
 
-/// The changes of one tick since the record before.
+/// The changes of one tick since the previous record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TickRecord {
     /// The number of the tick, counted from 1.
     pub tick: u64,
-    /// Its time on the clock of the log's owner. A tree's own time stands still while the tree is not ticked.
+    /// The time of the tick on the clock of the log's owner. The tree's own time is paused while the tree is not
+    /// ticked.
     pub at: Duration,
-    /// Nodes whose state differs from their state in the record before.
+    /// Nodes whose state differs from their state in the previous record.
     pub nodes: Vec<(NodeId, NodeState)>,
-    /// Entries whose value differs from their value in the record before, whoever wrote them; `None` if the entry has
-    /// no value any more.
+    /// Entries whose value differs from their value in the previous record, no matter who wrote them. `None` if the
+    /// entry has no value any more.
     pub entries: Vec<(Arc<str>, Option<Value>)>,
 }
 
 impl TickRecord {
     fn changes(&self) -> usize {
-        // A tick without changes takes room as well.
+        // A tick without changes needs space as well.
         1 + self.nodes.len() + self.entries.len()
     }
 }
 
-/// The whole state after one tick, computed from the changes until then.
+/// The whole state after one tick, computed from all changes up to this tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoggedTick {
-    /// The state of each node, by its number.
+    /// The state of each node. The index is the number of the node.
     pub nodes: Vec<NodeState>,
     /// The value of each entry that has one.
     pub entries: BTreeMap<Arc<str>, Value>,
@@ -108,15 +110,15 @@ impl Default for TickLog {
 }
 
 impl TickLog {
-    /// A log that holds at most this many changes; each tick counts as one more.
+    /// Creates a log with room for at most this many changes. Each tick counts as one additional change.
     #[must_use]
     pub fn new(most: usize) -> TickLog {
         TickLog { most, changes: 0, before: LoggedTick::default(), last: LoggedTick::default(), records: VecDeque::new() }
     }
 
-    /// Records the changes of the tree's last tick, with the time of that tick. Does nothing if the tick is on record
-    /// already. Call this after each tick, even one that ended with a fault. For a tree that was resumed from a state,
-    /// records the changes since then.
+    /// Records the changes of the tree's last tick, with the time of that tick. Call this after each tick, even if
+    /// the tick ended with a fault. If the tick is recorded already, nothing happens. For a tree that was resumed
+    /// from a state, the changes since then are recorded.
     pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
         if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
             return;
@@ -139,7 +141,7 @@ impl TickLog {
         }
     }
 
-    /// The remaining ticks, the oldest first.
+    /// The remaining ticks, oldest first.
     pub fn records(&self) -> impl Iterator<Item = &TickRecord> {
         self.records.iter()
     }
@@ -168,7 +170,7 @@ mod tests {
     const FILE: &str = r#"<root BTCPP_format="4"><BehaviorTree ID="T"><Repeat num_cycles="-1"><Sequence>
         <Script code="n := 1; n += 1"/><Work/><AlwaysFailure _skipIf="n == 2"/></Sequence></Repeat></BehaviorTree></root>"#;
 
-    /// A log with room for `most` changes, and the real state after each of 30 ticks.
+    /// Returns a log with room for `most` changes, and the real state after each of 30 ticks.
     fn logged(most: usize) -> (TickLog, Vec<LoggedTick>) {
         let document = xml::read(FILE).expect("it is a good file");
         let mut mocks = Mocks::default();

@@ -10,11 +10,11 @@ use super::status::Status;
 use super::tree::{NodeId, NodeKind, NodeView, Tree};
 use super::value::{Value, ValueType};
 
-/// The name of the mock for every leaf without a mock of its own.
+/// The name of the mock for every leaf that has no mock of its own.
 const ALL_OTHERS: &str = "*";
 
-/// Scripted leaves. The mock of a leaf is found by the path of its node, else by the node's name, else by the name of
-/// its kind; else it is `*`.
+/// Scripted leaves. The mock of a leaf is looked up by three keys, in this order: the node's path, the node's
+/// name, and the name of its kind. If none is found, the mock `*` is used.
 #[derive(Clone, Debug, Default)]
 pub struct Mocks {
     mocks: BTreeMap<String, Mock>,
@@ -25,23 +25,24 @@ pub struct Mocks {
 #[derive(Clone, Debug, Default)]
 struct Mock {
     says: Vec<(Status, u64)>,
-    /// Texts that the mock writes whenever it succeeds, with the names of the ports.
+    /// The names of ports, and the texts that the mock writes to them whenever it succeeds.
     writes: Vec<(String, String)>,
 }
 
 /// Why [`Mocks::add`] refuses a text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MockError {
-    /// There is no `=`, or no name before it.
+    /// The text has no `=`, or no name before it.
     #[error("{0:?} should be NAME=STATUS,STATUS*3,…")]
     NoName(String),
-    /// A word that is no status, or is IDLE, which no leaf returns; or a number of ticks that is not 1 or more.
+    /// A word is not a status, or is IDLE, which no leaf returns. Or a number of ticks is not 1 or more.
     #[error("{0:?} is not a status: write RUNNING, SUCCESS, FAILURE or SKIPPED, or RUNNING*3 for three ticks")]
     NoStatus(String),
 }
 
 impl Mocks {
-    /// Adds `NAME=STATUS,STATUS*3,…`: the results of successive ticks of such a leaf. The last status is repeated.
+    /// Adds a mock from the text `NAME=STATUS,STATUS*3,…`. The list has the results of successive ticks of such a
+    /// leaf. The last status is repeated.
     ///
     /// # Errors
     /// If the text has another form.
@@ -53,18 +54,18 @@ impl Mocks {
         Ok(())
     }
 
-    /// Makes all leaves of this path, name or kind write this text to this port whenever they succeed.
+    /// Makes all leaves with this path, name or kind write this text to this port whenever they succeed.
     pub fn write(&mut self, name: &str, port: &str, text: &str) {
         self.mocks.entry(name.to_owned()).or_default().writes.push((port.to_owned(), text.to_owned()));
     }
 
-    /// The nodes that were halted since the last call, in their order.
+    /// The nodes that were halted since the last call, in the order of their halts.
     pub fn take_halted(&mut self) -> Vec<NodeId> {
         std::mem::take(&mut self.halted)
     }
 
-    /// A catalogue with the leaves in `known`, the leaves that the document declares, and the leaves that it uses and
-    /// that have a mock. For the latter, all attributes are ports.
+    /// Returns a catalogue with the leaves in `known` and the leaves that the document declares. It also has the
+    /// leaves that the document uses and that have a mock. All attributes of such a leaf are ports.
     #[must_use]
     pub fn catalogue(&self, document: &Document, mut known: Catalogue) -> Catalogue {
         known.add_models(document);
@@ -74,7 +75,7 @@ impl Mocks {
         known
     }
 
-    /// The first leaf of a tree without a mock. Such a leaf would fail in every tick.
+    /// The first leaf in a tree that has no mock. Such a leaf would fail in every tick.
     #[must_use]
     pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
         let is_leaf = |node: &NodeView<'_>| matches!(node.kind, NodeKind::Leaf(_));
@@ -96,8 +97,8 @@ impl Mocks {
         element.children.iter().for_each(|child| self.add_leaves(child, known));
     }
 
-    /// Whether a mock may be meant for this element. A mock's name with `/` or `::` may be a path, which is not known
-    /// before the tree is built.
+    /// Whether a mock may be meant for this element. A mock's name with `/` or `::` may be a path. Paths are not
+    /// known before the tree is built.
     fn stands_for(&self, element: &Element) -> bool {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let is_path = |key: &String| key.rsplit('/').next().is_some_and(|last| last.split("::").next() == Some(name));
@@ -124,7 +125,7 @@ pub fn leaves(document: &Document) -> Vec<&Element> {
     leaves
 }
 
-/// Whether an element has no children and is no built-in node.
+/// Whether an element has no children and is not a built-in node.
 fn is_leaf(element: &Element) -> bool {
     let may_be = matches!(element.form, Form::Compact | Form::Action | Form::Condition);
     may_be && element.children.is_empty() && BuiltIn::named(&element.id).is_none()

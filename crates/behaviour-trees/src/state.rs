@@ -1,6 +1,6 @@
-//! The state that a tree needs to continue after a restart, as a line of text: the state of each node, and the tree's
-//! own time. The values of the blackboard are stored separately (`Blackboard::entries`, `Blackboard::restore`). The
-//! performer of the leaves stores their progress.
+//! The state that a tree needs to continue after a restart, as a line of text. It has the state of each node, and the
+//! tree's own time. The values of the blackboard are stored separately (`Blackboard::entries`,
+//! `Blackboard::restore`). The performer of the leaves must store their progress.
 
 use std::fmt;
 
@@ -11,10 +11,10 @@ use super::tree::{Live, NodeKind, Tree};
 /// The version of the line's format. Lines of another version are refused.
 const VERSION: &str = "1";
 
-/// The state of a tree between two ticks. `to_string` writes it as a line, and `parse` reads such a line.
+/// The state of a tree between two ticks. `to_string` writes it as a line of text, and `parse` reads such a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TreeState {
-    /// Identifies the tree: the state of another tree is refused.
+    /// Identifies the tree. The state of another tree is refused.
     fingerprint: u64,
     clock: u64,
     ticks: u64,
@@ -24,13 +24,13 @@ pub struct TreeState {
 /// Why a tree cannot resume a state. The tree then stays unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// The text is no written state, or one of another version.
+    /// The text is not a written state, or it has another version.
     #[error("this is no state of a tree")]
     Unreadable,
-    /// The fingerprint is that of another tree, or of this tree with another word in its file.
+    /// The fingerprint belongs to another tree, or to this tree with a different text in its file.
     #[error("this is the state of another tree, or of this one before it was changed")]
     OtherTree,
-    /// In this state the node of this number would continue at a node that is not its child.
+    /// In this state, the node with this number would continue at a node that is not its child.
     #[error("node {0} of the tree cannot stand as this state says")]
     Impossible(u32),
 }
@@ -42,18 +42,18 @@ impl Tree {
         TreeState { fingerprint: self.fingerprint, clock: self.clock, ticks: self.ticks, nodes: self.live.clone() }
     }
 
-    /// Resumes a state. The next tick is as if there had been no restart, except that `WasEntryUpdated` and similar
-    /// nodes treat the values of their entries as new. Leaves that were running are ticked as running leaves, without
-    /// being started.
+    /// Resumes a state. The next tick is the same as without a restart, with one exception: `WasEntryUpdated` and
+    /// similar nodes treat the values of their entries as new. Leaves that were running continue and are not started
+    /// again.
     ///
     /// # Errors
-    /// If it is the state of another tree. This tree is then unchanged.
+    /// If the state belongs to another tree. This tree then stays unchanged.
     pub fn resume(&mut self, state: TreeState) -> Result<(), StateError> {
         if state.fingerprint != self.fingerprint || state.nodes.len() != self.live.len() {
             return Err(StateError::OtherTree);
         }
         for (at, (live, node)) in state.nodes.iter().zip(&self.shape.nodes).enumerate() {
-            // The next tick follows the cursor. A wrong one would lead it out of the tree.
+            // The next tick continues at the cursor. A wrong cursor would lead it out of the tree.
             let cursor = live.cursor as usize;
             if cursor != 0 && !children(&self.shape, at, node).any(|child| child == cursor) {
                 return Err(StateError::Impossible(u32::try_from(at).unwrap_or(u32::MAX)));
@@ -66,7 +66,7 @@ impl Tree {
             if let NodeKind::BuiltIn(kind) = node.kind
                 && kind.looks_at_writes()
             {
-                // After a restart the writes on a blackboard are counted from the start.
+                // After a restart, the writes on a blackboard are counted from 0 again.
                 live.since = 0;
             }
         }
@@ -75,7 +75,7 @@ impl Tree {
 }
 
 impl TreeState {
-    /// Whether both states are of one tree and continue in the same way, apart from time and counted attempts.
+    /// Whether both states belong to one tree and continue in the same way. Times and numbers of attempts may differ.
     #[must_use]
     pub fn stands_as(&self, other: &TreeState) -> bool {
         let standing = |live: &Live| (live.status, live.cursor, live.is_counted, live.has_begun, live.is_spent, live.failures);
@@ -84,7 +84,7 @@ impl TreeState {
 }
 
 impl fmt::Display for TreeState {
-    /// Written as `1 fingerprint clock ticks`, and for each node that was ever ticked
+    /// Writes `1 fingerprint clock ticks nodes`. For each node that was ever ticked, it adds
     /// `node:status,returned,flags,cursor,count,failures,since,ticked`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{VERSION} {:016x} {} {} {}", self.fingerprint, self.clock, self.ticks, self.nodes.len())?;

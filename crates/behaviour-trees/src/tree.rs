@@ -1,4 +1,4 @@
-//! A tree that can be ticked: its nodes in one row, and the state of each node. `build` makes it from a document, and
+//! A tree that can be ticked: its nodes in one row, and the state of each node. `build` makes it from a document.
 //! `tick` has its rules.
 //!
 //! ```text
@@ -6,7 +6,7 @@
 //!              │            └─ ApproachObject     end:     5           4           3          4                 5
 //!              └─ Sync
 //! ```
-//! A node's children begin behind it, and each ends where the next begins.
+//! A node's children come directly after it in the row. Each child ends where the next child begins.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,31 +19,31 @@ use super::script::Script;
 use super::status::Status;
 use super::tick::{Fault, TreeRun};
 
-/// Most nodes of a tree, including the nodes of its subtrees. Trees that people draw have some hundreds. Without a
-/// limit, a few subtrees that use each other twice would fill the memory.
+/// Maximum number of nodes of a tree, including the nodes of its subtrees. Trees that people draw have some hundreds.
+/// Without a limit, a few subtrees that use each other twice would fill the memory.
 pub const MOST_NODES: usize = 10_000;
 
-/// Most bytes of attributes in a tree. The attributes of a subtree count at each use, since each use is built: a file
-/// may have its longest scripts in a subtree that is used a thousand times.
+/// Maximum number of bytes of attributes in a tree. The attributes of a subtree count at each use, because each use
+/// is built. A file may have its longest scripts in a subtree that is used a thousand times.
 pub const MOST_TEXT: usize = 2 << 20;
 
-/// Greatest depth of a tree, subtrees included: a tick descends by recursive calls, which must fit on a thread's stack.
+/// Maximum depth of a tree, including its subtrees. A tick uses recursive calls, which must fit on a thread's stack.
 pub const DEEPEST: usize = 128;
 
-/// A node of a tree: its index in preorder, from 0. The graphical editor's UID is one more.
+/// A node of a tree: its index in preorder, counted from 0. The graphical editor's UID is this number plus one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
-/// Who performs a node: the engine, or the performer of the leaves.
+/// Tells who performs a node: the engine, or the performer of the leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
-    /// One of the engine's kinds, by the rules in `tick`.
+    /// One of the engine's own kinds. `tick` has its rules.
     BuiltIn(BuiltIn),
     /// The leaf at this index of the catalogue.
     Leaf(usize),
 }
 
-/// The names of a node and its places in the file and in the tree, for messages and views.
+/// The names of a node, and its places in the file and in the tree. They are used in messages and views.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub(crate) name: Arc<str>,
@@ -58,11 +58,11 @@ pub struct Label {
 pub(crate) struct Node {
     pub(crate) kind: NodeKind,
     pub(crate) family: Family,
-    /// The index behind the last node of its subtree.
+    /// The index after the last node of its subtree.
     pub(crate) end: u32,
     pub(crate) ports: u32,
     pub(crate) port_count: u16,
-    /// The index of its scripts in `Shape::conditions`.
+    /// The index of the node's scripts in `Shape::conditions`.
     pub(crate) conditions: Option<u32>,
 }
 
@@ -86,7 +86,7 @@ pub(crate) struct Shape {
     pub(crate) conditions: Vec<Conditions>,
     /// The scripts of `Script`, `ScriptCondition` and `Precondition`, each with its node.
     pub(crate) scripts: Vec<(u32, Script)>,
-    /// The results of `Precondition` and loops when they do not tick their child, each with its node.
+    /// The results of `Precondition` and of loops when they do not tick their child. Each is stored with its node.
     pub(crate) otherwise: Vec<(u32, Status)>,
     pub(crate) leaf_kinds: Vec<LeafKind>,
 }
@@ -95,23 +95,25 @@ pub(crate) struct Shape {
 pub(crate) struct Live {
     pub(crate) status: Status,
     pub(crate) returned: Status,
-    /// Whether a parallel parent has its result.
+    /// Whether the result of this node is already counted by its parallel parent.
     pub(crate) is_counted: bool,
-    /// A fact that a node remembers: its time runs, it has run, its condition held, or it is at the last child.
+    /// A fact that a node remembers: its time has started, it has run, its condition held, or it is at the last
+    /// child.
     pub(crate) has_begun: bool,
-    /// Whether the time of a Timeout was over while its child was not running.
+    /// Whether the time of a Timeout ended while its child was not running.
     pub(crate) is_spent: bool,
-    /// The child at which the node continues, by its index in the row; 0 means the first child.
+    /// The child at which the node continues, as an index in the row. 0 means the first child.
     pub(crate) cursor: u32,
-    /// Number of skipped children, successes, attempts, or elements.
+    /// Number of skipped children, of successes, of attempts or of elements, depending on the kind of node.
     pub(crate) count: u32,
     pub(crate) failures: u32,
-    /// The tree's time when the node began, in nanoseconds; or the number of the last write that the node has seen.
+    /// The tree's time when the node began, in nanoseconds. For some kinds, the number of the last write that the
+    /// node has seen.
     pub(crate) since: u64,
     pub(crate) ticked: u64,
 }
 
-/// A tree that can be ticked, on the blackboard where it was built.
+/// A tree that can be ticked. It must be ticked with the blackboard on which it was built.
 #[derive(Clone, Debug)]
 pub struct Tree {
     pub(crate) id: Arc<str>,
@@ -120,40 +122,40 @@ pub struct Tree {
     /// Total time of this tree's ticks, in nanoseconds.
     pub(crate) clock: u64,
     pub(crate) ticks: u64,
-    /// Distinguishes it from other trees: see `state`.
+    /// Distinguishes this tree from other trees (`state`).
     pub(crate) fingerprint: u64,
 }
 
 /// A node with its names and its state after the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeView<'a> {
-    /// Its number in preorder, from 0.
+    /// The number of the node in preorder, counted from 0.
     pub node: NodeId,
-    /// The path, as in BehaviorTree.CPP (`fullPath`): the names of the subtrees and its own name, joined with `/`. If
-    /// the node has no name of its own, or another node has that path, `::` and its UID follow. No two nodes have the
-    /// same path.
+    /// The path, as in BehaviorTree.CPP (`fullPath`): the names of the subtrees and the node's name, joined with `/`.
+    /// If the node has no name of its own, or if another node has the same path, `::` and the UID follow. No two
+    /// nodes have the same path.
     pub path: &'a str,
     /// The node's name, or the name of its kind.
     pub name: &'a str,
-    /// The name of its kind; `SubTree` for the use of a tree.
+    /// The name of the node's kind. It is `SubTree` for the use of another tree.
     pub id: &'a str,
-    /// The built-in kind, or the leaf by its index in the catalogue.
+    /// The built-in kind, or the index of the leaf in the catalogue.
     pub kind: NodeKind,
-    /// Its class by its number of children; a `SubTree` is a decorator.
+    /// The class of the node by its number of children. A `SubTree` is a decorator.
     pub family: Family,
-    /// Levels below the root, which has 0. Levels of subtrees count.
+    /// Number of levels below the root; 0 for the root. Levels of subtrees count.
     pub depth: usize,
-    /// Where its element begins in the file.
+    /// Where the node's element begins in the file.
     pub place: SourcePosition,
-    /// The status after the tick: IDLE if the parent has reset the node.
+    /// The status after the tick. It is IDLE if the parent has reset the node.
     pub after: Status,
     /// The status returned in the last tick; `None` if the node was not ticked.
     pub returned: Option<Status>,
 }
 
 impl NodeView<'_> {
-    /// The status returned in the last tick, even if the parent has reset the node since. If it was not ticked, its
-    /// present status.
+    /// The status that the node returned in the last tick, even if the parent has reset the node since then. If the
+    /// node was not ticked, its present status.
     #[must_use]
     pub fn status(&self) -> Status {
         self.returned.unwrap_or(self.after)
@@ -161,19 +163,19 @@ impl NodeView<'_> {
 }
 
 impl Tree {
-    /// The `ID` of its `<BehaviorTree>`.
+    /// The `ID` of the tree's `<BehaviorTree>`.
     #[must_use]
     pub fn id(&self) -> &str {
         &self.id
     }
 
     /// Ticks the tree once. `since_last` is the time since the last tick. Timeout, Delay, Sleep and `Leaf::elapsed`
-    /// count only this time, which stands still while the tree is not ticked. After SUCCESS or FAILURE the next tick
-    /// begins a new run.
+    /// count only this time, so their time is paused while the tree is not ticked. After SUCCESS or FAILURE, the next
+    /// tick begins a new run.
     ///
     /// # Errors
-    /// If a node cannot be performed, such as a script that divides by zero, or an entry without a value where a number
-    /// is needed. The whole tree has then been halted.
+    /// If a node cannot be performed. Examples are a script that divides by zero, and an entry without a value where
+    /// a number is needed. The whole tree has then been halted.
     pub fn tick<L: Leaves>(
         &mut self,
         blackboard: &mut Blackboard,
@@ -200,7 +202,7 @@ impl Tree {
         }
     }
 
-    /// Halts every node that is running. The next tick begins at the root.
+    /// Halts every running node. The next tick begins at the root.
     pub fn halt<L: Leaves>(&mut self, blackboard: &mut Blackboard, leaves: &mut L) {
         let mut run = self.run(blackboard, leaves);
         run.halt_all();
@@ -254,7 +256,7 @@ impl Tree {
     }
 }
 
-/// Nanoseconds, at most 584 years.
+/// Converts a time to nanoseconds, at most 584 years.
 pub(crate) fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
@@ -267,7 +269,7 @@ mod tests {
     use crate::value::{Value, ValueType};
     use crate::xml;
 
-    /// Drives to the goal in three ticks, and writes its cell there.
+    /// A test performer that drives to the goal in three ticks, and then writes its cell.
     #[derive(Default)]
     struct Driver {
         halted: Vec<String>,

@@ -1,5 +1,5 @@
-//! Values of ports and blackboard entries, their types, and their form in a file. `blackboard` decides which values an
-//! entry accepts.
+//! Values of ports and blackboard entries, their types, and their form in a file. `blackboard` decides which values
+//! an entry accepts.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,32 +7,33 @@ use std::sync::Arc;
 /// A square of a floor. The engine can only compare cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// Its column, the first number in a file.
+    /// The column. It is the first number in a file.
     pub x: i32,
-    /// Its row, the second number in a file.
+    /// The row. It is the second number in a file.
     pub y: i32,
 }
 
-/// Longest text of an entry, in bytes. It is longer than any name or sentence, and stops a script that doubles a text.
+/// Maximum length of a text in an entry, in bytes. It is longer than any name or sentence. It stops a script that
+/// doubles a text again and again.
 pub const LONGEST_TEXT: usize = 64 * 1024;
 
-/// The value of a port or an entry of the blackboard. Its `Display` is its form in a file.
+/// The value of a port or of a blackboard entry. `Display` writes it in the form of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// `true` or `false`; in a script they are 1 and 0.
+    /// `true` or `false`. In a script they are 1 and 0.
     Bool(bool),
     /// A whole number of 64 bits.
     Int(i64),
     /// A finite number of 64 bits, never `NaN`.
     Number(f64),
-    /// Any text; in an entry, [`LONGEST_TEXT`] bytes at most.
+    /// Any text. In an entry, it has at most [`LONGEST_TEXT`] bytes.
     Text(Arc<str>),
-    /// A square of the floor, written `3;4`: column, row.
+    /// A square of the floor, written `3;4` (column, row).
     Cell(Cell),
 }
 
 named! {
-    /// The type of a port or an entry. Its text in a file is parsed by this type.
+    /// The type of a port or an entry. A text in a file is parsed as this type.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum ValueType {
         /// No type was given. Any value fits, and a text stays a text.
@@ -44,16 +45,16 @@ named! {
         Int = "int",
         /// A finite number; `inf` and `NaN` are not accepted.
         Number = "number",
-        /// Any text, with its blanks.
+        /// Any text, including its blanks.
         Text = "text",
-        /// A square of the floor, written `3;4`: column, row.
+        /// A square of the floor, written `3;4` (column, row).
         Cell = "cell",
     }
 }
 
 impl ValueType {
-    /// The type that a model of a leaf names (`type="std::string"`): a C++ name that the graphical editor writes, or a
-    /// word of ours. An unknown name means `Any`.
+    /// The type that a model of a leaf names, such as `type="std::string"`. It is a C++ name that the graphical
+    /// editor writes, or a word of this crate. An unknown name means `Any`.
     #[must_use]
     pub fn of_model(name: &str) -> ValueType {
         match name {
@@ -88,7 +89,7 @@ impl Value {
         }
     }
 
-    /// Reads `text` as a value of this type; as `Any`, it stays a text.
+    /// Reads `text` as a value of this type. With `Any`, the value is the text itself.
     #[must_use]
     pub fn parse(text: &str, ty: ValueType) -> Option<Value> {
         match ty {
@@ -107,7 +108,7 @@ impl Value {
         }
     }
 
-    /// This value converted to the type, if nothing is lost. Texts are parsed, and numbers may become whole numbers.
+    /// Converts this value to the type, if nothing is lost. Texts are parsed, and numbers may become whole numbers.
     #[must_use]
     pub fn converted(&self, ty: ValueType) -> Option<Value> {
         if ty == ValueType::Any || self.value_type() == ty {
@@ -186,12 +187,12 @@ impl Value {
     }
 }
 
-/// A number as a value; `None` if it is infinite or undefined.
+/// Returns a number as a value; `None` if the number is infinite or undefined.
 pub(crate) fn finite(number: f64) -> Option<Value> {
     number.is_finite().then_some(Value::Number(number))
 }
 
-/// 2⁵³: up to this number a double represents every whole number exactly.
+/// 2⁵³. Up to this number, a double represents every whole number exactly.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 #[expect(clippy::cast_possible_truncation, reason = "looked at before: whole, and within what a double holds exactly")]
@@ -200,7 +201,7 @@ pub(crate) fn whole(number: f64) -> Option<i64> {
 }
 
 impl fmt::Display for Value {
-    /// Writes the value as in a file.
+    /// Writes the value in the form of a file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Bool(truth) => write!(f, "{truth}"),

@@ -1,5 +1,5 @@
-//! Queues received datagrams when more arrive than can be answered, with urgent requests ahead of all others. The
-//! meaning of a datagram is read in `inward`; sockets are not handled here.
+//! Queues received datagrams when more arrive than can be answered. Urgent requests go ahead of all others except
+//! earlier commands. `inward` reads what a datagram means. Sockets are not handled here.
 
 use std::net::SocketAddr;
 
@@ -8,20 +8,20 @@ use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
 
-/// Received datagrams that wait to be handled, with separate bounded room for each kind.
+/// Received datagrams that wait to be handled. Each kind of datagram has its own limit in bytes.
 pub struct Backlog {
     is_urgent: fn(&Request) -> bool,
     urgent: Queue,
     commands: Queue,
-    /// Acknowledgements, resets and other datagrams that ask for nothing.
+    /// Acknowledgements, resets and other datagrams that request nothing.
     signs: Queue,
     reads: Queue,
-    /// Counts the datagrams taken that are not urgent, so that the three other kinds take turns.
+    /// Counts the datagrams taken that were not urgent. The count decides which of the three other kinds is next.
     turns: usize,
 }
 
 impl Backlog {
-    /// An empty backlog; `is_urgent` says which requests are urgent, as in `Endpoint::with_urgent`.
+    /// Creates an empty backlog. `is_urgent` says which requests are urgent, as in `Endpoint::with_urgent`.
     #[must_use]
     pub fn new(is_urgent: fn(&Request) -> bool) -> Backlog {
         let [urgent, commands] = [URGENT_WAITING, COMMANDS_WAITING].map(Queue::of);
@@ -29,10 +29,10 @@ impl Backlog {
         Backlog { is_urgent, urgent, commands, signs, reads, turns: 0 }
     }
 
-    /// Stores a datagram. It is dropped if its sender already has more waiting than the room left for others, so that
-    /// no flood displaces the datagrams of others. An urgent request goes ahead of all datagrams but earlier commands,
-    /// which could otherwise undo its effect. This holds even for an urgent request that is dropped: the waiting urgent
-    /// requests take effect in its place.
+    /// Stores a datagram. Drops it if its sender has more waiting than there is free room. So a flood cannot push out
+    /// the datagrams of others. An urgent request goes ahead of all datagrams except earlier commands, because an
+    /// earlier command that runs later could undo its effect. Earlier commands go first even if the urgent request
+    /// itself is dropped: the urgent requests that wait already have the same effect.
     pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
@@ -50,13 +50,13 @@ impl Backlog {
         }
     }
 
-    /// Whether nothing waits, urgent or not.
+    /// Whether no datagram waits, urgent or not.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)
     }
 
-    /// Whether an urgent request waits, or a command that goes before one.
+    /// Whether an urgent request waits, or a command that has to be handled before an urgent request.
     #[must_use]
     pub fn has_urgent(&self) -> bool {
         self.commands.has_first() || !self.urgent.is_empty()
@@ -67,8 +67,8 @@ impl Backlog {
         self.commands.next_first().or_else(|| self.urgent.next())
     }
 
-    /// Removes the next datagram. A command that came after an urgent request stays behind it. It goes ahead only when
-    /// a further urgent request has come after the command.
+    /// Removes the next datagram. Commands that came after an urgent request stay behind it, unless a further urgent
+    /// request has come after them.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);

@@ -1,5 +1,6 @@
-//! Blocks of bodies (RFC 7959). A block of an answer is a slice and needs no memory of its own; the blocks of a request
-//! are put together in bounded memory. Which message carries a block is not decided here.
+//! Splits bodies into blocks and joins blocks into bodies (RFC 7959). A block of an answer is a slice of the body and
+//! needs no memory of its own. The blocks of a request are joined in bounded memory. This file does not decide which
+//! message carries a block.
 
 use std::net::SocketAddr;
 use std::ops::Range;
@@ -15,10 +16,10 @@ use super::response::Response;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block {
-    /// The block's number, of 20 bits.
+    /// The number of the block, at most 20 bits long.
     pub(super) number: u32,
     pub(super) more: bool,
-    /// 0 to 6; the size in bytes is 2 to the power of `exponent` + 4.
+    /// 0 to 6. A block has 2^(`exponent` + 4) bytes.
     pub(super) exponent: u8,
 }
 
@@ -26,7 +27,7 @@ impl Block {
     /// The first block, of the largest size.
     pub(super) const FIRST: Block = Block { number: 0, more: false, exponent: (BLOCK / 16).ilog2() as u8 };
 
-    /// Decodes an option's value; `None` for the reserved exponent 7.
+    /// Decodes the value of a block option. Returns `None` for the reserved exponent 7.
     pub(super) fn of(value: u32) -> Option<Block> {
         let exponent = (value & 7) as u8;
         (exponent < 7).then_some(Block { number: value >> 4, more: value & 8 != 0, exponent })
@@ -36,13 +37,13 @@ impl Block {
         (self.number << 4) | (u32::from(self.more) << 3) | u32::from(self.exponent)
     }
 
-    /// Size in bytes of any block but the last.
+    /// Size in bytes of every block except the last, which may be shorter.
     pub(super) const fn size(self) -> usize {
         16 << self.exponent
     }
 
-    /// This block of a body of `length` bytes, and its range of bytes; `None` past the end. An empty body has one
-    /// block.
+    /// Returns this block of a body of `length` bytes, with the right `more` flag, and its range of bytes. `None` if
+    /// the block begins behind the end of the body. An empty body has one block.
     pub(super) fn within(self, length: usize) -> Option<(Block, Range<usize>)> {
         let start = self.size().checked_mul(usize::try_from(self.number).ok()?)?;
         if start > 0 && start >= length {
@@ -69,7 +70,7 @@ pub(super) struct BodyKey {
     pub(super) tags: Vec<Vec<u8>>,
 }
 
-/// Bodies whose last block has not arrived yet. Bodies from beyond this machine have separate room.
+/// Bodies whose last block has not arrived yet. Bodies from other machines have a separate limit.
 #[derive(Debug, Default)]
 pub(super) struct Assemblies {
     here: Bodies,
@@ -83,8 +84,8 @@ impl Assemblies {
         self.here.len() + self.beyond.len()
     }
 
-    /// Adds a block to its body. The error is 4.00 for a block that is not full although more follow, 4.08 if a block
-    /// is missing, and 4.13 for a body that is too large.
+    /// Adds a block to its body. The error is 4.00 for a block that is not full although more blocks follow, 4.08 if
+    /// an earlier block is missing, and 4.13 for a body that is too large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
         let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
         let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);

@@ -1,5 +1,5 @@
-//! Reproducible random numbers: one secret gives the same numbers in every run, and each purpose has its own series. Do
-//! not use them as secrets: values that must not be guessed are made in `guard`.
+//! Reproducible random numbers: one secret gives the same numbers in every run, and each purpose has its own series.
+//! Do not use these numbers as secrets: `guard` makes the values that must not be guessed.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -21,7 +21,7 @@ impl Chance {
         Chance(numbers)
     }
 
-    /// A number in `0.0..1.0`.
+    /// Returns the next random number in `0.0..1.0`.
     #[expect(clippy::cast_precision_loss, reason = "53 bits fit a double exactly")]
     pub(super) fn fraction(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64

@@ -24,7 +24,7 @@ codes! {
     VALID = "2.03";
     CHANGED = "2.04";
     CONTENT = "2.05";
-    /// Asks for the next block (RFC 7959, section 2.9.1).
+    /// The server asks for the next block of the request's body (RFC 7959, section 2.9.1).
     CONTINUE = "2.31";
     BAD_REQUEST = "4.00";
     UNAUTHORIZED = "4.01";
@@ -34,16 +34,16 @@ codes! {
     NOT_FOUND = "4.04";
     METHOD_NOT_ALLOWED = "4.05";
     NOT_ACCEPTABLE = "4.06";
-    /// Blocks are missing (RFC 7959, section 2.9.2).
+    /// Blocks of the request's body are missing (RFC 7959, section 2.9.2).
     INCOMPLETE = "4.08";
-    /// RFC 8132
+    /// Defined in RFC 8132.
     CONFLICT = "4.09";
     PRECONDITION_FAILED = "4.12";
     TOO_LARGE = "4.13";
     UNSUPPORTED_FORMAT = "4.15";
-    /// RFC 8132
+    /// Defined in RFC 8132.
     UNPROCESSABLE = "4.22";
-    /// RFC 8516
+    /// Defined in RFC 8516.
     TOO_MANY_REQUESTS = "4.29";
     INTERNAL = "5.00";
     UNAVAILABLE = "5.03";
@@ -56,19 +56,19 @@ impl Code {
         Code((class - b'0') << 5 | ((tens - b'0') * 10 + (ones - b'0')))
     }
 
-    /// The class: 0 for requests, 2 for success, 4 for the client's errors, 5 for the server's.
+    /// The class: 0 for requests, 2 for success, 4 for errors of the client, 5 for errors of the server.
     #[must_use]
     pub const fn class(self) -> u8 {
         self.0 >> 5
     }
 
-    /// The detail within its class, 0 to 31.
+    /// The detail: the number within the class, 0 to 31.
     #[must_use]
     pub const fn detail(self) -> u8 {
         self.0 & 0x1F
     }
 
-    /// Whether it is of class 2, success (RFC 7252, section 5.9.1).
+    /// Whether the code is of class 2, success (RFC 7252, section 5.9.1).
     #[must_use]
     pub const fn is_success(self) -> bool {
         self.class() == 2
@@ -108,13 +108,13 @@ impl Method {
         matches!(self, Method::Get | Method::Fetch)
     }
 
-    /// Its code on the wire (RFC 7252, section 12.1.1).
+    /// The code of the method on the wire (RFC 7252, section 12.1.1).
     #[must_use]
     pub const fn code(self) -> Code {
         Code(self as u8)
     }
 
-    /// Its name in logs, such as `PUT`.
+    /// The name of the method in logs, such as `PUT`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

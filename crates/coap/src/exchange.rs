@@ -1,6 +1,6 @@
 //! Recognises repeated messages and stores their answers (RFC 7252, section 4.5). A repeated message gets the same
-//! answer and has no second effect, unless it was urgent and its effect may have been undone since. Retransmission of
-//! this side's messages stands in `reliable`.
+//! answer and has no second effect. The exception is an urgent message whose effect may have been undone since.
+//! `reliable` retransmits our own messages.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::net::SocketAddr;
@@ -16,8 +16,8 @@ use super::shares::Shares;
 pub(super) struct MessageKey {
     pub(super) peer: SocketAddr,
     pub(super) id: u16,
-    /// Digest of the message: a sender that counts from 0 again, or has taken over another sender's port, does not
-    /// repeat a message.
+    /// Digest of the message's bytes. A sender may start its message ids from 0 again, or may use a port that another
+    /// sender had before. The digest then shows that its message is new.
     pub(super) digest: u64,
 }
 
@@ -32,17 +32,17 @@ impl MessageKey {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum KnownMessage {
     Open(ExchangeId),
-    /// The datagram with which it was answered; empty if there was no answer.
+    /// The datagram that answered the message; empty if the message gets no answer.
     Answered(Vec<u8>),
 }
 
-/// The messages of the last minutes. Commands from this machine, and malformed urgent messages, have a table of their
-/// own, so that no flood of other messages pushes them out.
+/// The messages of the last `EXCHANGE_LIFETIME`. Commands from this machine and malformed urgent messages have a
+/// separate table, so that a flood of other messages cannot push them out.
 #[derive(Debug, Default)]
 pub(super) struct Exchanges {
     reads: Table,
     commands: Table,
-    /// How often the effect of urgent requests may have been undone so far.
+    /// Number of times that the effect of urgent requests may have been undone so far.
     pub(super) undone: u64,
 }
 
@@ -54,7 +54,7 @@ struct KnownExchange {
     good_while: Option<u64>,
 }
 
-/// Messages, oldest first, with the shares of their senders.
+/// Messages, oldest first. `shares` counts them for each sender.
 #[derive(Debug, Default)]
 struct Table {
     messages: LinkedHashMap<MessageKey, KnownExchange>,
@@ -70,10 +70,10 @@ impl Table {
         }
     }
 
-    /// Adds a message. When there is no room, the oldest message of the sender with the most messages gives way.
+    /// Adds a message. When there is no room, the sender with the most messages loses its oldest one.
     fn insert(&mut self, key: MessageKey, entry: KnownExchange) {
         if let Some(before) = self.messages.get_mut(&key) {
-            // The message stays in its place, since `shares` has the messages of a peer in the same order.
+            // The message keeps its position, because `shares` lists the messages of a peer in the same order.
             *before = KnownExchange { since: before.since, ..entry };
             return;
         }
@@ -93,7 +93,7 @@ impl Exchanges {
     }
 
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
-        // From this age on the same id may stand for another message.
+        // Messages older than their lifetime are removed first, because their ids may stand for other messages now.
         for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
@@ -107,7 +107,8 @@ impl Exchanges {
         table.insert(key, KnownExchange { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
-    /// Makes a message that was just opened take effect again if it is repeated after `undone` has changed.
+    /// Marks a message that was just opened. If the message is repeated after `undone` has changed, it takes effect
+    /// again.
     pub(super) fn acts_again_when_undone(&mut self, key: MessageKey) {
         let undone = self.undone;
         if let Some(entry) = self.entry(key) {
@@ -126,7 +127,8 @@ impl Exchanges {
     }
 }
 
-/// Whether a message can be forgotten: it is so old that its id may stand for another one (RFC 7252, section 4.8.2).
+/// Whether a message is so old that its id may stand for another message, so that it can be forgotten (RFC 7252,
+/// section 4.8.2).
 pub(super) fn is_over(since: Duration, now: Duration) -> bool {
     now > since + EXCHANGE_LIFETIME
 }
@@ -169,8 +171,8 @@ mod tests {
         assert_eq!(exchanges.count(), EXCHANGES + 1);
     }
 
-    /// Neither another address nor another port of the same address can do it; a forgotten command would take effect
-    /// twice.
+    /// A flood from another address, or from another port of the same address, must not push out a command. A
+    /// repeated copy of a forgotten command would take effect a second time.
     #[test]
     fn nobodys_flood_of_commands_makes_those_of_another_forgotten() {
         for flood in ["127.0.0.7:1", "127.0.0.1:2"] {

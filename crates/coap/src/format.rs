@@ -26,7 +26,7 @@ impl Format {
 }
 
 impl fmt::Display for Format {
-    /// Written like `application/json (50)`.
+    /// Writes the name and the number, such as `application/json (50)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match *self {
             Format::TEXT => "text/plain",

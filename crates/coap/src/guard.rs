@@ -1,6 +1,6 @@
-//! Limits the datagrams sent to addresses beyond this machine. An address that has not proved that it receives our
-//! datagrams gets at most three times the bytes that came from it. A network that sends too many requests is told to
-//! wait. The rights of clients are decided by the application.
+//! Limits the datagrams sent to other machines. An address has to prove that it receives our datagrams. Until then it
+//! gets at most three times the bytes that came from it. A network that sends too many requests is told to wait. The
+//! rights of clients are decided by the application.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use subtle::ConstantTimeEq;
 use super::limits::{AMPLIFICATION, ECHO_AGE, PEERS, PROVED, RATE, RATE_BURST};
 use super::network::{Network, is_this_machine};
 
-/// Length of the time in an Echo option, in bytes.
+/// Length of the timestamp in an Echo option, in bytes.
 const TIME: usize = 4;
 const PROOF: usize = 8;
 
@@ -25,9 +25,9 @@ pub(super) struct Guard {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Stranger {
-    /// Bytes received from the address before it was proved.
+    /// Bytes received from the address.
     received: usize,
-    /// Bytes sent to the address before it was proved.
+    /// Bytes sent to the address while it was not proved.
     sent: usize,
     /// When the address last proved that it receives our datagrams.
     proved: Option<Duration>,
@@ -90,7 +90,7 @@ impl Guard {
         self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)
     }
 
-    /// Whether the datagram may be sent, as in `has_room`. If so, counts it as sent.
+    /// Whether the guard's limit allows a datagram of this length. If so, counts its bytes as sent.
     pub(super) fn lets_out(&mut self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let (is_proved, may) = (self.is_proved(peer, now), self.has_room(peer, length, now));
         if let Some(stranger) = self.peers.get_mut(&peer).filter(|_| may && !is_proved) {
@@ -99,7 +99,8 @@ impl Guard {
         may
     }
 
-    /// The Echo value that an address has to send back as a proof (RFC 9175, section 2).
+    /// Returns the Echo value that the address has to send back to prove that it receives our datagrams (RFC 9175,
+    /// section 2).
     pub(super) fn echo(&self, peer: SocketAddr, now: Duration) -> Vec<u8> {
         let time = u32::try_from(now.as_secs()).unwrap_or(u32::MAX).to_be_bytes();
         [&time[..], &self.proof(peer, time)].concat()

@@ -1,5 +1,5 @@
-//! The way in: from a datagram to a request for the application, or to an answer without the application. The way out
-//! is `outward`.
+//! Handles received datagrams: each becomes a request for the application or is answered without the application.
+//! `outward` sends the answers.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -28,7 +28,8 @@ pub(super) struct ReplyTo {
 }
 
 impl ReplyTo {
-    /// Whether the sender wants an answer with this code; 2.31, which asks for the next block, is always wanted.
+    /// Whether the sender wants an answer with this code. The code 2.31, which asks for the next block, is always
+    /// wanted.
     pub(super) fn is_wanted(self, code: Code) -> bool {
         code == Code::CONTINUE || self.no_response & (1 << (code.class().max(1) - 1)) == 0
     }
@@ -50,8 +51,8 @@ impl Endpoint {
         }
     }
 
-    /// Resets a malformed message. An urgent request in the message still takes effect, unless the message is known
-    /// already.
+    /// Answers a malformed message with a reset if it is a CON. An urgent request in the message still takes effect,
+    /// unless the message is known already.
     fn take_malformed(&mut self, key: MessageKey, kind: MessageKind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
@@ -65,7 +66,7 @@ impl Endpoint {
         }
     }
 
-    /// The urgent request in a datagram, whatever else is wrong with it.
+    /// Finds an urgent request in a datagram, even if the datagram is malformed.
     pub(super) fn urgent_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
         lenient::requests(peer, bytes).find(self.is_urgent)
     }
@@ -81,14 +82,15 @@ impl Endpoint {
         let Some((sent, once)) = self.reliable.settled(peer, id) else { return };
         self.guard.heard_us(peer, now);
         if let About::Notification(observer, thing, version) = sent.about {
-            // After a retransmission it is unknown which of the two messages was acknowledged (Karn's rule).
+            // After a retransmission it is unknown which copy was acknowledged, so no round-trip time is measured
+            // (Karn's rule).
             let away = once.then(|| now.saturating_sub(sent.first));
             self.observers.acknowledged(observer, thing, version, away, now);
         }
         self.go_on(peer, now);
     }
 
-    /// Handles a reset. The sender does not know the message, so it no longer observes or no longer wants the answer.
+    /// Handles a reset: the sender rejects a message of ours. It no longer observes, or no longer wants the answer.
     fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
         let observer = match on_its_way {
@@ -128,8 +130,7 @@ impl Endpoint {
             Err(response) => response,
         };
         let (response, asked) = match self.urgent_in(peer, bytes) {
-            // The record gets the effect of the request. With the refusal as well, it would read as if nothing had been
-            // done.
+            // Only the effect of the request is recorded. A recorded refusal would read as if nothing had been done.
             Some(urgent) => {
                 self.exchanges.acts_again_when_undone(reply_to.key);
                 self.asked.push_back((exchange, urgent));
@@ -138,8 +139,8 @@ impl Endpoint {
             }
             None => (response, asked),
         };
-        // A message that needs no acknowledgement is ignored when it has an unknown critical option (RFC 7252, section
-        // 5.4.1).
+        // A message that needs no acknowledgement is ignored when it has an unknown critical option (RFC 7252,
+        // section 5.4.1).
         if reply_to.kind == MessageKind::Non && response.code == Code::BAD_OPTION {
             self.note(peer, asked, &response);
             return self.exchanges.answered(reply_to.key, &[]);
@@ -154,8 +155,8 @@ impl Endpoint {
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
         if is_urgent || read.block1.is_some_and(|block| block.more) {
-            // It is not known yet whether a body in blocks is urgent, and its last block cannot be repeated without the
-            // blocks before.
+            // Whether a body in blocks is urgent is known only at its last block. To repeat an urgent body, the
+            // sender has to repeat all its blocks. So each block has to act again.
             self.exchanges.acts_again_when_undone(reply_to.key);
         }
         let undone = self.exchanges.undone;
@@ -191,8 +192,8 @@ impl Endpoint {
         self.ask(reply_to, exchange, read, now);
     }
 
-    /// Refuses a request without passing it to the application. The answer to a change begins with `refused: `, which
-    /// its sender has to read first.
+    /// Refuses a request without passing it to the application. If the request asked for a change, the answer begins
+    /// with `refused: `.
     fn refuse(&mut self, reply_to: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
@@ -200,15 +201,16 @@ impl Endpoint {
         self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
-    /// Stores the refusal of a change for the record, if its sender is on this machine and fewer than `REFUSED` are
-    /// stored.
+    /// Stores for the record that a request for a change was refused. Does so only if the sender is on this
+    /// machine and fewer than `REFUSED` refusals are stored.
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();
         self.refused.push_back(RefusedRequest { peer, asked, words });
     }
 
-    /// Answers a request for a further block of a body that a notification began. Returns false for any other request.
+    /// Answers a request for a later block of a body whose first block was sent as a notification. Returns false for
+    /// any other request.
     fn observes_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
@@ -231,7 +233,8 @@ impl Endpoint {
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
-    /// Whether the whole body has arrived. If so, puts it into the request.
+    /// Adds this block to the request's body. Returns whether the body is complete. If it is, the request now
+    /// contains it.
     fn whole(&mut self, read: &mut ParsedRequest, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
@@ -282,7 +285,7 @@ impl Endpoint {
     }
 }
 
-/// The key under which the blocks of a request's body, and its answer, are stored.
+/// The key under which the blocks of a request's body are stored, and also a long answer to the request.
 fn body_key(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
     BodyKey {
         peer: request.peer,

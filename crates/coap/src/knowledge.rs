@@ -1,6 +1,6 @@
-//! The state that one observer knows of each thing that it observes, and which thing it is told next. Things take
-//! turns: a thing that changes all the time does not hide the others, and news that may have been lost is repeated even
-//! while there is other news. Messages and pacing are not handled here.
+//! Tracks which version of each thing an observer knows, and which thing to send to it next. Things take turns, so a
+//! thing that changes all the time does not hide the others. A version that may have been lost is sent again even
+//! while other things change. Messages and pacing are not handled here.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::limits::SETTLED;
 use super::response::Response;
 
-/// One of the things that a subject shows. One counter numbers the versions of all its things and never starts again,
-/// so that a thing that disappears and returns is not mistaken for the earlier one.
+/// One of the things that a subject shows. All things of a subject share one version counter, which never goes back.
+/// So a thing that disappears and returns is not mistaken for the earlier one.
 #[derive(Debug)]
 pub(super) struct Thing {
     pub(super) response: Arc<Response>,
@@ -19,16 +19,16 @@ pub(super) struct Thing {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lack {
-    /// The observer was not told the newest version of this thing.
+    /// The observer was not sent the newest version of the thing at this index.
     News(usize),
-    /// The observer was told some time ago, and may not have received it.
+    /// The observer was sent the newest version of this thing some time ago, and may not have received it.
     Unsure(usize),
 }
 
 #[derive(Debug)]
 pub(super) struct Knowledge {
     things: Vec<KnownThing>,
-    /// Index of the thing whose turn is next; turns go round in the order of the things.
+    /// Index of the thing whose turn is next. The first thing follows the last.
     next: usize,
     latest: usize,
 }
@@ -37,7 +37,7 @@ pub(super) struct Knowledge {
 struct KnownThing {
     told: u64,
     at: Duration,
-    /// The last version that the observer has acknowledged, or surely received.
+    /// The newest version that the observer has certainly received.
     sure: u64,
 }
 
@@ -50,8 +50,8 @@ impl Thing {
 }
 
 impl Knowledge {
-    /// The knowledge of an observer that was just shown one thing and not yet the others. If the answer with it may be
-    /// lost, the thing will be told again.
+    /// The knowledge of an observer that was just sent one thing, `shown`, and none of the others. Unless `is_sure`
+    /// is set, that message may be lost, so the thing will be sent again.
     pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
         let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
@@ -60,7 +60,7 @@ impl Knowledge {
         Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
     }
 
-    /// The thing to tell the observer now: the next news, or otherwise something that it may have missed.
+    /// The thing to send to the observer now: one that has changed, or one that the observer may have missed.
     pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
         let from_here = self.lack_within(things, self.next..things.len(), now);
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
@@ -70,7 +70,7 @@ impl Knowledge {
         self.latest
     }
 
-    /// When to tell the observer something next: at least `pace` after `sent`, the time of the last message to it.
+    /// When to send the next thing to the observer: at least `pace` after `sent`, the time of the last message to it.
     pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
         let due = |(place, thing): (usize, &Thing)| match self.known(place) {
             known if known.told < thing.version => Some(sent + pace),
@@ -134,7 +134,7 @@ mod tests {
         Knowledge::of(&things(versions), &Response::new(Code::CONTENT), true, now)
     }
 
-    /// The indices told one after the other while nothing changes any more.
+    /// The indices of the things in the order in which they are sent while nothing changes.
     fn order(knowledge: &mut Knowledge, things: &[Thing]) -> Vec<usize> {
         let mut order = Vec::new();
         while let Some(Lack::News(place)) = knowledge.lack(things, Duration::ZERO) {

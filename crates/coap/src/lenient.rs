@@ -1,6 +1,5 @@
-//! Reads the request in a datagram as far as possible when the strict reader refuses it, so that an urgent request
-//! takes effect whatever is wrong with it. The application decides which requests are urgent, and `inward` refuses
-//! them.
+//! Reads as much as possible of a malformed request, which the strict reader refuses. So an urgent request takes
+//! effect even if it is malformed. The application decides which requests are urgent. `inward` sends the refusal.
 
 use std::iter;
 use std::net::SocketAddr;
@@ -10,7 +9,7 @@ use super::limits::BODY;
 use super::options::number::{PROXY_URI, URI_PATH};
 use super::request::{Conditions, Request};
 
-/// Length of the header in bytes, after which the token begins.
+/// Length of the header in bytes. The token follows it.
 const HEADER: usize = 4;
 
 /// The byte between options and payload (RFC 7252, section 3).
@@ -19,17 +18,17 @@ const MARKER: u8 = 0xFF;
 /// The longest token, in bytes (RFC 7252, section 3).
 const TOKEN: usize = 8;
 
-/// Most options that are read, since one datagram must not take long.
+/// Maximum number of options that are read, so that no datagram takes long.
 const OPTIONS: usize = 128;
 
-/// Whether a message with this code may ask for a change. This includes codes of requests without a known method.
+/// Whether a message with this code may ask for a change. Also true for request codes of unknown methods.
 pub(super) fn is_command(code: Code) -> bool {
     code.class() == 0 && !Method::of(code).is_some_and(Method::is_safe)
 }
 
-/// The requests that a datagram of this version may hold, one for each possible length of its token: first the stated
-/// length by RFC 7252 and by RFC 8974, then every other length. Messages that only read, or are no requests, are
-/// skipped.
+/// All requests that the datagram can be read as, one for each possible length of its token. The stated length comes
+/// first, as RFC 7252 and RFC 8974 define it, and then every other length. Messages that only read, or are no
+/// requests, are skipped.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -37,17 +36,17 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
     tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
-/// The possible lengths of the token, including the bytes of an extended length: first the lengths that the four bits
-/// may mean, then all others.
+/// The possible lengths of the token, including the bytes of an extended length. The lengths that the four bits may
+/// mean come first, and then all others.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
     let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
     let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);
     iter::once(said).chain(extended.filter(|length| *length != said)).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// The request behind the token, read until the options are invalid or cut off; `None` if the options name no path. The
-/// bytes from there on are the payload. If they contain a marker, only the bytes behind the last one are, since an old
-/// client's command may stand there.
+/// Reads the request behind the token. Options are read until one is invalid or cut off. The bytes from there on are
+/// the payload; if they contain a payload marker, only the bytes behind the last marker are. An old client's command
+/// may stand there. Returns `None` if the options name no path.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
     let (mut path, mut proxy, mut number) = (Vec::new(), None, 0_usize);
     for _ in 0..OPTIONS {
@@ -70,7 +69,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
         [MARKER, payload @ ..] => payload,
         _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
-    // Bytes beyond the longest body are not read: a command stands at the beginning.
+    // Bytes beyond the longest body are not read: a command stands at the beginning of the payload.
     let payload = payload[..payload.len().min(BODY)].to_vec();
     Some(Request {
         peer,
@@ -84,7 +83,8 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
     })
 }
 
-/// The path of an absolute URI on any host, with the same meaning as Uri-Path (RFC 7252, section 5.10.2).
+/// The path segments of an absolute URI, like the values of Uri-Path (RFC 7252, section 5.10.2). The host does not
+/// matter.
 fn segments(address: &[u8]) -> Vec<String> {
     let address = String::from_utf8_lossy(address);
     let address = address.split(['?', '#']).next().unwrap_or_default();
@@ -92,8 +92,8 @@ fn segments(address: &[u8]) -> Vec<String> {
     behind.split('/').filter(|segment| !segment.is_empty()).map(str::to_owned).collect()
 }
 
-/// The first option in these bytes: the delta of its number, its value as far as it has arrived, and the bytes behind
-/// it. `None` for a reserved form, or if the head of the option is cut off.
+/// Reads the first option: the delta of its number, its value as far as it has arrived, and the bytes behind the
+/// option. `None` for a reserved form, or if the head of the option is cut off.
 fn option(bytes: &[u8]) -> Option<(usize, &[u8], &[u8])> {
     let (head, rest) = bytes.split_first()?;
     let (delta, rest) = extended(head >> 4, rest)?;
@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// One datagram must not delay others.
+    /// Reading one datagram must not delay others.
     #[test]
     fn no_more_than_so_many_options_are_read() {
         let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
@@ -203,7 +203,7 @@ mod tests {
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
-    /// One datagram must not delay others.
+    /// Reading one datagram must not delay others.
     #[test]
     fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
         let long = message(2, b"", &URGENT, &[b'x'; 60_000]);

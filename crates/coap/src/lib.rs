@@ -1,13 +1,13 @@
-//! A CoAP server endpoint that knows no resource, socket or clock: datagrams in, requests out to an application, its
-//! answers back in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). The application decides which resource is at
-//! which path.
+//! A CoAP server endpoint without resources, sockets and clocks (RFC 7252, 7641, 7959, 7967, 9175). Datagrams go
+//! in, and requests come out for an application. The application's answers go in, and datagrams to send come out. The
+//! application decides which resource is at which path.
 //!
 //! ```text
-//!   backlog (what waits, when more comes than is answered)
+//!   backlog (datagrams that wait)
 //!             ▼
 //!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
 //!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
-//!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
+//!                                            reliable ◄─┘ (our messages that need an acknowledgement)
 //! ```
 
 #![warn(missing_docs)]
@@ -70,7 +70,7 @@ pub struct ExchangeId(u64);
 /// A datagram to be sent unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmit {
-    /// Address and port of its receiver.
+    /// Address and port of the receiver.
     pub peer: SocketAddr,
     /// The whole UDP payload.
     pub bytes: Vec<u8>,
@@ -79,11 +79,11 @@ pub struct Transmit {
 /// A request for a change that was refused before the application saw it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedRequest {
-    /// The sender, which is on this machine.
+    /// Address of the sender, which is on this machine.
     pub peer: SocketAddr,
     /// The request's method and path, such as `POST /commands/start`.
     pub asked: String,
-    /// The reason, without the `refused: ` with which the answer begins.
+    /// The reason, without `refused: `, the beginning of the answer.
     pub words: String,
 }
 
@@ -100,14 +100,15 @@ pub struct Counts {
     pub assemblies: usize,
     /// Answers stored for reading in blocks: at most `ASSEMBLIES`.
     pub long_answers: usize,
-    /// Messages that wait for an acknowledgement, or for their turn.
+    /// Our messages that wait for an acknowledgement, or for their turn to be sent.
     pub reliable: usize,
-    /// Addresses and networks beyond this machine, and peers with message ids of their own: at most `PEERS` of each.
+    /// Addresses of other machines, networks of other machines, and peers with a message id counter: at most `PEERS`
+    /// of each.
     pub peers: usize,
 }
 
-/// A CoAP server endpoint without sockets and clocks: it takes datagrams, answers and the time, and returns requests
-/// and datagrams.
+/// A CoAP server endpoint without sockets and clocks. It takes datagrams, answers and the time. It returns
+/// requests and datagrams.
 pub struct Endpoint {
     guard: Guard,
     exchanges: Exchanges,
@@ -116,8 +117,8 @@ pub struct Endpoint {
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
-    /// Open requests whose sender has to be told that the answer takes longer, each with the time of this message, in
-    /// the order of arrival.
+    /// Open requests whose sender gets an empty acknowledgement if the answer takes too long. Each has the time at
+    /// which this acknowledgement is due. In the order of arrival.
     patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
     ids: LinkedHashMap<SocketAddr, u16>,
@@ -125,7 +126,7 @@ pub struct Endpoint {
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<RefusedRequest>,
     is_urgent: fn(&Request) -> bool,
-    /// Words in the refusal of an urgent request, which say that it took effect.
+    /// Text in the refusal of an urgent request. It says that the request took effect all the same.
     took_effect: &'static str,
     out: VecDeque<Transmit>,
 }
@@ -133,7 +134,7 @@ pub struct Endpoint {
 #[derive(Debug)]
 struct Open {
     reply_to: ReplyTo,
-    /// Whether the sender was told already that the answer comes separately.
+    /// Whether the sender was already told, by an empty acknowledgement, that the answer comes separately.
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
@@ -142,7 +143,7 @@ struct Open {
     /// The key under which the answer is stored if it does not fit into one message; `None` for a request that only
     /// reads.
     kept_as: Option<Box<BodyKey>>,
-    /// How often the effect of urgent requests had been undone when this request came.
+    /// Number of times that the effect of urgent requests had been undone when this request arrived.
     undone: u64,
     etags: Vec<ETag>,
     block1: Option<Block>,
@@ -151,8 +152,8 @@ struct Open {
 }
 
 impl Endpoint {
-    /// An endpoint that derives all its random values from this secret: message ids, the spread of times, and proofs of
-    /// addresses.
+    /// Creates an endpoint. All its random values are derived from this secret: message ids, the spread of
+    /// retransmission times, and the Echo values that prove addresses.
     #[must_use]
     pub fn new(secret: [u8; 32]) -> Endpoint {
         let (seed, secret) = secret.split_at(8);
@@ -177,32 +178,32 @@ impl Endpoint {
         }
     }
 
-    /// Sets the wall clock at `Duration::ZERO` of the endpoint's time, as the time since the beginning of 1970. With it
-    /// the numbers of notifications continue after a restart, so that an observer does not mistake a new notification
-    /// for an old one (RFC 7641, section 4.4).
+    /// Sets what the wall clock shows at `Duration::ZERO` of the endpoint's time, as the time since the beginning of
+    /// 1970. The numbers of notifications follow the wall clock. So after a restart no observer mistakes a new
+    /// notification for an old one (RFC 7641, section 4.4).
     #[must_use]
     pub fn started_at(self, since_1970: Duration) -> Endpoint {
         Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
-    /// Defines urgent requests, which have to take effect whatever is wrong with them. Each one is passed to the
-    /// application once, and once more if it is repeated after its effect was undone (`handle_undone`). `is_urgent`
-    /// recognises them by the sender, and by as much of the method, path and payload as can be read. An urgent request
-    /// that has to be refused is still passed on. The application's answer to it is not sent, and the refusal begins
-    /// with `refused: ` and `took_effect`.
+    /// Defines urgent requests, which take effect even if they are malformed. `is_urgent` recognises them by the
+    /// sender, and by as much of the method, path and payload as can be read. Each urgent request is passed to the
+    /// application once. If it is repeated after its effect was undone (`handle_undone`), it is passed on again. An
+    /// urgent request that has to be refused is passed on too, but the application's answer is not sent. Its sender
+    /// gets the refusal, which begins with `refused: ` and `took_effect`.
     #[must_use]
     pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
         Endpoint { is_urgent, took_effect, ..self }
     }
 
-    /// Sets how often the effect of urgent requests may have been undone so far. Call this before each datagram. A
-    /// repeated urgent message gets the same answer while the number is unchanged. After a change it is passed to the
-    /// application again.
+    /// Sets how often the effect of urgent requests may have been undone so far. Call this before each datagram.
+    /// While the number is unchanged, a repeated urgent message gets the same answer as before. After a change, a
+    /// repeated urgent message is passed to the application again.
     pub fn handle_undone(&mut self, count: u64) {
         self.exchanges.undone = count;
     }
 
-    /// Takes the application's answer to a request. It may come at any time.
+    /// Takes the application's answer to a request, at once or at any later time.
     pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Duration) {
         self.patience.remove(&exchange);
         if let Some(open) = self.open.remove(&exchange) {
@@ -210,19 +211,19 @@ impl Endpoint {
         }
     }
 
-    /// Takes the present state of the things that a subject's observers see. Unchanged things are not sent.
+    /// Takes the present state of the things that the observers of a subject see. Only changed things are sent.
     pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         self.observers.change(subject, things, now);
     }
 
-    /// Ends all observations with this message.
+    /// Sends this last message to all observers, and ends their observations.
     pub fn close(&mut self, farewell: &Response) {
         for (peer, token) in self.observers.clear() {
             self.bid_farewell(peer, token, farewell);
         }
     }
 
-    /// Call this at the time of `poll_timeout`.
+    /// Does the work that is due. Call this at the time that `poll_timeout` returned.
     pub fn handle_timeout(&mut self, now: Duration) {
         self.acknowledge_slow(now);
         self.repeat_late(now);
@@ -234,7 +235,7 @@ impl Endpoint {
         self.asked.pop_front()
     }
 
-    /// The next request that was refused before the application saw it, for the record.
+    /// The next request that was refused before the application saw it. The application may record it.
     pub fn poll_refused(&mut self) -> Option<RefusedRequest> {
         self.refused.pop_front()
     }

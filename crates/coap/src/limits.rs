@@ -1,4 +1,4 @@
-//! Every limit and every time of the endpoint, each with its reason. Nothing is decided here.
+//! All limits and times of the endpoint, each with its reason.
 
 use std::time::Duration;
 
@@ -6,69 +6,74 @@ use std::time::Duration;
 /// section 4.6).
 pub const BLOCK: usize = 1024;
 
-/// Largest size of a message without its payload, in bytes: header, token and the longest options that are sent.
+/// Largest size of a message without its payload, in bytes: header, token and the longest options that this endpoint
+/// sends.
 pub const HEAD: usize = 128;
 
-/// Largest body of a request, in bytes, in blocks or in one message: a command has a few dozen bytes.
+/// Largest body of a request, in bytes, sent in blocks or in one message. A command needs only a few dozen bytes.
 pub const BODY: usize = 16 * 1024;
 
-/// Bodies of requests that are being put together, and answers that are being read block by block. The oldest gives
-/// way. Bodies from beyond this machine have separate room for as many.
+/// Maximum number of request bodies that are incomplete. Also the maximum number of answers that are being read block
+/// by block. Beyond the limit the oldest is dropped. Bodies from other machines have a separate limit of the same
+/// size.
 pub const ASSEMBLIES: usize = 64;
 
 /// How long a message id of a peer stands for the same message (RFC 7252, section 4.8.2).
 pub const EXCHANGE_LIFETIME: Duration = Duration::from_secs(247);
 
-/// Messages stored with their answers, of at most some 1.2 kB each. The oldest gives way. Commands from this machine
-/// have a table of their own, so that no flood of reads, or of other machines, pushes out their answers.
+/// Maximum number of messages stored with their answers, each of some 1.2 kB at most. Beyond the limit, the sender
+/// with the most messages loses its oldest one. Commands from this machine have a table of their own, so that a flood
+/// of reads, or of messages from other machines, cannot push out their answers.
 pub const EXCHANGES: usize = 8192;
 
-/// Requests that wait for the application. Beyond this limit the oldest request is carried out without an answer.
+/// Maximum number of requests that wait for the application's answer. Beyond the limit the oldest request is still
+/// carried out, but gets no answer.
 pub const OPEN: usize = 4096;
 
-/// Time after which an empty acknowledgement is sent and the answer follows separately: well before the sender repeats
-/// the request after two seconds.
+/// When an answer takes longer than this, an empty acknowledgement is sent and the answer follows separately. The
+/// limit is well below two seconds, after which the sender would repeat the request.
 pub(super) const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Shortest time before a message that needs an acknowledgement is sent again (RFC 7252, section 4.8).
 pub const ACK_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Random extension of `ACK_TIMEOUT`, as a fraction of it, so that peers that lost messages at the same time do not
-/// repeat them at the same time.
+/// Random extension of `ACK_TIMEOUT`, as a fraction of it. Without it, messages that were lost at the same time would
+/// be repeated at the same time.
 pub(super) const ACK_SPREAD: f64 = 0.5;
 
-/// Retransmissions of a message. The time before each is twice as long as the one before.
+/// Maximum number of retransmissions of a message. The wait doubles before each of them.
 pub(super) const MAX_RETRANSMIT: u32 = 4;
 
-/// Separate answers for one peer that wait until the answer before them is acknowledged. Further answers are sent
-/// without acknowledgement.
+/// Maximum number of separate answers for one peer that wait until an earlier message to it is acknowledged. Further
+/// answers are sent at once, without asking for an acknowledgement.
 pub const WAITING: usize = 32;
 
-/// Peers with an unacknowledged message of ours: twice `OBSERVERS`. Beyond this limit late answers are sent without
-/// acknowledgement.
+/// Maximum number of peers with an unacknowledged message of ours: twice `OBSERVERS`. Beyond the limit, separate
+/// answers are sent without asking for an acknowledgement.
 pub const RELIABLE_PEERS: usize = 4096;
 
-/// Observations in all: every screen and device of a site.
+/// Maximum number of observations: enough for every screen and device of a site.
 pub const OBSERVERS: usize = 2048;
 
-/// With this many observations, a new observer is soon asked for an acknowledgement, so that observers that are gone
-/// are known when there is no more room.
+/// From this number of observations on, a new observer is soon asked for an acknowledgement. Observers that are gone
+/// are then known before the table is full.
 pub const UNPROVED_OBSERVERS: usize = 256;
 
-/// Time in which an observer must answer its first request for an acknowledgement. With `UNPROVED_OBSERVERS` or more,
-/// an observer that has not done so loses its place when it registers again.
+/// Time in which an observer must answer its first request for an acknowledgement. While there are
+/// `UNPROVED_OBSERVERS` or more, an observer that has not done so loses its place when it registers again.
 pub const UNPROVED: Duration = Duration::from_secs(5);
 
-/// Observations of one peer, enough for each resource several times over.
+/// Maximum number of observations of one peer: enough to observe each resource several times.
 pub const OBSERVERS_OF_A_PEER: usize = 64;
 
-/// Observations of peers beyond this machine, a part of `OBSERVERS`.
+/// Maximum number of observations from other machines. They count towards `OBSERVERS` too.
 pub const OBSERVERS_BEYOND: usize = 1024;
 
-/// Observations of one network beyond this machine, so that no network takes all the places.
+/// Maximum number of observations from one network of other machines, so that no network takes all the places.
 pub const OBSERVERS_OF_A_NETWORK: usize = 256;
 
-/// Longest path and query of an observed resource, in bytes, since they are stored while it is observed.
+/// Maximum length of the path and query of an observed resource together, in bytes. They are stored during the
+/// observation.
 pub(super) const TARGET: usize = 256;
 
 /// Least time between two notifications of one observation: no observer needs more than fifty a second.
@@ -78,65 +83,70 @@ pub const PACE: Duration = Duration::from_millis(20);
 /// repeated within `EXCHANGE_LIFETIME`, which allows 265 messages a second.
 pub(super) const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
 
-/// `PACE` for a peer beyond this machine while its round-trip time is unknown (RFC 7641, section 4.5.1).
+/// Replaces `PACE` for a peer on another machine while its round-trip time is unknown (RFC 7641, section 4.5.1).
 pub(super) const PACE_UNKNOWN: Duration = Duration::from_secs(3);
 
-/// Time in which an observer may read the further blocks of a notification before it is told of later changes.
-/// Otherwise a slow reader would never read all blocks of a thing that changes all the time. An observer that has read
-/// all blocks is told at once.
+/// Time for an observer to read the further blocks of a notification before it gets the next one. Otherwise a slow
+/// reader would never read all blocks of a thing that changes all the time. An observer that has read all blocks does
+/// not wait.
 pub(super) const READING: Duration = Duration::from_secs(1);
 
-/// Notifications sent at once. The next group follows a millisecond later, so that no buffer overflows on either side.
+/// Maximum number of notifications sent at once. The next group follows a millisecond later, so that no buffer
+/// overflows on either side.
 pub(super) const BURST: usize = 32;
 
-/// Time without change after which a thing that was told without acknowledgement is told again with one. Many things
-/// change every second, and a lost acknowledgement would then delay the news after it. So this time is longer than a
-/// second.
+/// A thing may be sent without asking for an acknowledgement. If it does not change for this time, it is sent again
+/// with such a request. The time is longer than a second, because many things change every second. If the
+/// acknowledgement were lost, the next change would be delayed.
 pub(super) const SETTLED: Duration = Duration::from_millis(1500);
 
-/// Time after which an unchanged thing is told again with a request for an acknowledgement, before the 60 seconds of
-/// Max-Age are over. So the observer knows that the state is current, and an observer that is gone loses its place.
+/// When a thing has not changed for this time, it is sent again with a request for an acknowledgement. This happens
+/// before the 60 seconds of Max-Age are over. So the observer knows that its state is current, and an observer that
+/// is gone loses its place.
 pub(super) const REFRESH: Duration = Duration::from_secs(50);
 
-/// Longest time without a request for an acknowledgement to an observer of a thing that changes all the time, so that
-/// observers that are gone are found. RFC 7641, section 4.5, asks for at least one request a day.
+/// Longest time between two requests for an acknowledgement to one observer, even while things change all the time.
+/// Observers that are gone are found in this way. RFC 7641, section 4.5, requires at least one request a day.
 pub(super) const CONFIRM_EVERY: Duration = Duration::from_secs(30);
 
-/// Most bytes sent to an unproved address for each byte that came from it.
+/// Maximum number of bytes sent to an unproved address for each byte that came from it.
 pub const AMPLIFICATION: usize = 3;
 
-/// Addresses beyond this machine whose received bytes and proofs are stored. The oldest gives way.
+/// Maximum number of addresses of other machines whose received bytes and proofs are stored. Beyond the limit, the
+/// address that has sent nothing for longest is forgotten.
 pub const PEERS: usize = 4096;
 
 /// How long an address counts as proved. Each acknowledgement from the address renews this time.
 pub(super) const PROVED: Duration = Duration::from_secs(3600);
 
-/// Greatest age of an Echo that proves an address (RFC 9175, section 2.4).
+/// Maximum age of an Echo value that proves an address (RFC 9175, section 2.4).
 pub(super) const ECHO_AGE: Duration = Duration::from_secs(60);
 
-/// Size of the commands in the backlog, in bytes. All of them are handled before an urgent request that came after
-/// them, so they must not take long.
+/// Maximum size of the commands in the backlog, in bytes. Commands are handled before an urgent request that came
+/// after them, so they must not take long.
 pub(super) const COMMANDS_WAITING: usize = 128 * 1024;
 
-/// Size of the urgent requests in the backlog, in bytes: a request of 64 KiB leaves more room to others than it takes.
-/// When the backlog is full of urgent requests, they take effect one after the other, so a further one can be dropped.
+/// Maximum size of the urgent requests in the backlog, in bytes. A request of 64 KiB leaves more room to others than
+/// it takes. When the backlog is full, further urgent requests are dropped, because the waiting ones take effect one
+/// after the other.
 pub(super) const URGENT_WAITING: usize = 256 * 1024;
 
-/// Size of the acknowledgements and resets in the backlog, in bytes: all observers may acknowledge at once.
+/// Maximum size of the acknowledgements and resets in the backlog, in bytes: all observers may acknowledge at once.
 pub(super) const SIGNS_WAITING: usize = 1024 * 1024;
 
-/// Size of all other datagrams in the backlog, in bytes.
+/// Maximum size of all other datagrams in the backlog, in bytes.
 pub(super) const READS_WAITING: usize = 2 * 1024 * 1024;
 
 /// Approximate memory of a waiting datagram in addition to its bytes.
 pub(super) const WAITING_HEAD: usize = 128;
 
-/// Refusals stored until the application fetches them for the record, which it does after each datagram.
+/// Maximum number of refusals stored until the application fetches them for the record. It fetches them after each
+/// datagram.
 pub const REFUSED: usize = 1024;
 
-/// Requests per second from one network beyond this machine. At this rate a photo in the smallest blocks takes half a
-/// minute.
+/// Maximum number of requests per second from one network of other machines. At this rate a photo in the smallest
+/// blocks takes half a minute.
 pub(super) const RATE: f64 = 200.0;
 
-/// Requests that one network beyond this machine may send in a burst.
+/// Maximum number of requests that one network of other machines may send in a burst.
 pub(super) const RATE_BURST: f64 = 400.0;

@@ -17,8 +17,8 @@ impl Link {
         Link { href: href.into(), attributes: Vec::new() }
     }
 
-    /// Adds an attribute, such as `rt`. Several values of `rt`, `if`, `rel` or `ct` are written in one text, separated
-    /// by spaces.
+    /// Adds an attribute, such as `rt`. Several values of `rt`, `if`, `rel` or `ct` are written in one text,
+    /// separated by spaces.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Link {
         self.attributes.push((name, Some(value.into())));
@@ -97,7 +97,7 @@ mod tests {
         ]
     }
 
-    /// Which of the three links a query matches, by the first letters of their paths after the slash.
+    /// Checks which of the three links match the queries. `expect` has the paths of these links.
     fn check(queries: &[&str], expect: &[&str]) {
         let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();
         let list = link_format(&links(), &queries);

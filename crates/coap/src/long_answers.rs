@@ -22,7 +22,7 @@ struct Answered {
     answer: Arc<Response>,
     /// Where the first unread block begins, in bytes.
     next: usize,
-    /// How often the effect of urgent requests had been undone when the request came.
+    /// Number of times that the effect of urgent requests had been undone when the request arrived.
     undone: u64,
 }
 
@@ -41,14 +41,14 @@ impl LongAnswers {
         }
     }
 
-    /// Whether a request for this block reads on where the last one ended, and is thus no new request. This requires
-    /// that the effect of the urgent request still holds.
+    /// Whether the request asks for the block behind the last one that was sent, so that it is no new request.
+    /// Returns false if the effect of the urgent request may have been undone since.
     pub(super) fn is_next(&self, key: &BodyKey, block: Block, undone: u64, now: Duration) -> bool {
         let kept = self.0.get(key).filter(|kept| kept.undone == undone && !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
 
-    /// The stored answer. `block` is the block that is sent now.
+    /// Returns the stored answer, or `None` if it is not stored any more. `block` is the block that is sent now.
     pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
         let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
         kept.next = end(block);
@@ -56,7 +56,7 @@ impl LongAnswers {
     }
 }
 
-/// Where the next block begins, in bytes. There is no overflow, since a number has 20 bits and a size 11.
+/// Returns where the next block begins, in bytes. The product cannot overflow: a number has 20 bits and a size 11.
 fn end(block: Block) -> usize {
     (block.number as usize + 1) * block.size()
 }

@@ -24,9 +24,9 @@ pub(super) struct Token {
 
 #[derive(Debug)]
 pub(super) enum Received {
-    /// No message, or one that gets no answer.
+    /// Not a CoAP message, or a message that gets no answer.
     Nothing,
-    /// A message that cannot be read, or that a server does not receive. A CON is answered with a RST of this id.
+    /// A message that cannot be read, or that a server never receives. A CON is answered with a RST of this id.
     Malformed(MessageKind, u16),
     Ack(u16),
     Rst(u16),
@@ -43,7 +43,7 @@ pub(super) struct Incoming {
 }
 
 impl Token {
-    /// These bytes as a token, cut to 8.
+    /// A token of these bytes; bytes beyond the eighth are dropped.
     pub(super) fn new(given: &[u8]) -> Token {
         let given = &given[..given.len().min(8)];
         let mut bytes = [0; 8];
@@ -66,8 +66,7 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
         (MessageKind::Ack, _) => Received::Ack(id),
         (MessageKind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
         (MessageKind::Rst, _) => Received::Nothing,
-        // An empty message asks whether anybody is there, and an empty message with further bytes is an error. Both get
-        // the same answer.
+        // An empty message is a ping, and an empty message with further bytes is an error. Both get the same answer.
         (MessageKind::Con | MessageKind::Non, Code::EMPTY) => Received::Malformed(kind, id),
         (MessageKind::Con | MessageKind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
         (MessageKind::Con | MessageKind::Non, _) => match Packet::from_bytes(bytes) {
@@ -79,12 +78,12 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
     }
 }
 
-/// Whether it is long enough for a message, and of version 1 (RFC 7252, section 3).
+/// Whether a datagram is long enough for a message, and of version 1 (RFC 7252, section 3).
 pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
     matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
 }
 
-/// The code of a datagram that asks for something, valid or not; `None` for acknowledgements, resets and empty
+/// The code of a datagram that may be a request, valid or not; `None` for acknowledgements, resets and empty
 /// messages.
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
@@ -98,8 +97,8 @@ pub(super) fn empty(kind: MessageKind, id: u16) -> Vec<u8> {
     vec![0x40 | kind as u8, 0, high, low]
 }
 
-/// A message being written, option by option in the order of their numbers; type and id are written last. All bytes go
-/// into one buffer, where the codec would allocate three for each option.
+/// A message that is being written. Options are added in the order of their numbers; type and id are filled in last.
+/// All bytes go into one buffer. The codec would allocate three buffers for each option.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Outgoing {
     bytes: Vec<u8>,
@@ -131,7 +130,7 @@ impl Outgoing {
         self.option = option;
     }
 
-    /// Adds an option with a number as its value, in the shortest form (RFC 7252, section 3.2).
+    /// Adds an option whose value is a number, in the shortest form (RFC 7252, section 3.2).
     pub(super) fn add_number(&mut self, option: u16, value: u32) {
         let skipped = value.leading_zeros() / 8;
         self.add(option, &value.to_be_bytes()[skipped as usize..]);
@@ -174,8 +173,8 @@ const fn kind(first: u8) -> MessageKind {
     }
 }
 
-/// Length of the packet in bytes when it is written. If the datagram was longer, it ended in a marker without a
-/// payload.
+/// Length in bytes that the packet has when it is written. A datagram that was longer ended in a payload marker
+/// without a payload.
 fn written_length(packet: &Packet) -> usize {
     let mut before = 0;
     let mut length = 4 + packet.get_token().len();

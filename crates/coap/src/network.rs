@@ -1,9 +1,9 @@
-//! The network of a peer: the unit for counting requests, observations and waiting datagrams. Identities are not known
-//! here.
+//! The network of a peer: the unit by which requests, observations and waiting datagrams are counted. Identities of
+//! clients are not known here.
 
 use std::net::{IpAddr, Ipv6Addr};
 
-/// One IPv4 address, or one /64 of IPv6: a sender with one address of a /64 has all its addresses.
+/// One IPv4 address, or one /64 of IPv6: a sender that has one address of a /64 can use all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Network(IpAddr);
 
@@ -24,7 +24,7 @@ impl Network {
     }
 }
 
-/// Whether an address is a loopback address, in any notation.
+/// Whether an address is a loopback address, in any notation: an IPv4 address may also be written as IPv6.
 pub(super) fn is_this_machine(address: IpAddr) -> bool {
     Network::of(address).is_loopback()
 }

@@ -1,10 +1,10 @@
-//! The observers, what each of them has been told, and when to tell it more (RFC 7641). Observers of the same thing in
-//! the same format share one *subject*, whose state comes from the application. Nothing is queued: an observer is told
-//! the newest state when its turn comes. Notifications are written and acknowledged elsewhere.
+//! Tracks observers: what was sent to each of them, and when to send more (RFC 7641). Observers of the same path and
+//! query in the same format share one *subject*. The application provides the state of a subject. Nothing is queued:
+//! an observer gets the newest state when its turn comes. Notifications are written and acknowledged elsewhere.
 //!
 //! ```text
-//!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)
-//!                └─ now and then with one all the same (CONFIRM_EVERY)
+//!   changed ──► sent as NON, at most every PACE ──► unchanged for SETTLED ──► sent again as CON
+//!                └─ sent as CON when the last CON was CONFIRM_EVERY ago
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -24,27 +24,28 @@ use super::request::Request;
 use super::response::Response;
 use super::subject::{ObserverId, Subject, Target};
 
-/// The acknowledgements of an observer. A new registration does not reset them, so that an observer cannot keep its
-/// place by registering again and again.
+/// The acknowledgements of an observer. A new registration does not reset them. So an observer cannot keep its place
+/// by registering again and again.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Acknowledging {
-    /// When the observer was last asked for an acknowledgement; at first, when it registered.
+    /// When the observer was last asked for an acknowledgement. Before the first request, the time of its
+    /// registration.
     asked: Duration,
-    /// When the observer was first asked since its last acknowledgement.
+    /// When the observer was first asked for an acknowledgement after its last one. `None` if it owes none.
     unanswered: Option<Duration>,
     is_proved: bool,
 }
 
-/// Identifies what is observed: a path and a query in a format.
+/// Identifies what is observed: a path, a query and a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
-    /// The new observation itself, whose peer has too many or whose path is too long. No other gives way.
+    /// The new observation itself: its peer has too many, or its path is too long. No other observation makes room.
     Itself,
     Network(Network),
-    /// All observations from beyond this machine. Observations from this machine never give way to them.
+    /// All observations from other machines. Observations from this machine never make room for them.
     Beyond,
     All,
 }
@@ -68,7 +69,7 @@ pub(super) struct Notification {
     /// Index of the thing among the things of its subject.
     pub(super) thing: usize,
     pub(super) version: u64,
-    /// Size exponent of the blocks that the observer wants: 2 to the power of `exponent` + 4 bytes each.
+    /// Size exponent of the blocks that the observer wants: each has 2^(`exponent` + 4) bytes.
     pub(super) exponent: u8,
     pub(super) confirm: bool,
     /// The Observe number of 24 bits; `None` for the last notification.
@@ -83,8 +84,8 @@ pub(super) struct Observers {
     by_peer: HashMap<SocketAddr, Vec<ObserverId>>,
     due: BTreeSet<(Duration, ObserverId)>,
     counted: u64,
-    /// The wall clock since 1970 at the endpoint's time zero. From there the Observe numbers continue, even after a
-    /// restart.
+    /// What the wall clock showed at the endpoint's time zero, as the time since 1970. The Observe numbers follow
+    /// this clock, so they continue after a restart.
     began: Duration,
 }
 
@@ -95,17 +96,17 @@ struct Observer {
     subject: SubjectId,
     exponent: u8,
     knowledge: Knowledge,
-    /// A body of which the observer was sent only the first block. The further blocks are read from this body, whatever
-    /// changes.
+    /// A body of which the observer was sent only the first block. The further blocks are read from this body, even
+    /// if the state has changed since.
     begun: Option<Arc<Response>>,
     /// Whether the observer may still be reading `begun`.
     is_reading: bool,
-    /// The message ids of the latest notifications, with which the observer may reject them.
+    /// The message ids of the latest notifications. An observer rejects a notification by its id.
     ids: [Option<u16>; 4],
     sequence: u64,
     sent: Duration,
     acknowledging: Acknowledging,
-    /// Round-trip time, once it is known.
+    /// Round-trip time, once known.
     away: Option<Duration>,
     due: Option<Duration>,
 }
@@ -113,11 +114,12 @@ struct Observer {
 pub(super) struct Registration<'a> {
     pub(super) request: &'a Request,
     pub(super) token: Token,
-    /// Size exponent of the blocks that the observer wants: 2 to the power of `exponent` + 4 bytes each.
+    /// Size exponent of the blocks that the observer wants: each has 2^(`exponent` + 4) bytes.
     pub(super) exponent: u8,
     /// The answer, which shows the present state.
     pub(super) shown: &'a Arc<Response>,
-    /// Whether the answer is sure to arrive: it acknowledges a CON, which its sender repeats until the answer arrives.
+    /// Whether the answer is sure to arrive. It is if it acknowledges a CON, because the sender repeats a CON until
+    /// the answer arrives.
     pub(super) is_sure: bool,
 }
 
@@ -134,9 +136,10 @@ impl Observers {
         self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
     }
 
-    /// Registers an observer, which gets the present state in the answer with the returned Observe number. `None` if
-    /// there are too many observations, or if there are many and this observer has not acknowledged for `UNPROVED`. An
-    /// answer that may be lost is told again. The answer shows one thing; the observer is then told the others.
+    /// Registers an observer. Returns the Observe number for the answer, which shows the present state. Returns
+    /// `None` if there are too many observations, or if there are many and this observer has not acknowledged for
+    /// `UNPROVED`. The answer shows one thing, and the other things are sent to the observer afterwards. An answer
+    /// that may be lost is sent again.
     pub(super) fn register(
         &mut self,
         registration: Registration<'_>,
@@ -190,7 +193,7 @@ impl Observers {
         self.observers.get(&id).map(|observer| observer.acknowledging)
     }
 
-    /// The observation with a notification of this message id.
+    /// The observation whose notification had this message id.
     pub(super) fn told_by(&self, peer: SocketAddr, id: u16) -> Option<ObserverId> {
         self.of_peer(peer).find(|whose| self.observers.get(whose).is_some_and(|observer| observer.ids.contains(&Some(id))))
     }
@@ -223,8 +226,8 @@ impl Observers {
         }
     }
 
-    /// Takes the present state of a subject's things; unchanged things are not told. If there are many observers, they
-    /// are told in groups, a millisecond apart.
+    /// Takes the present state of a subject's things, and schedules notifications if something has changed. Many
+    /// observers are notified in groups, a millisecond apart.
     pub(super) fn change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         let Some(known) = self.subjects.get_mut(&subject) else { return };
         if known.take(things) {
@@ -258,8 +261,8 @@ impl Observers {
         let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
-        // Among many observers, one that has acknowledged nothing yet is soon asked to, even while things change all
-        // the time.
+        // If there are many observers, one that has not acknowledged anything yet is soon asked for an
+        // acknowledgement, even while things change all the time.
         let Acknowledging { asked, is_proved, .. } = observer.acknowledging;
         let is_trusted = is_proved || self.observers.len() < UNPROVED_OBSERVERS;
         let confirm_at = asked + if is_trusted { CONFIRM_EVERY } else { SETTLED };
@@ -269,7 +272,8 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
-    /// A notification of the newest version; `None` unless it is newer than `version`, which is on its way.
+    /// A notification of the thing's newest version, in place of the one with `version` that is on its way. `None` if
+    /// there is no newer version.
     pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
@@ -295,7 +299,7 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// Notes that a notification arrived, with its round-trip time if known.
+    /// Notes that a notification was acknowledged. `away` is its round-trip time, if known.
     pub(super) fn acknowledged(&mut self, id: ObserverId, thing: usize, version: u64, away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         observer.knowledge.acknowledged(thing, version);
@@ -305,8 +309,8 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// The body of which the observer asks for a further block: the body that a notification began, whatever has
-    /// changed since. `None` if this peer does not observe such a body.
+    /// Returns the body from which the requested further block is read. It is the body that a notification began,
+    /// even if the state has changed since. `None` if this peer does not observe such a body.
     pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
         let id = self.observer_of(request)?;
         let observer = self.observers.get_mut(&id)?;
@@ -318,7 +322,8 @@ impl Observers {
         Some(begun)
     }
 
-    /// Ends the reading of an observed body, because the peer now reads it from the first block with a new request.
+    /// Ends the reading of an observed body, because the peer now reads the thing from the first block with a new
+    /// request.
     pub(super) fn read_anew(&mut self, request: &Request) {
         let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
         if let Some(observer) = observer {
@@ -334,7 +339,7 @@ impl Observers {
         self.of_peer(request.peer).find(is_this)
     }
 
-    /// Schedules every observer of a peer again, after the message on its way to the peer was settled.
+    /// Schedules every observation of a peer again, when no message to this peer is on its way any more.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
         for id in ids {
@@ -346,8 +351,8 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// The observations that leave no room for this one; `None` if there is room. Observations from this machine never
-    /// give way to observations from beyond it.
+    /// Says which observations leave no room for a new one; `None` if there is room. Observations from this machine
+    /// never make room for observations from other machines.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
@@ -382,8 +387,8 @@ impl Observers {
         id
     }
 
-    /// Schedules an observer, not before `earliest`: soon if there is something to tell it, otherwise before its state
-    /// is out of date.
+    /// Sets the time of an observer's next notification, not before `earliest`. If there is nothing new to send, the
+    /// state is sent again before it is out of date.
     fn schedule(&mut self, id: ObserverId, earliest: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         let Some(subject) = self.subjects.get(&observer.subject) else { return };
@@ -398,8 +403,8 @@ impl Observers {
         self.due.insert((due, id));
     }
 
-    /// The next Observe number of an observer: it follows the clock, 32 per millisecond, and is always higher than the
-    /// last one. Numbers after a restart of the program follow the earlier ones (RFC 7641, section 4.4).
+    /// The next Observe number of an observer. It follows the wall clock, 32 per millisecond, and is always higher
+    /// than the last one. Numbers after a restart of the program follow the earlier ones (RFC 7641, section 4.4).
     fn sequence(&mut self, id: ObserverId, now: Duration) -> Option<u32> {
         let ticks = u64::try_from((self.began + now).as_micros() * 4 / 125).ok()?;
         let observer = self.observers.get_mut(&id)?;
@@ -409,7 +414,7 @@ impl Observers {
 }
 
 impl Observer {
-    /// Notes that the observer is sent this response, or only its first block.
+    /// Notes that this response was sent to the observer, or only its first block.
     fn begin(&mut self, response: &Arc<Response>) {
         self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
         if self.is_reading {
@@ -429,7 +434,7 @@ impl Observer {
 mod tests {
     use super::*;
 
-    /// Safety S9.
+    /// Safety S9: which observers a crowd includes.
     #[test]
     fn nobody_gives_way_to_another_network_or_from_this_machine_to_those_beyond_it() {
         let [here, near, far] = ["127.0.0.1:1", "192.0.2.1:1", "198.51.100.1:1"].map(|peer| peer.parse().expect("an address"));

@@ -61,8 +61,8 @@ pub(super) struct ParsedRequest {
     pub(super) echo: Option<Vec<u8>>,
 }
 
-/// Least and greatest length of a critical option's value in bytes, and whether the option may be repeated; `None` for
-/// an unknown option.
+/// Minimum and maximum length of a critical option's value in bytes, and whether the option may be repeated. `None`
+/// for an unknown option.
 const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     Some(match number {
         IF_MATCH => (0, 8, true),
@@ -75,8 +75,8 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     })
 }
 
-/// Reads a request. The error is 4.02 for an unknown critical option, 4.00 for an impossible block, 4.05 for an unknown
-/// method, and 5.05 for a request to a proxy.
+/// Reads a request. The error is 4.02 for an unknown critical option, 4.00 for an impossible block, 4.05 for an
+/// unknown method, and 5.05 for a request to a proxy.
 pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {

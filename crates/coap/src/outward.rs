@@ -1,4 +1,4 @@
-//! The way out: answers, notifications and retransmissions. The way in is `inward`.
+//! Sends answers, notifications and retransmissions. Received datagrams are handled in `inward`.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Endpoint {
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
-        // The freshness of an observed answer is that of a notification, which holds until the next one.
+        // An observed answer is valid as long as a notification is: until the next one.
         let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
         let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
@@ -51,7 +51,8 @@ impl Endpoint {
         self.send_reply(reply_to, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
     }
 
-    /// Answers 4.01: the peer has to prove first that it receives what is sent to its address (RFC 9175, section 2.3).
+    /// Answers 4.01 with an Echo option: the peer has to prove first that it receives what is sent to its address
+    /// (RFC 9175, section 2.3).
     pub(super) fn challenge(&mut self, reply_to: ReplyTo, now: Duration) {
         let (kind, id) = self.head_of_reply(reply_to);
         let bytes = self.challenging(reply_to, now).datagram(kind, id);
@@ -70,8 +71,7 @@ impl Endpoint {
         if self.guard.has_room(peer, worded.length(), now) { worded } else { message("") }
     }
 
-    /// The type and id of a reply: the acknowledgement of a CON carries its answer, and other answers are messages of
-    /// their own.
+    /// The type and id of a reply. The reply to a CON is its acknowledgement. Any other reply is a NON with a new id.
     fn head_of_reply(&mut self, reply_to: ReplyTo) -> (MessageKind, u16) {
         match reply_to.kind {
             MessageKind::Con => (MessageKind::Ack, reply_to.key.id),
@@ -91,8 +91,8 @@ impl Endpoint {
         self.observers.remove(observer);
     }
 
-    /// Sends the next answer for this peer after a message to it was settled. If none waits, schedules the peer's
-    /// observers.
+    /// Sends the next waiting answer to this peer, unless another message to it is still on its way. If no answer
+    /// waits, schedules the peer's observers.
     pub(super) fn go_on(&mut self, peer: SocketAddr, now: Duration) {
         if self.reliable.is_busy(peer) {
             return;
@@ -117,14 +117,14 @@ impl Endpoint {
         }
     }
 
-    /// Repeats messages that were not acknowledged in time. A notification then shows the newest state.
+    /// Repeats messages that were not acknowledged in time. A repeated notification has the newest state.
     pub(super) fn repeat_late(&mut self, now: Duration) {
         while let Some(late) = self.reliable.late(now) {
             match late {
                 Late::Again(peer, sent) => self.repeat(peer, sent, now),
                 Late::GivenUp(peer, sent) => {
                     if let About::Notification(..) = sent.about {
-                        // A peer that has not answered for so long is gone, so all its observations end.
+                        // A peer that has not acknowledged any repetition is gone, so all its observations end.
                         let gone: Vec<ObserverId> = self.observers.of_peer(peer).collect();
                         gone.into_iter().for_each(|observer| self.observers.remove(observer));
                     }
@@ -147,7 +147,7 @@ impl Endpoint {
         let on_its_way = self.reliable.about(peer);
         let is_its_own = matches!(on_its_way, Some(About::Notification(whose, ..)) if whose == observer);
         if is_its_own || (notification.confirm && on_its_way.is_some()) {
-            // The observer's turn comes when the message on its way has arrived (`go_on`).
+            // The observer gets its turn when the message that is on its way to the peer has arrived (`go_on`).
             return;
         }
         let message = message_of(notification);
@@ -228,8 +228,8 @@ impl Endpoint {
         if response.code.is_success() || response.body.is_empty() {
             return self.challenge(reply_to, now);
         }
-        // The code without its body is short enough. It says more than a challenge to a peer that cannot prove its
-        // address.
+        // The response without its body is short enough. Its code says more than a challenge to a peer that cannot
+        // prove its address.
         self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
@@ -242,15 +242,16 @@ impl Endpoint {
         }
     }
 
-    /// Sends an empty acknowledgement. If it is lost, the sender asks again, perhaps after the answer was sent.
+    /// Sends an empty acknowledgement. If it is lost, the sender repeats its request, perhaps after the answer was
+    /// sent.
     pub(super) fn acknowledge(&mut self, key: MessageKey, now: Duration) {
         let acknowledgement = empty(MessageKind::Ack, key.id);
         self.exchanges.answered(key, &acknowledgement);
         self.transmit(key.peer, acknowledgement, now);
     }
 
-    /// Sends an answer in a message of its own when its turn comes. If too many answers wait, it is sent at once and
-    /// without acknowledgement.
+    /// Sends an answer in a separate message when the earlier messages to this peer were acknowledged. If too many
+    /// answers wait, sends it at once, without asking for an acknowledgement.
     fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Duration) {
         let is_busy = self.reliable.is_busy(peer);
         if !is_busy && !self.reliable.is_full() {
@@ -281,7 +282,7 @@ impl Endpoint {
         }
     }
 
-    /// Sends a datagram without the guard's limit: an observer proved its address when it registered, and is forgotten
+    /// Sends a datagram without the guard's limit. An observer proved its address when it registered. It is forgotten
     /// when it no longer acknowledges.
     fn send_to_observer(&mut self, peer: SocketAddr, bytes: Vec<u8>) {
         self.out.push_back(Transmit { peer, bytes });
@@ -296,8 +297,8 @@ impl Endpoint {
         may
     }
 
-    /// A message id that this peer has not received for a long time, from a counter for this peer, which starts at a
-    /// random value.
+    /// The next message id for this peer. Each peer has a counter that starts at a random value, so this peer has not
+    /// received the id for a long time.
     fn next_id(&mut self, peer: SocketAddr) -> u16 {
         let id = self.ids.entry(peer).or_insert_with(|| self.chance.number());
         *id = id.wrapping_add(1);

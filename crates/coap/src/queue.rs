@@ -1,6 +1,6 @@
-//! Received datagrams that wait for their turn. Networks take turns, and so do the peers of each network. None of them
-//! uses the room of others: a peer that sends more than can be answered loses its own datagrams, which CoAP clients
-//! repeat. Which datagrams go first is decided in `backlog`.
+//! Received datagrams that wait for their turn. Networks take turns, and so do the peers of each network. A peer that
+//! sends more than can be answered loses only its own datagrams, and CoAP clients send these again. `backlog` decides
+//! which datagrams go first.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -18,7 +18,7 @@ type Peers = LinkedHashMap<SocketAddr, Share<VecDeque<Box<[u8]>>>>;
 /// The networks with waiting datagrams, in the order of their turns.
 pub(super) struct Queue {
     networks: LinkedHashMap<Network, Share<Peers>>,
-    /// Datagrams that go before all others. They still count against the room.
+    /// Datagrams that go before all others. Their bytes also count towards the limit.
     first: VecDeque<Datagram>,
     /// Free room in bytes.
     left: usize,
@@ -41,8 +41,8 @@ impl Queue {
         self.first.is_empty() && self.networks.is_empty()
     }
 
-    /// Adds a datagram, or drops it if afterwards the bytes of its network plus those of its peer would exceed the
-    /// remaining room. So other networks, and other peers of this network, can still add their datagrams.
+    /// Adds a datagram. Drops it if the bytes of its network plus the bytes of its peer would then exceed the free
+    /// room. So other networks, and other peers of this network, can still add their datagrams.
     pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let (network, cost) = (Network::of(peer.ip()), cost(bytes));
         let share = self.networks.get(&network);
@@ -51,7 +51,7 @@ impl Queue {
         if (of_network + cost) + (of_peer + cost) > self.left.saturating_sub(cost) {
             return;
         }
-        // `entry` would move a waiting network or peer to the end of the turns.
+        // `entry` would move a network or peer that waits already to the end of the turns.
         if of_network == 0 {
             self.networks.insert(network, Share::default());
         }
@@ -70,7 +70,7 @@ impl Queue {
         !self.first.is_empty()
     }
 
-    /// Moves all waiting datagrams ahead of later ones. They are taken before an urgent request.
+    /// Moves all waiting datagrams ahead of later ones. They are then taken before an urgent request.
     pub(super) fn put_first(&mut self) {
         while let Some(datagram) = self.next_in_turn() {
             self.first.push_back(datagram);

@@ -1,4 +1,4 @@
-//! Room and turns in a queue under floods.
+//! Tests the limits and the turns of a queue under floods.
 
 use super::*;
 
@@ -77,7 +77,7 @@ fn a_flood_loses_its_own_and_takes_neither_the_room_nor_the_turn_of_others() {
     }
 }
 
-/// Whoever has an address has all its ports, and whoever has one address of a /64 has them all.
+/// A sender can use all ports of its address, and all addresses of its IPv6 /64.
 #[test]
 fn a_crowd_of_ports_of_one_address_takes_neither_the_room_nor_the_turn_of_another() {
     let crowds: [fn(u16) -> SocketAddr; 3] = [

@@ -1,5 +1,5 @@
-//! Messages of this side that need an acknowledgement (RFC 7252, section 4.2). For each peer there is one at a time. It
-//! is repeated four times: first after 2 to 3 seconds, and then after twice as long each time. The contents of the
+//! Our messages that need an acknowledgement (RFC 7252, section 4.2). Each peer gets one at a time. A message is
+//! repeated up to four times: first after 2 to 3 seconds, and then after twice as long each time. The contents of the
 //! messages are not known here.
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -47,7 +47,7 @@ pub(super) struct Reliable {
 #[derive(Debug, Default)]
 struct PeerQueue {
     sent: Option<Sent>,
-    /// Answers that have no message ids yet.
+    /// Answers that wait for their turn. They have no message ids yet.
     waiting: VecDeque<Outgoing>,
 }
 
@@ -102,7 +102,7 @@ impl Reliable {
         next
     }
 
-    /// Removes a message that was acknowledged or rejected, and returns it with whether it was sent only once.
+    /// Removes a message that was acknowledged or rejected. Returns the message, and whether it was sent only once.
     pub(super) fn settled(&mut self, peer: SocketAddr, id: u16) -> Option<(Sent, bool)> {
         let queue = self.peers.get_mut(&peer)?;
         let sent = queue.sent.take_if(|sent| sent.id == id)?;
@@ -111,8 +111,8 @@ impl Reliable {
         Some((sent, once))
     }
 
-    /// Among the peers that `is_meant` accepts, the one whose retransmitted notification has gone unacknowledged for
-    /// longest, with the observer of this notification.
+    /// Finds the peer that has left a retransmitted notification unacknowledged for longest, among the peers that
+    /// `is_meant` accepts. Returns the peer and the observer of this notification.
     pub(super) fn most_silent(&self, is_meant: impl Fn(SocketAddr) -> bool) -> Option<(SocketAddr, ObserverId)> {
         let sent =
             self.peers.iter().filter_map(|(peer, queue)| Some((*peer, queue.sent.as_ref().filter(|sent| sent.tries > 0)?)));
@@ -131,8 +131,8 @@ impl Reliable {
         }
     }
 
-    /// The next message whose time has run out. A message to be repeated counts as sent; call `replace` if there is
-    /// newer content.
+    /// The next message that was not acknowledged in time. A message that has to be repeated already counts as sent;
+    /// call `replace` if there is newer content.
     pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
         let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
         self.due.remove(&(due, peer));
@@ -148,8 +148,7 @@ impl Reliable {
         Some(Late::Again(peer, sent.clone()))
     }
 
-    /// Replaces a message on its way by a newer one, which inherits the number of retransmissions (RFC 7641, section
-    /// 4.5.2).
+    /// Replaces a message on its way by a newer one. The number of retransmissions is kept (RFC 7641, section 4.5.2).
     pub(super) fn replace(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>) {
         if let Some(sent) = self.peers.get_mut(&peer).and_then(|queue| queue.sent.as_mut()) {
             (sent.id, sent.about, sent.bytes) = (id, about, bytes);

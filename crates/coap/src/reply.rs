@@ -23,7 +23,7 @@ pub(super) struct ReplyOptions {
 pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
     let length = response.body.len();
     let wanted = shape.block2.unwrap_or(Block::FIRST);
-    // Only a success has later blocks. An error sends its beginning, whichever block was asked for.
+    // Only a success has later blocks. For an error, the first block is sent whichever block was requested.
     let can_be_later = response.code.is_success() && length > 0;
     let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
     let Some((block, range)) = wanted.within(length) else {

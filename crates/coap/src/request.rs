@@ -31,8 +31,8 @@ pub struct Request {
 /// `If-Match` and `If-None-Match` (RFC 7252, section 5.10.8).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Conditions {
-    /// The request is carried out only if the resource has one of these tags. `None` among them stands for any existing
-    /// resource.
+    /// The request is carried out only if the resource has one of these tags. `None` among them stands for any
+    /// existing resource.
     pub if_match: Vec<Option<ETag>>,
     /// The request is carried out only if the resource does not exist.
     pub if_none_match: bool,
@@ -69,7 +69,7 @@ impl Conditions {
     /// Checks the conditions of the request. `exists` says whether the resource exists, and `tag` is its tag.
     ///
     /// # Errors
-    /// 4.12 when they are not met.
+    /// 4.12 when a condition is not met.
     pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
         if self.if_none_match && exists {
             return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: the resource exists already"));

@@ -36,7 +36,7 @@ pub struct Response {
     pub code: Code,
     /// The format of the body; `None` for a diagnostic text (RFC 7252, section 5.5.2).
     pub format: Option<Format>,
-    /// The tag of the resource's state. With it clients ask whether the state is still current (RFC 7252, section
+    /// The tag of the resource's state. Clients send it to ask whether the state is still current (RFC 7252, section
     /// 5.10.6).
     pub tag: Option<ETag>,
     /// How long the response counts as current, in seconds; `None` means 60.
@@ -50,7 +50,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// A response with a code alone: no body and no options, so it counts as current for 60 seconds.
+    /// A response with only a code. It has no body and no options, so it counts as current for 60 seconds.
     #[must_use]
     pub fn new(code: Code) -> Response {
         Response {
@@ -80,10 +80,10 @@ impl Response {
 /// The application's answer to a request, with what can be observed.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What the sender of the request gets.
+    /// The response to the sender of the request.
     pub response: Arc<Response>,
-    /// The things that an observer is told of whenever one changes, usually the response itself. Empty if the resource
-    /// cannot be observed.
+    /// What observers of the resource see, usually the response itself. Observers are told whenever one of these
+    /// things changes. Empty if the resource cannot be observed.
     pub observed: Vec<Arc<Response>>,
 }
 

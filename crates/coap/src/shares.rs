@@ -1,6 +1,6 @@
-//! Shares of a table that all peers have in common. When the table is full, the address with the most entries gives up
-//! the oldest entry of its port with the most entries. So no flood pushes out the entries of others. The entries
-//! themselves are stored elsewhere.
+//! Counts the entries of each peer in a table that all peers share. When the table is full, the address with the most
+//! entries loses one: the oldest entry of its port with the most entries. So a flood cannot push out the entries of
+//! others. The entries themselves are stored elsewhere.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::{IpAddr, SocketAddr};
@@ -34,7 +34,8 @@ impl<T> Shares<T> {
         self.change(peer, |things| drop(things.pop_front()));
     }
 
-    /// Removes and returns the oldest entry of the port with most entries at the address with most.
+    /// Removes and returns the oldest entry of the largest port at the largest address. The largest is the one with
+    /// the most entries.
     pub(super) fn take_from_the_largest(&mut self) -> Option<T> {
         let (_, ip) = *self.sizes.last()?;
         let (_, port) = *self.addresses.get(&ip)?.sizes.last()?;

@@ -1,5 +1,5 @@
-//! A subject, which several observers share: a path and a query in a format, and the versions of the things that it
-//! shows. What each observer has been told is not stored here.
+//! A subject: a path and a query in a format, and the versions of the things that it shows. Several observers share a
+//! subject. `knowledge` stores what was sent to each observer.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -37,12 +37,12 @@ impl Target {
 }
 
 impl Subject {
-    /// A subject that shows nothing before `take`.
+    /// Creates a subject without things; `take` adds them.
     pub(super) fn new(request: &Request) -> Subject {
         Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
     }
 
-    /// Takes the present state. Returns whether any thing has changed, so that observers have to be told.
+    /// Takes the present state. Returns whether any thing has changed, so that observers have to be notified.
     pub(super) fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
         let before = self.changes;
         self.things.truncate(things.len());

@@ -1,5 +1,5 @@
-//! The core's requests to the world outside: orders to robots, halts, records, answers. Whoever polls the effects
-//! performs them.
+//! The outputs of the core: orders to robots, halts, records and answers. The caller that polls the effects carries
+//! them out.
 
 use std::time::Duration;
 
@@ -12,11 +12,11 @@ use crate::units::{Epoch, OrderId, Pose, Seq, Ticket, WallTime};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// A halt raised after `order.epoch` makes the order void.
+    /// A halt raised after `order.epoch` cancels the order.
     Order(RobotId, Order),
     Halt(RobotId),
     Led(RobotId, bool),
-    /// Store these entries for good, then report `Event::Recorded` with the last of them.
+    /// Store these entries durably, then report `Event::Recorded` with the last entry.
     Record(Page),
     Answer(Ticket, Result<Accepted, Refused>),
 }
@@ -26,7 +26,7 @@ pub enum Effect {
 pub struct Order {
     pub id: OrderId,
     pub action: Action,
-    /// The epoch in which the order was given; the order must not begin after a later stop.
+    /// The epoch in which the order was given. After a later stop, the order must not begin.
     pub epoch: Epoch,
     /// Time after which the robot halts by itself.
     pub deadline: Duration,
@@ -35,12 +35,12 @@ pub struct Order {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     Move(Move),
-    /// Sense, then return to the cell centre and the heading in which the last completed order left the robot.
+    /// Measure the position, then return to the cell centre and the heading of the last completed order.
     Recentre,
     Photograph(Stamp),
-    /// One step from outside the entrance towards home. The heading stays.
+    /// One step towards home, from outside the entrance. The heading stays the same.
     Enter,
-    /// One step away from home. The heading stays.
+    /// One step away from home. The heading stays the same.
     Leave,
     Arm(ArmAction),
 }
@@ -73,18 +73,19 @@ impl Action {
     }
 }
 
-/// Printed on a photo, so that the picture alone says where and when it was taken.
+/// The place and time that are printed on a photo, so that the picture alone shows them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
-    /// Where the robot stands, in the map's own cells.
+    /// The robot's pose, in cells of the map.
     pub pose: Pose,
     pub wall: WallTime,
 }
 
-/// The entries of one input, stored together or not at all, so that the journal never ends halfway through an input.
+/// The entries of one input. They are stored together or not at all, so that the journal never ends in the middle of
+/// an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
-    /// The place of the first entry; the others follow without a gap.
+    /// The number of the first entry. The other entries follow without a gap.
     pub first: Seq,
     /// The entries, at least one.
     pub entries: Vec<Entry>,

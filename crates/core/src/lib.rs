@@ -1,9 +1,10 @@
-//! The core: what hallsweep knows and decides. Pure: no clock, no I/O, no thread, no channel; `now` is an argument.
+//! The core: what hallsweep knows and decides. It uses no clock, no I/O, no thread and no channel. `now` is an
+//! argument.
 //!
-//! The verbs are the same at every layer: `handle_command`, `handle_event` and `handle_timeout` take inputs,
-//! `poll_effect` and `poll_timeout` return what follows from them.
+//! Every layer has the same methods. `handle_command`, `handle_event` and `handle_timeout` take inputs.
+//! `poll_effect` and `poll_timeout` return the results.
 
-/// Declares an enum whose variants have one fixed word each. With `ALL` in front, it also declares the list of the
+/// Declares an enum with one fixed word for each variant. With `ALL` in front, it also declares the list of all
 /// variants in their order.
 macro_rules! named {
     (ALL by $by:ident; $(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {

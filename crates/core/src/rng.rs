@@ -1,5 +1,5 @@
-//! Reproducible random numbers: one seed, and a separate stream for each named purpose, so that drawing more numbers
-//! for one purpose changes nothing for another.
+//! Reproducible random numbers from one seed. Each named purpose has its own stream. Drawing more numbers for one
+//! purpose does not change the numbers for another purpose.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -17,7 +17,7 @@ impl RandomStream {
         self.0.next_u64()
     }
 
-    /// A number in `0.0..1.0`.
+    /// Returns a number in `0.0..1.0`.
     #[expect(clippy::cast_precision_loss, reason = "53 bits fit a double exactly")]
     pub fn fraction(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
@@ -27,19 +27,19 @@ impl RandomStream {
         self.fraction() < probability
     }
 
-    /// A whole number below `bound`, which must not be zero.
+    /// Returns a whole number below `bound`, which must not be zero.
     pub fn below(&mut self, bound: u64) -> u64 {
         self.0.next_u64() % bound.max(1)
     }
 
-    /// Approximately normal with mean 0 and the given deviation: the sum of twelve uniform draws.
+    /// Returns an approximately normal number with mean 0 and the given deviation: the sum of twelve uniform draws.
     pub fn normal(&mut self, deviation: f64) -> f64 {
         let sum: f64 = (0..12).map(|_| self.fraction()).sum();
         (sum - 6.0) * deviation
     }
 }
 
-/// FNV-1a over the bytes of a text. It suffices to distinguish streams, and trees.
+/// Returns the FNV-1a hash of a text. It is good enough to distinguish random streams and behaviour trees.
 pub(crate) fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

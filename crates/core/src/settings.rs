@@ -7,20 +7,20 @@ use crate::not_fetched::Fetcher;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Temperature above which the hall is too hot for anything to move.
+    /// Temperature threshold. When the hall is hotter, nothing moves.
     pub threshold: Celsius,
-    /// A reading must fall this far below the threshold, in °C, before it counts as cool again.
+    /// How far a reading must be below the threshold, in °C, before it counts as cool again.
     pub hysteresis: f64,
-    /// Whether to inspect every obstacle, walls too, as the original did.
+    /// Whether to inspect every obstacle, including walls, as the original program did.
     pub inspect_everything: bool,
     pub fetcher: Fetcher,
     pub objective: Objective,
-    /// Number of cells ahead that the robot's sonar can report as free to the search; 0: the robot finds obstacles by
-    /// driving into them.
+    /// Number of cells ahead that the robot's sonar can report as free to the search. If 0, the robot finds obstacles
+    /// only by driving into them.
     pub sonar_cells: u8,
-    /// The costs of moves in the search. If `None`, the times that the robot needs for the moves are their costs.
+    /// The cost of each move in the search. If `None`, the cost of a move is the time that the robot needs for it.
     pub costs: Option<Costs>,
-    /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
+    /// Whether a recognised wall also reveals the rest of its straight line, as far as the camera sees it.
     pub wall_lines: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Random halls by family, on which strategies are tuned and measured.
+//! Families of random halls, in which strategies are tuned and measured.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,11 +10,11 @@ use crate::Ground;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Family {
-    /// Luggage in each cell with this probability.
+    /// Each cell has luggage with this probability.
     Luggage(f64),
     /// Luggage along the walls and in the corners only.
     Walls,
-    /// Closed rooms that nobody can enter, and loose luggage.
+    /// Closed rooms that cannot be entered, and luggage at random places.
     Islands,
     /// Alcoves along the walls, one cell wide.
     Pockets,
@@ -25,7 +25,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Each family, with luggage in the three densities that are measured.
+    /// All families. Random luggage appears with four densities, of which the first is 0.
     pub const ALL: [Family; 9] = [
         Family::Luggage(0.0),
         Family::Luggage(0.05),
@@ -38,7 +38,8 @@ impl Family {
         Family::Maze,
     ];
 
-    /// An estimate of the greatest number of pieces, 5 % above the expected number; few halls hold more.
+    /// Estimates how many pieces a hall has at most. The estimate is 5 % above the expected number, and few halls
+    /// have more.
     #[must_use]
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hall is small")]
     pub(crate) fn most_pieces(self, cells: usize) -> usize {
@@ -51,10 +52,10 @@ impl Family {
     }
 }
 
-/// Most luggage that can be asked for, in percent; with more, hardly any cell can be reached.
+/// Largest share of luggage that a user can request, in percent. With more luggage, hardly any cell could be reached.
 const MOST_LUGGAGE: u8 = 30;
 
-/// The families that are one word. All others are luggage in a percentage of the cells, such as `luggage-10`.
+/// The families with a fixed name. Any other name is the percentage of cells with luggage, such as `luggage-10`.
 const NAMED: [(&str, Family); 6] = [
     ("empty", Family::Luggage(0.0)),
     ("walls", Family::Walls),
@@ -86,11 +87,11 @@ impl FromStr for Family {
     }
 }
 
-/// Maximum number of draws of a hall; the last hall is taken even if too little of it can be reached.
+/// Maximum number of draws of a hall. The last hall is used even if too few of its cells can be reached.
 const DRAWN: usize = 1000;
 
-/// A hall of this family. More than a third of it can be reached, unless none of `DRAWN` draws is such a hall: where
-/// luggage shuts home in, there is nothing to search.
+/// Draws a hall of this family. It is drawn again until more than a third of its cells can be reached, but at most
+/// `DRAWN` times. A hall in which luggage blocks the way out of home would leave nothing to search.
 #[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut hall = drawn(family, columns, lines, dice);
@@ -103,7 +104,7 @@ pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStrea
     hall
 }
 
-/// A hall of this family, home in its north-west corner.
+/// Draws one hall of this family. Home is in its north-west corner.
 fn drawn(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut drawing = Drawing { columns, lines, squares: vec!['.'; columns * lines] };
     match family {
@@ -126,7 +127,7 @@ fn drawn(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) 
         .expect("a hall is drawn by the rules of drawings")
 }
 
-/// A hall as it is drawn: `.` free, `#` wall, `T` luggage.
+/// A hall while it is drawn. `.` is free, `#` is a wall, `T` is luggage.
 struct Drawing {
     columns: usize,
     lines: usize,
@@ -205,7 +206,8 @@ impl Drawing {
         }
     }
 
-    /// Depth first through rooms that lie two apart.
+    /// Makes a maze by a depth-first walk. Its rooms are two cells apart, and the wall between two joined rooms is
+    /// opened.
     fn carve(&mut self, dice: &mut RandomStream) {
         self.squares.fill('#');
         *self.at((0, 0)) = '.';

@@ -1,21 +1,21 @@
-//! The true hall in a form for fast walks, with the cells that a robot can reach.
+//! A copy of the true hall on which walks are fast to compute. It knows which cells a robot can reach.
 
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
 use hallsweep_sim::{Hall, Truth};
 
-/// The cells of a hall and a rim of wall round them.
+/// The cells of a hall and one row of wall around them.
 #[derive(Clone, Debug)]
 pub struct Ground {
     bounds: Bounds,
     squares: Vec<Truth>,
-    /// For each cell whether it can be reached, or touched when it is luggage.
+    /// For each cell, whether the robot can reach it. For luggage, whether the robot can touch it.
     within: Vec<bool>,
     /// Number of cells that can be reached, home included.
     pub reachable: usize,
-    /// Number of free cells, whether or not they can be reached.
+    /// Number of free cells, reachable or not.
     pub free: usize,
-    /// Number of cells of luggage beside a cell that can be reached.
+    /// Number of cells of luggage beside a reachable cell.
     pub touchable: usize,
 }
 
@@ -51,7 +51,7 @@ impl Ground {
         }
     }
 
-    /// The rim is included.
+    /// The rectangle of all cells, including the wall around the hall.
     #[must_use]
     pub const fn bounds(&self) -> Bounds {
         self.bounds
@@ -62,13 +62,13 @@ impl Ground {
         if self.bounds.contains(cell) { self.squares[self.place(cell)] } else { Truth::Wall }
     }
 
-    /// Whether a cell can be reached, or touched when it is luggage.
+    /// Whether the robot can reach this cell, or can touch it if it is luggage.
     #[must_use]
     pub fn is_within(&self, cell: Cell) -> bool {
         self.bounds.contains(cell) && self.within[self.place(cell)]
     }
 
-    /// All cells that can be reached or touched, row by row.
+    /// All cells that the robot can reach or touch, row by row.
     #[must_use]
     pub fn cells(&self) -> Vec<Cell> {
         let Bounds { least, most } = self.bounds;
@@ -76,13 +76,14 @@ impl Ground {
         all.filter(|cell| self.is_within(*cell)).collect()
     }
 
-    /// Number of cells, the rim included.
+    /// Number of cells, including the wall around the hall.
     #[must_use]
     pub(crate) const fn size(&self) -> usize {
         self.squares.len()
     }
 
-    /// The index of a cell, row by row from the north-west corner of the rim.
+    /// The index of a cell. Cells are counted row by row from the north-west corner, including the wall around the
+    /// hall.
     pub(crate) fn place(&self, cell: Cell) -> usize {
         let place = (cell.y - self.bounds.least.y) * self.bounds.width() + cell.x - self.bounds.least.x;
         usize::try_from(place).expect("a cell inside the rectangle has a place")

@@ -1,10 +1,10 @@
-//! Strategies of search, measured and tuned: random halls by family, bare walks through them without a mission, and the
-//! tuning of weights. Nothing here is needed to run a mission, and no file is written.
+//! Measures and tunes search strategies: families of random halls, searches without a mission, and the tuning of
+//! weights. Nothing here is needed to run a mission, and no file is written.
 //!
 //! ```text
-//!   family ─► hall ─► ground ─► walk: strategy and floor, move by move, as a mission makes them
+//!   family ─► hall ─► ground ─► walk: a strategy searches the true hall, move by move
 //!                                ├─► compare: strategies on the same halls ─► figures, drawing
-//!                                ├─► time_left: how often a forecast of the time left holds
+//!                                ├─► time_left: how often a forecast of the remaining time is correct
 //!                                └─► tune: cross-entropy ─► counterfactuals ─► weights
 //! ```
 

@@ -1,11 +1,12 @@
-//! Parallel work with results in the order of the items, whichever thread was quicker.
+//! Parallel work. The results are in the order of the items, no matter which thread was faster.
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use hallsweep_core::search::ways::Ways;
 
-/// Works on the items 0 … `count` on all processors; each worker has memory of its own for ways.
+/// Calls `work` for the items 0 to `count` − 1, on all processors. Each worker thread has its own memory for route
+/// planning.
 pub(crate) fn each<R: Send>(count: usize, work: impl Fn(usize, &mut Ways) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let worker = || {

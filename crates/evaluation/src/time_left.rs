@@ -1,5 +1,6 @@
-//! How often a forecast of the remaining search time holds. The forecast is tested at every moment of a search, each
-//! moment weighed by its duration, on random halls that were not used to set its bounds.
+//! Measures how often a forecast of the remaining search time is correct. The forecast is checked throughout each
+//! search, and each check is weighted by its duration. The bounds of the forecast were derived from other random
+//! halls.
 
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
@@ -12,7 +13,7 @@ use crate::family::Family;
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 
-/// The searches in each hall: strategy, goal, cells of sonar.
+/// The searches that are made in each hall: strategy, goal, range of the sonar in cells.
 const SEARCHES: [(Strategy, Objective, u8); 7] = [
     (Strategy::Auto, Objective::Find, 0),
     (Strategy::Auto, Objective::Find, 1),
@@ -23,22 +24,24 @@ const SEARCHES: [(Strategy, Objective, u8); 7] = [
     (Strategy::Spiral, Objective::Cover, 0),
 ];
 
-/// The sides of the halls, in cells.
+/// The sizes of the halls, in columns and rows.
 const SIDES: [(usize, usize); 4] = [(12, 9), (20, 20), (40, 25), (50, 50)];
 
-/// Shares of the searches' time, each decision weighed by its duration.
+/// How often forecasts were correct, as shares of the search time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Held {
-    /// Share in which an upper bound was given.
+    /// Share of the time in which an upper bound was given.
     pub with_most: f64,
-    /// Share of the time with an upper bound in which the remaining time lay within the range; `None` if no range was
-    /// given.
+    /// Of the time with an upper bound, the share in which the remaining time was within the bounds. `None` if no
+    /// upper bound was given.
     pub within: Option<f64>,
-    /// Share of the time with only a lower bound in which the remaining time was not less.
+    /// Of the time with only a lower bound, the share in which the remaining time was not below it. `None` if there
+    /// was no such time.
     pub at_least: Option<f64>,
 }
 
-/// Search time by the kind of forecast given. The duration of each search is scaled to 1, so that all searches weigh the same.
+/// Sums of search time by kind of forecast. The duration of each search is scaled to 1, so that all searches have the
+/// same weight.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     all: f64,
@@ -48,7 +51,7 @@ struct Sums {
     at_least: f64,
 }
 
-/// How often forecasts hold in halls of one family, `count` of each size.
+/// Measures how often forecasts are correct in halls of one family. There are `count` halls of each size.
 #[must_use]
 pub fn held(family: Family, count: usize, seed: u64) -> Held {
     let halls = SIDES.map(|(columns, lines)| Halls::Random { kind: Kind { family, columns, lines }, count, seed });
@@ -61,7 +64,7 @@ pub fn held(family: Family, count: usize, seed: u64) -> Held {
     Held { with_most: with_most / all, within: share(within, with_most), at_least: share(at_least, with_least) }
 }
 
-/// A whole search at the pace of the simulated robot: a turn takes one and a half times as long as a step.
+/// Makes a whole search with the costs of the simulated robot, whose turn takes 1.5 times as long as a step.
 fn search(ground: &Ground, strategy: Strategy, objective: Objective, sonar_cells: u8, ways: &mut Ways) -> Sums {
     let costs = Costs::weighed(1.0, 1.5, 1.0).expect("these are costs");
     let mut walk = Walk::new(ground, Terms { objective, sonar_cells, costs });
@@ -116,12 +119,12 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// docs/search.md and the console state these shares.
+    /// These shares are stated in docs/search.md and on the console.
     #[test]
     fn a_forecast_holds_as_often_as_it_is_said_to() {
         let all = Family::ALL.map(|family| held(family, 3, 77));
         for (family, held) in Family::ALL.into_iter().zip(all) {
-            // A small number of halls of corridors varies much.
+            // With few halls, the shares of corridors and mazes vary a lot.
             let least = if matches!(family, Family::Corridors | Family::Maze) { 0.6 } else { 0.9 };
             let is_held = |share: Option<f64>| share.is_none_or(|share| share >= least);
             assert!(is_held(held.within) && is_held(held.at_least), "{family}: {held:?}");

@@ -1,5 +1,5 @@
-//! A search without a mission: strategy, known cells, and the truth, move by move. It makes the moves of a mission
-//! whose operator finds everything safe, in a hundredth of the time.
+//! A search without a mission, move by move: strategy, known cells, and the true hall. Its moves are those of a
+//! mission in which the operator declares everything safe. It takes a hundredth of the time.
 
 use hallsweep_core::command::Move;
 use hallsweep_core::search::Gait;
@@ -13,7 +13,7 @@ use hallsweep_sim::headless::Moves;
 
 use crate::Ground;
 
-/// The cost of moves, in steps.
+/// The total cost of these moves, in steps.
 #[must_use]
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn cost(moves: Moves, costs: Costs) -> f64 {
@@ -31,22 +31,22 @@ pub struct Walk {
     pub moves: Moves,
     pub visited: usize,
     pub found: usize,
-    /// Sum over all pieces of luggage found: the number of moves before each was found.
+    /// Sum over all found pieces of luggage: the number of moves before the piece was found.
     pub found_after: u64,
     /// Number of cells and pieces whose content is known.
     pub known: usize,
-    /// Sum over these cells: the number of moves before each was known, since a piece that stood there would have been
-    /// found then.
+    /// Sum over all known cells and pieces: the number of moves before the content became known. A piece there would
+    /// have been found at that moment.
     pub known_after: u64,
-    /// Every cell in which the robot stood, one after the other, if the caller wants it.
+    /// All cells in which the robot stood, in order. `None` if the caller does not need them.
     pub trail: Option<Vec<Cell>>,
-    /// Whether the search is asked again as soon as anything new is seen.
+    /// Whether the search decides again as soon as anything new is seen.
     pub heeds_news: bool,
-    /// Whether an unknown obstacle was met or seen since the search was last asked.
+    /// Whether a new obstacle was met or seen since the last decision of the search.
     has_met: bool,
-    /// Whether the sonar has seen anything new since the search was last asked.
+    /// Whether the sonar has seen anything new since the last decision of the search.
     has_news: bool,
-    /// A hash of what is known.
+    /// A hash of everything that is known.
     print: u64,
 }
 
@@ -80,13 +80,14 @@ impl Walk {
         View { grid: &self.grid, pose: self.pose, gait: self.gait, terms: self.terms }
     }
 
-    /// Two walks through the same hall with the same hash go on alike, except for the effects of their gait.
+    /// A hash of the known cells and the pose. Two walks through the same hall with the same hash continue in the
+    /// same way, except for effects of their last moves (`gait`).
     #[must_use]
     pub fn state(&self) -> u64 {
         self.print ^ mixed(self.pose.cell, 64 + self.pose.heading as u64)
     }
 
-    /// Whether a cell is still to be looked at. To find luggage it is enough to see the cell.
+    /// Whether this cell still has to be visited or seen. To find luggage, seeing the cell is enough.
     #[must_use]
     pub fn is_left(&self, cell: Cell) -> bool {
         match self.grid.at(cell) {
@@ -102,7 +103,7 @@ impl Walk {
         cost(self.moves, self.terms.costs)
     }
 
-    /// The whole search from here until nothing is left and the robot is home.
+    /// Makes the whole search from here, until nothing is left to search and the robot is at home.
     pub fn finish(&mut self, ground: &Ground, ways: &mut Ways, mut search: Search) {
         self.heeds_news = search.strategy().heeds_news();
         loop {
@@ -113,7 +114,8 @@ impl Walk {
         }
     }
 
-    /// Carries out what a strategy wants; false when that was the end of the search, with the robot at home.
+    /// Carries out the goal that a strategy has set. Returns false after the end of the search, when the robot is at
+    /// home.
     pub fn follow(&mut self, ground: &Ground, ways: &mut Ways, goal: NextGoal) -> bool {
         match goal {
             NextGoal::Visit(cell, route) => {
@@ -131,8 +133,8 @@ impl Walk {
         true
     }
 
-    /// Makes the moves that lead into an open cell, until something is in the way, or an unknown obstacle is seen. If
-    /// `heeds_news`, anything new that is seen also ends them.
+    /// Makes the moves of `route` towards a cell. It stops early if something is in the way or a new obstacle is
+    /// seen. If `heeds_news` is set, it also stops when anything new is seen.
     pub fn enter(&mut self, ground: &Ground, cell: Cell, route: &[Move]) {
         (self.has_met, self.has_news) = (false, false);
         for step in route {
@@ -142,7 +144,7 @@ impl Walk {
         }
     }
 
-    /// Goes home over visited cells.
+    /// Drives home, over visited cells only.
     pub fn go_home(&mut self, ground: &Ground, ways: &mut Ways) {
         let way = ways.way_over_visited(&self.grid, self.terms.costs, self.pose, Cell::HOME);
         for step in way.expect("the robot came from home, and nothing has moved since") {
@@ -150,8 +152,8 @@ impl Walk {
         }
     }
 
-    /// Drives towards a cell as if everything unknown were free, until its content is known or it cannot be reached.
-    /// Plans the way anew where an obstacle was seen.
+    /// Drives towards a cell as if all unknown cells were free. It ends when the content of the cell is known or when
+    /// the cell cannot be reached. After each new obstacle, the route is planned again.
     fn dare(&mut self, ground: &Ground, ways: &mut Ways, cell: Cell) {
         while self.grid.at(cell) != Square::Visited && !self.grid.at(cell).is_settled() {
             let way = ways.way_over_unknown(&self.grid, self.terms.costs, self.pose, cell);
@@ -163,7 +165,7 @@ impl Walk {
         }
     }
 
-    /// Makes one move; false when it met an obstacle.
+    /// Makes one move. Returns false if it met an obstacle.
     fn make(&mut self, ground: &Ground, step: Move) -> bool {
         match step {
             Move::TurnLeft => self.turn(self.pose.heading.left()),
@@ -209,7 +211,8 @@ impl Walk {
         self.print ^= mixed(cell, square as u64);
     }
 
-    /// Recognises the obstacle ahead of `before`. If it is a wall, the whole straight line of the wall becomes known.
+    /// Recognises the obstacle ahead of `before`. If the obstacle is a wall, the whole straight wall that can be seen
+    /// becomes known.
     fn meet(&mut self, ground: &Ground, before: Cell) {
         let cell = before.ahead(self.pose.heading);
         if self.grid.at(cell).is_settled() {
@@ -235,7 +238,7 @@ impl Walk {
         }
     }
 
-    /// Looks along the front sonar; a robot without a sonar sees 0 cells.
+    /// Looks ahead with the front sonar. Without a sonar, its range is 0 cells.
     fn look_ahead(&mut self, ground: &Ground) {
         let mut cell = self.pose.cell;
         for _ in 0..self.terms.sonar_cells {
@@ -254,7 +257,7 @@ impl Walk {
     }
 }
 
-/// A hash of one fact about a cell. Sets of facts are told apart by the exclusive or of their hashes.
+/// A hash of one fact about a cell. The hash of several facts is the exclusive or of their hashes.
 fn mixed(cell: Cell, salt: u64) -> u64 {
     let place = (u64::from(cell.x.cast_unsigned()) << 32) | u64::from(cell.y.cast_unsigned());
     let mut x = place.wrapping_add(salt.wrapping_mul(0x2545_F491_4F6C_DD1D)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -289,14 +292,14 @@ mod tests {
                     let of = format!("{family:?} by {}, sonar {sonar_cells}", strategy.name());
                     assert_eq!((walk.visited, walk.found), (ground.reachable, ground.touchable), "{of}");
                     assert_eq!(walk.pose.cell, Cell::HOME, "{of}");
-                    // Before its first move a robot has not looked.
+                    // The robot does not look ahead before its first move, so one bump is possible even with a sonar.
                     assert!(if sonar_cells == 0 { walk.moves.bumps > 0 } else { walk.moves.bumps <= 1 }, "{of}");
                 }
             }
         }
     }
 
-    /// Too large for a search over cell × heading, so that some ways lead far.
+    /// These halls are too large for a search over all pairs of cell and heading. So some routes are long.
     #[test]
     fn large_halls_are_covered_too() {
         let mut ways = Ways::default();
@@ -312,7 +315,7 @@ mod tests {
         }
     }
 
-    /// A walk makes the moves of a mission whose operator finds everything safe.
+    /// A walk must make the same moves as a mission in which the operator declares everything safe.
     #[test]
     fn a_walk_makes_the_moves_of_a_mission() {
         let mut ways = Ways::default();

@@ -1,4 +1,4 @@
-//! The state that all connections of a broker share. Each part looks after its own lock.
+//! The state that all connections of a broker share. Each part has its own lock.
 
 use std::future::poll_fn;
 use std::hash::{BuildHasher, Hash, RandomState};
@@ -21,8 +21,8 @@ use crate::routed_delivery::{RoutedDelivery, Router};
 use crate::subscriber::{Delivery, Subscriber, TopicReader};
 use crate::subscription::Subscription;
 
-/// What all connections share: rights, retained messages and readers. Connections hold it in an `Arc`, as every method
-/// takes `&self`.
+/// What all connections share: rights, retained messages and subscriptions. Every method takes `&self`, so
+/// connections hold the broker in an `Arc`.
 #[derive(Debug)]
 pub struct Broker {
     pub(crate) rights: Box<dyn Rights>,
@@ -30,7 +30,8 @@ pub struct Broker {
     pub(crate) readers: Arc<Readers>,
     /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,
-    /// Bounds the log lines about refusals of all clients together, since each client may reconnect for ever.
+    /// Limits the log lines about refusals of all clients together. A limit for each client would not do, because a
+    /// client may reconnect for ever.
     pub(crate) lines: Lines,
     /// Randomly seeded, so that no client can construct two texts with the same fingerprint.
     hasher: RandomState,
@@ -39,9 +40,9 @@ pub struct Broker {
 /// A message of the program itself, which may use any topic and has its own room for retained messages.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement<'a> {
-    /// Any topic, even one that begins with `$`; the caller must see that it has no wildcards.
+    /// Any topic, even one that begins with `$`. The caller must make sure that it has no wildcards.
     pub topic: &'a str,
-    /// May be empty: with `retain`, it then removes what the topic retained.
+    /// May be empty. An empty payload with `retain` removes the topic's retained message.
     pub payload: &'a [u8],
     /// Whether to retain the message. It is retained only if there is room, and never on a topic of commands.
     pub retain: bool,
@@ -69,8 +70,8 @@ impl Broker {
         Broker::of(rights, None)
     }
 
-    /// A broker whose messages this router delivers. The broker itself delivers to shared subscriptions, which no
-    /// router knows.
+    /// A broker whose messages this router delivers. The broker itself delivers to shared subscriptions, because no
+    /// router knows them.
     #[must_use]
     pub fn with_router(rights: impl Rights + 'static, router: impl Router + 'static) -> Broker {
         Broker::of(rights, Some(Box::new(router)))
@@ -87,7 +88,7 @@ impl Broker {
         }
     }
 
-    /// Whether a client may leave a will on this topic. Ask before its CONNECT is answered.
+    /// Whether a client may leave a will on this topic. Call this before answering the client's CONNECT.
     #[must_use]
     pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         filter::topic(topic).is_ok() && self.rights.may_leave_will(who, topic)
@@ -114,12 +115,13 @@ impl Broker {
         let message = self.message(draft);
         let is_kept =
             !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message, Duration::ZERO);
-        // The message is retained first, so that a subscriber who arrives between the two steps finds it there.
+        // The message is retained first, so that a client that subscribes between the two steps gets it.
         self.send(&message, &self.readers.of(topic, None));
         is_kept
     }
 
-    /// Publishes the will of a client, whose right to leave it was checked. `now` is on the clock of all connections.
+    /// Publishes the will of a client. The caller has checked that the client may leave it. `now` is on the clock of
+    /// all connections.
     pub(crate) fn publish_will(&self, will: &Will, payer: &Payer, now: Duration) {
         let message = self.message(Draft {
             topic: Arc::from(will.topic.as_str()),
@@ -157,8 +159,8 @@ impl Broker {
         Arc::new(Message::new(draft, self.retained.stamp(), &self.alive))
     }
 
-    /// Sends a message to each of its readers, and to one reader of each group. The broker itself delivers to groups:
-    /// no router knows them.
+    /// Sends a message to each of its readers, and to one reader of each group with a shared subscription. The broker
+    /// itself delivers to groups, because no router knows them.
     pub(crate) fn send(&self, message: &Arc<Message>, readers: &TopicReaders) {
         let put = |reader: &TopicReader| reader.subscriber.put(Delivery::of(message, reader), || self.has_room_for_away());
         match self.readers.router().filter(|_| !readers.each.is_empty()) {
@@ -168,8 +170,8 @@ impl Broker {
         self.readers.in_turn(&readers.groups).for_each(put);
     }
 
-    /// Whether there is room for messages that wait for clients that are away: such clients cannot read, and there may
-    /// be many.
+    /// Whether more messages may be stored for clients that are away. Such clients cannot read, and there may be many
+    /// of them.
     pub(crate) fn has_room_for_away(&self) -> bool {
         self.beside() <= AWAY
     }

@@ -6,13 +6,13 @@ use super::limits::{LEVELS, TOPIC};
 /// The character that follows the slash in the order of bytes.
 const AFTER_SLASH: char = '0';
 
-/// Why the gate refuses a topic or a filter, though the standard may allow it.
+/// Why the broker refuses a topic or a filter. The standard may allow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     /// Longer than `limits::TOPIC` bytes; the standard allows 65,535.
     #[error("the topic or filter is longer than {TOPIC} bytes")]
     Long,
-    /// More than `limits::LEVELS` levels, through which every search goes one by one.
+    /// More than `limits::LEVELS` levels. Every search goes through the levels one by one.
     #[error("the topic or filter has more than {LEVELS} levels")]
     Deep,
     /// It begins with `$`. Such topics belong to the server (section 4.7.2), and this server has none.
@@ -52,7 +52,8 @@ pub(crate) fn share(text: &str) -> Result<Option<Shared<'_>>, Unfit> {
     filter(shared.filter).map(|()| Some(shared))
 }
 
-/// Whether some topic could match both filters. A leading `$` counts as any other character, so `+` overlaps it.
+/// Whether some topic could match both filters. A leading `$` is treated like any other character, so `+` overlaps
+/// it.
 #[must_use]
 pub fn overlap(one: &str, other: &str) -> bool {
     let (mut one, mut other) = (one.split('/'), other.split('/'));
@@ -90,7 +91,8 @@ pub fn filter(filter: &str) -> Result<(), Unfit> {
     if before_last.contains('#') || !filter.split('/').all(is_whole) { Err(Unfit::Wildcards) } else { Ok(()) }
 }
 
-/// Whether a filter matches a topic. `#` and `+` in the first level match no `$…` (section 4.7.2).
+/// Whether a filter matches a topic. `#` and `+` in the first level match no topic that begins with `$` (section
+/// 4.7.2).
 #[cfg(test)]
 pub(crate) fn matches(filter: &str, topic: &str) -> bool {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
@@ -121,17 +123,17 @@ pub(crate) fn stem(filter: &str) -> &str {
 pub(crate) enum Next {
     /// This topic matches.
     Here,
-    /// No topic before this one matches.
+    /// The next topic that matches is this one or a later one.
     From(String),
     /// No later topic matches.
     Nowhere,
 }
 
-/// Whether a filter matches this topic. If not, where the next matching topic can be: a search goes level by level, as
-/// in a tree, and skips the topics between.
+/// Returns whether a filter matches this topic, or else where the next matching topic can be. A search goes level by
+/// level, as in a tree, and skips the topics between.
 pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
-        // A place after all topics that begin with `$`.
+        // The first place after all topics that begin with `$`.
         return Next::From("%".to_owned());
     }
     let mut wanted_levels = filter.split('/').peekable();
@@ -158,7 +160,7 @@ pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if rest.is_none() { Next::Here } else { behind(&topic[..start]) }
 }
 
-/// The place after everything below these levels, which end with a slash.
+/// The first place after all topics below these levels. `levels` ends with a slash.
 fn behind(levels: &str) -> Next {
     levels.strip_suffix('/').map_or(Next::Nowhere, |above| Next::From(format!("{above}{AFTER_SLASH}")))
 }

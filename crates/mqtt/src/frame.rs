@@ -49,7 +49,7 @@ pub enum Malformed {
     /// The length has more than four bytes (MQTT 3.1.1, section 2.2.3).
     #[error("the length of a packet has more than four bytes")]
     Length,
-    /// The packet, or the properties of a will, are longer than the gate accepts: see `limits`.
+    /// The packet, or the properties of a will, are longer than this broker accepts: see `limits`.
     #[error("a packet of {length} bytes is longer than the limit of {limit} bytes")]
     TooLong {
         /// The length of the packet or of the properties, in bytes.
@@ -57,19 +57,20 @@ pub enum Malformed {
         /// The limit in bytes.
         limit: usize,
     },
-    /// The name of a field before whose end the packet ends.
+    /// The packet ends within the field with this name.
     #[error("a packet ends within its {0}")]
     Short(&'static str),
-    /// The number of bytes behind the last field. In a PUBLISH such bytes are the payload, and no error.
+    /// The number of extra bytes behind the last field. In a PUBLISH such bytes are the payload, so they are no
+    /// error.
     #[error("{0} bytes follow the end of a packet")]
     Trailing(usize),
-    /// The name of a field that is not a valid text by MQTT 5, section 1.5.4.
+    /// A field with this name is not a valid text by MQTT 5, section 1.5.4.
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
-    /// The byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bits beside the QoS.
+    /// A byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bits beside the QoS.
     #[error("{0:#04x} is not a QoS")]
     Qos(u8),
-    /// The DUP flag at QoS 0, at which no message is sent twice (section 3.3.1.1).
+    /// The DUP flag is set at QoS 0, at which no message is sent twice (section 3.3.1.1).
     #[error("a PUBLISH of QoS 0 is marked as a duplicate")]
     Duplicate,
     /// The packet id 0, which means that there is no id (MQTT 3.1.1, section 2.3.1).
@@ -78,24 +79,26 @@ pub enum Malformed {
     /// The topic of a PUBLISH or of a will is empty or has wildcards (section 3.3.2.1).
     #[error("a PUBLISH has an empty topic, or one with wildcards")]
     Topic,
-    /// No filter, or an empty one: a SUBSCRIBE or UNSUBSCRIBE has to name at least one filter (sections 3.8.3 and
-    /// 3.10.3).
+    /// A SUBSCRIBE or UNSUBSCRIBE names no filter, or an empty filter. It has to name at least one (sections
+    /// 3.8.3 and 3.10.3).
     #[error("a packet names no filter, or an empty one")]
     Filters,
-    /// More filters than the gate accepts in one packet; the standard sets no limit.
+    /// More filters than this broker accepts in one packet. The standard sets no limit.
     #[error("a packet names more than {PACKET_FILTERS} filters")]
     ManyFilters,
-    /// The reserved bit, a QoS of 3, or parts of a will without a will; in MQTT 3.1.1 also a password without a name
-    /// (section 3.1.2).
+    /// The flags have the reserved bit, a QoS of 3, or parts of a will without a will. In MQTT 3.1.1, they may also
+    /// have a password without a name (section 3.1.2).
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
     /// The identifier of an unknown property, or of a property that this packet must not have (MQTT 5, table 2-4).
     #[error("the property {0:#04x} is unknown or not allowed in this packet")]
     Property(u8),
-    /// The identifier of a property that occurs twice. Only the user property may do so (MQTT 5, section 2.2.2.2).
+    /// The identifier of a property that occurs twice. Only the user property may occur twice (MQTT 5, section
+    /// 2.2.2.2).
     #[error("the property {0:#04x} occurs twice in a packet")]
     PropertyTwice(u8),
-    /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a Method.
+    /// A value that its property cannot have, such as a Receive Maximum of 0, or Authentication Data without a
+    /// Method.
     #[error("the property {0:#04x} has an invalid value")]
     PropertyValue(u8),
     /// A Retain Handling of 3 or a reserved bit (MQTT 5, section 3.8.3.1).
@@ -122,8 +125,8 @@ pub enum Malformed {
 }
 
 impl Malformed {
-    /// The reason code for a client of MQTT 5. It says whether the form of the packet is wrong or its contents (section
-    /// 4.13).
+    /// The reason code for a client of MQTT 5. It says whether the form or the contents of the packet are wrong
+    /// (section 4.13).
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -187,7 +190,8 @@ impl PacketKind {
         Some(if matches!(self, PacketKind::Pubrel | PacketKind::Subscribe | PacketKind::Unsubscribe) { 2 } else { 0 })
     }
 
-    /// The first byte of a packet of this kind, with the flags that it must have. The flags of a PUBLISH are all clear.
+    /// The first byte of a packet of this kind, with the flags that it must have. The flags of a PUBLISH are all
+    /// clear.
     #[must_use]
     pub const fn first_byte(self) -> u8 {
         let flags = match self.flags() {
@@ -201,8 +205,7 @@ impl PacketKind {
 /// Finds the packet at the head of a stream; `None` until all of it has arrived. `limit` is the maximum length of the
 /// whole packet in bytes.
 ///
-/// # Errors
-/// As soon as the first bytes begin no valid packet, or a packet that is too long.
+/// When the first bytes cannot begin a valid packet, or when the packet is longer than `limit`.
 pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     let Some(&first) = stream.first() else { return Ok(None) };
     let kind = PacketKind::of(first).ok_or(Malformed::Kind(first))?;
@@ -215,8 +218,8 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     Ok((stream.len() >= length).then_some(Frame { kind, flags: first & 15, head, length }))
 }
 
-/// The remaining length at the head of these bytes, and the number of bytes that encode it, 4 at most; `None` if the
-/// length has not arrived completely.
+/// Reads the remaining length at the head of these bytes. Returns it with the number of bytes that encode it, 4 at
+/// most. `None` if the length has not arrived completely.
 pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {

@@ -1,4 +1,5 @@
-//! The terms of one granted subscription. They are the terms that its SUBSCRIBE asked for, since no QoS is lowered.
+//! The terms of one granted subscription. They are what its SUBSCRIBE asked for, because this broker never lowers a
+//! QoS.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ pub(crate) struct Grant {
 }
 
 impl Grant {
-    /// A grant of this QoS, and otherwise on the terms of MQTT 3.1.1.
+    /// A grant of this QoS. Its other terms are those of MQTT 3.1.1.
     pub(crate) const fn at(qos: Qos) -> Grant {
         Grant { options: Options::at(qos), id: None }
     }

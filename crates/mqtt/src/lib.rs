@@ -1,5 +1,5 @@
-//! MQTT 3.1.1 and 5 on the server's side, as arithmetic on bytes: a whole broker without sockets, clocks and tasks.
-//! Authentication and moving the bytes are left to the program.
+//! An MQTT 3.1.1 and 5 broker without sockets, clocks and tasks: received bytes go in, and bytes to send come out.
+//! The program authenticates the clients and moves the bytes.
 //!
 //! ```text
 //!   client ──► frame ──► packet ──► ClientConnection ──► Listener: commands, and what is urgent
@@ -9,9 +9,9 @@
 //!   others ◄── Outbox ◄── ClientConnection ◄── Subscriber: what waits for a client, and how far it is behind
 //! ```
 //!
-//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in the received bytes with the time
-//! ([`ClientConnection::handle_client`]), sends what is in [`ClientConnection::to_client`], and waits for what others
-//! publish ([`Subscriber::poll_come`]).
+//! Begin with [`ClientConnection`]. The program owns the sockets. It hands in the received bytes with the time
+//! ([`ClientConnection::handle_client`]) and sends what is in [`ClientConnection::to_client`]. It waits for messages
+//! of other clients with [`Subscriber::poll_come`].
 
 #![warn(missing_docs)]
 

@@ -23,10 +23,10 @@ pub struct Message {
     /// Its publisher's properties, in the encoding of MQTT 5.
     properties: Box<[u8]>,
     expires_at: Option<Duration>,
-    /// `None` for a message of the program, and for a client's will.
+    /// The client that published the message. `None` for a message of the program, and for a client's will.
     publisher: Option<SubscriberId>,
-    /// Position in the order of retained messages: a message with a higher stamp was retained no earlier than this one
-    /// was published.
+    /// The stamp of the latest retained message when this message was made. Messages that are retained later have
+    /// higher stamps.
     pub(crate) stamp: u64,
     /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,
@@ -43,7 +43,7 @@ pub(crate) struct Draft<'a> {
     pub(crate) publisher: Option<SubscriberId>,
 }
 
-/// Shares a message's payload without a copy; the message stays in memory for as long.
+/// Shares a message's payload without a copy. The message stays in memory while the payload is used.
 struct Payload(Arc<Message>);
 
 #[cfg(test)]
@@ -69,13 +69,13 @@ impl Message {
         &self.topic
     }
 
-    /// The payload, which is empty when a publisher removes what the topic retained (section 3.3.1.3).
+    /// The payload. It is empty when a publisher removes the topic's retained message (section 3.3.1.3).
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         &self.payload
     }
 
-    /// The QoS at which it was published, which no subscriber's copy exceeds.
+    /// The QoS at which the message was published. Subscribers get it at this QoS or a lower one.
     #[must_use]
     pub const fn qos(&self) -> Qos {
         self.qos
@@ -118,7 +118,7 @@ impl Message {
         Arc::clone(&self.topic)
     }
 
-    /// Its payload without a copy. The whole message stays in memory for as long as the payload.
+    /// Returns the payload without a copy. The whole message stays in memory while the payload is used.
     pub(crate) fn shared_payload(self: &Arc<Message>) -> Bytes {
         Bytes::from_owner(Payload(Arc::clone(self)))
     }

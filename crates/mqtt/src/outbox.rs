@@ -1,13 +1,13 @@
-//! The bytes that wait to be sent to one client, in order: its own bytes, and payloads of long messages, which all
-//! receivers share. Buffers that grew large are released when their bytes have been sent. The limits of the outbox are
-//! not decided here.
+//! The bytes that wait to be sent to one client, in order. Some are its own bytes. Others are payloads of long
+//! messages, which all receivers share. Buffers that grew large are released when their bytes have been sent. The
+//! limits of the outbox are not decided here.
 
 use std::collections::VecDeque;
 use std::io::IoSlice;
 
 use bytes::{Buf, Bytes, BytesMut};
 
-/// Most empty buffer space retained for later use, in bytes.
+/// Maximum size of the empty buffer retained for later use, in bytes.
 const ROOM: usize = 16 * 1024;
 
 /// Approximate size of the pieces in which small messages wait, in bytes. A single buffer would grow by doubling, and
@@ -82,7 +82,7 @@ impl Outbox {
         self.len() == 0
     }
 
-    /// Drops all waiting bytes. If a part of a packet was sent before, no other packet can follow it.
+    /// Drops all waiting bytes. If a part of a packet was sent before, do not send another packet afterwards.
     pub fn clear(&mut self) {
         *self = Outbox::default();
     }

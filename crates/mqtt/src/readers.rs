@@ -1,5 +1,5 @@
-//! The filters of all subscribers, sorted: the filters that match a topic are found level by level, without looking at
-//! others. The messages that wait for each subscriber stand in `subscriber`.
+//! The filters of all subscribers, sorted. The filters that match a topic are found level by level, without looking
+//! at other filters. `subscriber` has the messages that wait for each subscriber.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -76,7 +76,7 @@ impl Readers {
     }
 
     /// The readers of a topic. Each reader occurs once, on the best terms of its matching filters (section 3.3.5). A
-    /// filter with No Local does not match messages of its own subscriber.
+    /// filter with No Local does not match messages that its own subscriber published.
     pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> TopicReaders {
         let levels: Vec<&str> = topic.split('/').collect();
         let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
@@ -99,8 +99,8 @@ impl Readers {
         found
     }
 
-    /// One reader of each group, in turns: a connected reader that keeps up, else any connected reader, else any
-    /// reader.
+    /// Chooses one reader of each group, in turns. A connected reader that keeps up is preferred, then any connected
+    /// reader, then any reader.
     pub(crate) fn in_turn<'a>(&self, groups: &'a [Vec<TopicReader>]) -> impl Iterator<Item = &'a TopicReader> {
         let turn = if groups.is_empty() { 0 } else { self.turns.fetch_add(1, Ordering::Relaxed) };
         groups.iter().filter_map(move |group| {
@@ -160,8 +160,8 @@ fn merge(readers: &mut Vec<TopicReader>) {
     });
 }
 
-/// Finds the holders of matching filters. Such a filter begins with the levels of `above`, which ends with a slash, and
-/// its other levels match the remaining `levels` of a topic.
+/// Finds the holders of filters that match a topic. Such a filter begins with `above`, which ends with a slash. Its
+/// other levels match `levels`, the rest of the topic.
 fn collect(held: &Held, above: &mut String, levels: &[&str], found: &mut dyn FnMut(&[Holder])) {
     let Some((level, below)) = levels.split_first() else { return };
     let length = above.len();
@@ -250,8 +250,8 @@ mod tests {
         assert!(readers.held().is_empty());
     }
 
-    /// The filters' options differ: a subscriber that wants the RETAIN flag gets it, and the ids of all its matching
-    /// subscriptions.
+    /// Two filters of one subscriber match, with different options. The subscriber gets the RETAIN flag if one of
+    /// them asks for it, and the ids of both subscriptions.
     #[test]
     fn whoever_holds_several_filters_gets_what_any_of_them_promises_and_all_their_numbers() {
         let (readers, one): (_, Arc<Subscriber>) = (Readers::default(), Arc::default());

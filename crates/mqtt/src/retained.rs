@@ -1,5 +1,5 @@
-//! The retained messages of the broker: the latest one of each topic, bounded in number and bytes, in total and for
-//! each key. Who may retain a message, and how it reaches a subscriber, stands in `connection`.
+//! The retained messages of the broker: the latest one of each topic. Their number and bytes are bounded, in
+//! total and for each key. `connection` decides who may retain a message, and sends the messages to subscribers.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
@@ -28,11 +28,11 @@ pub(crate) struct Walk {
     filter: Arc<str>,
     /// Only messages with a higher stamp are found.
     since: u64,
-    /// The first topic that was not examined yet; `None` if all were.
+    /// The first topic that was not examined yet; `None` if all topics were examined.
     from: Option<String>,
 }
 
-/// Shortest time between two searches for expired messages, which go through all messages.
+/// Minimum time between two searches for expired messages. Such a search goes through all messages.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
@@ -63,17 +63,17 @@ struct Used {
 }
 
 impl Retained {
-    /// Retains a message in place of the topic's earlier one, or only removes the earlier one if the payload is empty.
-    /// Returns whether there was room. Without room the topic retains nothing, since the earlier message is no longer
-    /// true.
+    /// Retains a message in place of the topic's earlier one, or only removes the earlier one if the payload is
+    /// empty. Returns whether there was room. Without room the topic retains nothing, because the earlier message is
+    /// out of date.
     pub(crate) fn keep(&self, payer: &Payer, message: &Arc<Message>, now: Duration) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(message.topic());
         if message.payload().is_empty() || message.is_over(now) {
             return true;
         }
-        // Readers without the lock look for messages that were retained later than the stamp that they read. Such
-        // messages have a higher stamp in any case.
+        // Other threads read the stamp without the lock, and later look for messages with higher stamps. A message
+        // that is retained after such a read always has a higher stamp.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
         let entry = RetainedEntry { message: Arc::clone(message), stamp, payer: payer.clone() };
         match shelf.put(entry) {
@@ -82,7 +82,8 @@ impl Retained {
         }
     }
 
-    /// The next message of a walk; it examines at most `steps` topics. `None` if the walk is over or no steps are left.
+    /// The next message of a walk; it examines at most `steps` topics. `None` if the walk is over or no steps are
+    /// left.
     pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize, now: Duration) -> Option<Arc<Message>> {
         let shelf = self.shelf();
         while *steps > 0 {
@@ -160,7 +161,7 @@ impl Shelf {
         if now < self.looks_at || self.first_over.is_none_or(|first| first > now) {
             return false;
         }
-        // A search through everything is expensive, and a message that expires soon is cheap to store.
+        // To search all messages is expensive, and to store an expired message a little longer is cheap.
         self.looks_at = now + BETWEEN_LOOKS;
         let over: Vec<_> =
             self.kept.values().filter(|entry| entry.message.is_over(now)).map(|entry| entry.message.shared_topic()).collect();
@@ -169,7 +170,7 @@ impl Shelf {
         !over.is_empty()
     }
 
-    /// Stores a message if the pool and its payer's share have room; otherwise returns it.
+    /// Stores a message if the pool and the share of its key have room; otherwise returns it.
     fn put(&mut self, entry: RetainedEntry) -> Result<(), RetainedEntry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {

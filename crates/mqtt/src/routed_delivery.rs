@@ -1,5 +1,5 @@
-//! Delivery of a message by a router outside the gate. A router may be slow, lose messages or fail. So when a delivery
-//! is dropped, all readers that it has not reached get the message, and no reader misses one.
+//! Delivers a message through a router outside this crate. A router may be slow, lose messages or fail. When a
+//! delivery is dropped, all readers that it has not reached get the message. So no reader misses a message.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -9,15 +9,15 @@ use crate::subscriber::{Delivery, Subscriber, TopicReader};
 
 /// Carries messages to subscribers. No method may block.
 pub trait Router: Debug + Send + Sync {
-    /// From now on, deliver messages on topics that this filter matches to this subscriber. Not called for shared
+    /// Begins to deliver messages to this subscriber, on all topics that the filter matches. Not called for shared
     /// filters.
     fn subscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// End the deliveries that `subscribe` began for this filter and subscriber. Messages on their way may still
+    /// Ends the deliveries that `subscribe` began for this filter and subscriber. Messages on their way may still
     /// arrive.
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>);
 
-    /// Deliver a message: [`RoutedDelivery::arrive`] passes it to one reader, and dropping the delivery passes it to
+    /// Delivers a message: [`RoutedDelivery::arrive`] passes it to one reader, and dropping the delivery passes it to
     /// all remaining readers.
     fn carry(&self, delivery: RoutedDelivery);
 }
@@ -43,14 +43,14 @@ impl RoutedDelivery {
         RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
-    /// The topic, with which a router finds the subscribers whose filters match.
+    /// The topic. A router finds the subscribers by it.
     #[must_use]
     pub fn topic(&self) -> &str {
         self.message.topic()
     }
 
-    /// Delivers the message to this subscriber. Does nothing if the subscriber already has the message or is not one of
-    /// its readers.
+    /// Delivers the message to this subscriber. Does nothing if the subscriber already has the message, or is not one
+    /// of the message's readers.
     pub fn arrive(&mut self, subscriber: &Arc<Subscriber>) {
         let place = self.readers.iter().position(|reader| Arc::ptr_eq(&reader.subscriber, subscriber));
         if let Some(place) = place {

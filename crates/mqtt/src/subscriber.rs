@@ -1,7 +1,7 @@
-//! The queue of one subscriber: the messages that were published for it and have not gone out to its client, which may
-//! be away. Flooding publishers wait for subscribers that are behind but read. For a subscriber that does not read they
-//! wait only briefly, and then not at all for a while. Such a subscriber loses messages, the oldest first, and the loss
-//! is noted. Which subscriber reads which topics stands in `readers`.
+//! The queue of one subscriber: messages that were not sent to its client yet. The client may be away. Flooding
+//! publishers wait for a subscriber that is behind but reads. For a subscriber that does not read, they wait only
+//! briefly, and then not at all for a while. Such a subscriber loses messages, the oldest first, and the loss is
+//! noted. `readers` knows which subscriber reads which topics.
 //!
 //! ```text
 //!   publisher ─ put(message) for each matching reader ─► Subscriber ─ next() ─► its connection
@@ -25,7 +25,8 @@ use super::packet::Qos;
 /// Capacity retained by an empty queue, in messages.
 const ROOM: usize = 256;
 
-/// The value of `missed` when no message was missed. It is higher than any stamp, since the lowest stamp counts.
+/// The value of `missed` when no message was missed. It is higher than any stamp, because `missed` keeps the lowest
+/// stamp.
 const NOTHING: u64 = u64::MAX;
 
 /// A subscriber with the terms of all its filters that match one topic.
@@ -45,13 +46,13 @@ pub(crate) struct TopicReader {
 pub struct Subscriber {
     id: SubscriberId,
     queue: Mutex<Queue>,
-    /// Weight of the messages in the queue, and of messages for this subscriber that a router has on their way.
+    /// Weight of the messages in the queue, and of messages that a router has on their way to this subscriber.
     lag: AtomicUsize,
     waiting: Mutex<Vec<Waker>>,
-    /// The time since which every check found the subscriber behind, in milliseconds on the clock of all connections;
-    /// 0: it is not behind.
+    /// The time since which every check found the subscriber behind, in milliseconds on the clock of all connections.
+    /// The value is 0 if it is not behind.
     behind_since_ms: AtomicU64,
-    /// The time since which the client has read nothing, on the same clock; 0: it reads.
+    /// The time since which the client has read nothing, on the same clock. The value is 0 if it reads.
     still_since_ms: AtomicU64,
     /// The time until which no publisher waits for the subscriber, on the same clock.
     forgiven_until_ms: AtomicU64,
@@ -59,7 +60,7 @@ pub struct Subscriber {
     forgiven_for_ms: AtomicU64,
     /// The time when the subscriber was last forgiven, on the same clock.
     forgiven_at_ms: AtomicU64,
-    /// The stamp after which retained messages may be new to the subscriber, since it missed a message.
+    /// Messages that were retained after this stamp may be new to the subscriber, because it missed a message.
     missed: AtomicU64,
 }
 
@@ -180,7 +181,7 @@ impl Subscriber {
     }
 
     /// Queues a message, and drops the oldest messages beyond the limits. `has_room` says whether there is room for
-    /// messages to subscribers that are away.
+    /// messages to a subscriber that is away.
     pub(crate) fn put(&self, delivery: Delivery, has_room: impl FnOnce() -> bool) {
         let stamp = delivery.message.stamp;
         let mut queue = self.queue();
@@ -209,8 +210,8 @@ impl Subscriber {
         }
     }
 
-    /// Removes and returns the next message to send, if any. Without a window, no message that needs an acknowledgement
-    /// is returned: the client has to acknowledge earlier messages first.
+    /// Removes and returns the next message to send, if any. Without a window, returns no message that needs an
+    /// acknowledgement: the client has to acknowledge earlier messages first.
     pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
         let mut queue = self.queue();
         queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
@@ -234,8 +235,8 @@ impl Subscriber {
         self.lag.load(Ordering::Relaxed) > RELIEF || bytes > RELIEF_BYTES
     }
 
-    /// Ready when the next message can be sent. `has_window` says whether messages that need an acknowledgement can be.
-    /// If not ready, wakes the caller when a message arrives.
+    /// Ready when the next message can be sent. `has_window` says whether a message that needs an acknowledgement can
+    /// be sent. If not ready, wakes the caller when a message arrives.
     pub fn poll_come(&self, has_window: bool, cx: &Context<'_>) -> Poll<()> {
         let mut queue = self.queue();
         if queue.waiting.front().is_some_and(|next| has_window || next.qos == Qos::Zero) {
@@ -273,8 +274,8 @@ impl Subscriber {
         self.missed.fetch_min(stamp, Ordering::Relaxed);
     }
 
-    /// The stamp after which retained messages may be new to the subscriber, since it missed a message; `None` if it
-    /// has missed none since the last call.
+    /// Takes the stamp after which retained messages may be new to the subscriber, because it missed a message.
+    /// `None` if it has missed none since the last call.
     pub(crate) fn take_missed(&self) -> Option<u64> {
         let missed = self.missed.swap(NOTHING, Ordering::Relaxed);
         (missed != NOTHING).then_some(missed)
@@ -294,8 +295,8 @@ impl Subscriber {
         queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
     }
 
-    /// Ready when the subscriber has caught up. Otherwise wakes the caller when it has, or when publishers need not
-    /// wait for it any more.
+    /// Ready when the subscriber has caught up. Otherwise wakes the caller as soon as it has caught up, or as soon as
+    /// publishers need not wait for it any more.
     pub fn poll_relieved(&self, cx: &Context<'_>) -> Poll<()> {
         let mut waiting = self.waiting();
         // Checked under the lock, so that a thread that takes a message meanwhile finds the waker.
@@ -322,7 +323,7 @@ impl Subscriber {
     }
 
     /// Notes whether the client has stopped reading. It has if its outbox is full, even if it reads a little now and
-    /// then, or while it acknowledges nothing after its window was found full.
+    /// then. It also has if its window is full and it acknowledges nothing.
     pub(crate) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
         match (is_full, is_unacknowledged) {
             (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
@@ -333,10 +334,10 @@ impl Subscriber {
         }
     }
 
-    /// Ends a publisher's wait for this subscriber. `still` is how long the publisher waits for a subscriber that does
-    /// not read. If this one was behind for `still` without reading, or behind for `PATIENCE`, publishers do not wait
-    /// for it for a while, which grows each time. Returns false if publishers have to go on waiting, for example
-    /// because it caught up in between.
+    /// Ends a publisher's wait for this subscriber. `still` is how long the publisher waits for a subscriber that
+    /// does not read. If this subscriber was behind for `still` without reading, or behind for `PATIENCE`, no
+    /// publisher waits for it for a while. This time grows with each call. Returns false if publishers have to go on
+    /// waiting, for example because the subscriber caught up in between.
     pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
         let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
         let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
@@ -355,7 +356,7 @@ impl Subscriber {
     }
 
     /// Notes that the subscriber has caught up. A subscriber that was forgiven only once is waited for again at once.
-    /// One that was forgiven repeatedly is not, so that it cannot slow others down by reading now and then.
+    /// A subscriber that was forgiven repeatedly is not, so that it cannot slow others down by reading now and then.
     fn relieve(&self) {
         self.behind_since_ms.store(0, Ordering::Relaxed);
         if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {

@@ -1,5 +1,4 @@
-//! What waits for one subscriber, what it loses, and how long publishers wait for it. In a file of their own because
-//! they are many.
+//! Tests what waits for one subscriber, what it loses, and how long publishers wait for it.
 
 use super::*;
 use crate::grant::Grant;
@@ -9,7 +8,7 @@ use crate::subscription::Subscription;
 
 const NOW: Duration = Duration::from_secs(100);
 
-/// A message of this weight, with a payload that is long enough for it.
+/// A delivery of this weight: its payload is made long enough.
 fn delivery(weight: usize, stamp: u64) -> Delivery {
     let draft = |payload| Draft::plain("a", payload, Qos::One);
     let least = Message::new(draft(b""), stamp, &Arc::default()).cost();
@@ -24,14 +23,14 @@ fn owe(subscriber: &Subscriber, bytes: usize) {
     weights.chain(last).for_each(|weight| subscriber.put(delivery(weight, 0), || true));
 }
 
-/// Lets its client read until at most this much waits.
+/// Lets the client read until messages of at most this weight wait.
 fn reads_down_to(subscriber: &Subscriber, most: usize) {
     while subscriber.lag.load(Ordering::Relaxed) > most {
         assert!(subscriber.next(true).is_some());
     }
 }
 
-/// Puts it behind, and has a publisher wait for it the longest time, until then.
+/// Puts the subscriber behind, and lets a publisher wait for it for `PATIENCE`, up to the time `until`.
 fn stall(subscriber: &Subscriber, until: Duration) {
     owe(subscriber, LAG + 1);
     assert!(subscriber.is_behind(until - PATIENCE));
@@ -54,7 +53,7 @@ async fn whoever_lags_is_waited_for_until_he_has_caught_up() {
     waiting.await.expect("he has caught up");
 }
 
-/// Long messages weigh little each.
+/// A long message weighs less than its size, so its bytes are counted as well.
 #[test]
 fn whoever_has_a_few_long_messages_before_him_is_waited_for_too() {
     let subscriber = Subscriber::default();
@@ -94,7 +93,7 @@ fn whoever_does_not_read_is_not_waited_for_longer_and_longer() {
     assert!(!lag.is_behind(again + FORGIVEN) && lag.is_behind(again + 2 * FORGIVEN));
 }
 
-/// One publisher's finished wait is no reason for others not to wait for a subscriber that reads.
+/// One publisher's wait is over, but other publishers still wait for a subscriber that reads.
 #[test]
 fn whoever_has_caught_up_in_between_is_not_forgiven() {
     let lag = Subscriber::default();
@@ -168,8 +167,8 @@ fn of_more_than_there_is_room_for_the_oldest_are_lost_and_that_is_known() {
     assert_eq!((subscriber.lag.load(Ordering::Relaxed), subscriber.bytes()), (0, 0));
 }
 
-/// Long messages weigh little each, and their bytes are limited; a single one may be longer, and no short one is lost
-/// for it.
+/// A long message weighs less than its size, so the bytes in the queue are limited too. A single message may be
+/// longer than the limit. No short message is dropped because of a long one.
 #[test]
 fn there_is_an_end_to_the_bytes_of_what_waits() {
     let subscriber = Subscriber::default();
@@ -181,7 +180,7 @@ fn there_is_an_end_to_the_bytes_of_what_waits() {
     assert_eq!(subscriber.next(true).map(|first| first.message.stamp), Some(77));
 }
 
-/// Nobody waits for a subscriber that is away, however much waits for it.
+/// No publisher waits for a subscriber that is away, however many messages wait for it.
 #[test]
 fn whoever_is_away_is_not_waited_for_and_whoever_is_gone_gets_nothing() {
     let readers = Arc::default();

@@ -1,5 +1,5 @@
-//! The filters of one subscriber, with the terms granted for each. Which topics they match stands in `readers`, and the
-//! messages that wait for the subscriber stand in `subscriber`.
+//! The filters of one subscriber, with the terms granted for each. `readers` finds the filters that match a topic.
+//! `subscriber` has the messages that wait for the subscriber.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,8 +33,8 @@ impl Subscription {
         &self.held
     }
 
-    /// Whether the subscriber may hold this filter: it already does, or there is room within `FILTERS` and
-    /// `FILTER_BYTES`.
+    /// Whether the subscriber may hold this filter: it already holds the filter, or there is room within
+    /// `FILTERS` and `FILTER_BYTES`.
     pub(crate) fn has_room(&self, filter: &str) -> bool {
         let (count, bytes) = (self.held.len() + 1, self.bytes + filter.len());
         self.held.contains_key(filter) || (count <= FILTERS && bytes <= FILTER_BYTES)

@@ -1,6 +1,6 @@
-//! Finds urgent messages in a client's bytes before anything else is read or checked. They are found behind any amount
-//! of other data, and even in malformed packets. Only the part of a packet that names the command has to arrive, in any
-//! pieces. Errors in packets are found later, in `frame`, `packet` and `connection`.
+//! Finds urgent messages in a client's bytes before anything else is read or checked. They are found behind any
+//! amount of other data, and even in malformed packets. Only the part of a packet that names the command has to
+//! arrive, and it may arrive in any pieces. `frame`, `packet` and `connection` find errors in packets later.
 
 use std::collections::HashMap;
 
@@ -10,11 +10,11 @@ use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
 use super::packet::{PacketFields, Version};
 
-/// Number of bytes searched in a packet that arrives in pieces. An urgent payload stands at the beginning, behind the
-/// topic and the properties of MQTT 5, and is at most a few KiB long.
+/// Number of bytes searched in a packet that arrives in pieces. An urgent payload is at the beginning, behind the
+/// topic and the properties of MQTT 5. It is at most a few KiB long.
 const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 
-/// An incomplete packet is searched again when the part that has arrived has grown by the fraction 1/`MORE`.
+/// An incomplete packet is searched again when it has grown by 1/`MORE` since the last search.
 const MORE: usize = 16;
 
 /// Topics by their aliases. The bytes may not be valid text.
@@ -32,7 +32,7 @@ pub struct UrgentSearch {
     /// Length of `beginning` when the listener was last asked.
     asked: usize,
     is_found: bool,
-    /// Set when the ends of packets can no longer be found.
+    /// Set when it is no longer known where packets end.
     is_lost: bool,
     /// Topic aliases in MQTT 5; `None` in MQTT 3.1.1.
     aliases: Option<Aliases>,
@@ -120,15 +120,15 @@ impl UrgentSearch {
 }
 
 impl Head {
-    /// The head of a packet; `None` if too little has arrived. An error if the length field does not end: the beginning
-    /// of the next packet is then unknown.
+    /// The head of a packet; `None` if too little has arrived. An error if the length field does not end: the
+    /// beginning of the next packet is then unknown.
     fn of(bytes: &[u8]) -> Result<Option<Head>, Malformed> {
         let Some((&first, rest)) = bytes.split_first() else { return Ok(None) };
         Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))
     }
 
-    /// Whether a PUBLISH is urgent, once its topic has arrived. It is read without properties and, in MQTT 5, also with
-    /// them.
+    /// Whether a PUBLISH is urgent, once its topic has arrived. Two readings are tried: without properties and, in
+    /// MQTT 5, also with properties.
     fn is_urgent(self, packet: &[u8], aliases: Option<&Aliases>, hear: &mut impl FnMut(Said<'_>) -> bool) -> bool {
         self.readings(packet).into_iter().flatten().any(|(topic, rest)| {
             let plain = Said { topic, payload: rest, answer_to: None };
@@ -155,8 +155,8 @@ impl Head {
         }
     }
 
-    /// The topic of a PUBLISH and the bytes behind it, in each possible reading. QoS 3 does not exist, so there may or
-    /// may not be an id, and both readings are tried.
+    /// The topic of a PUBLISH and the bytes behind it, in each possible reading. A QoS of 3 is invalid, so it is
+    /// unknown whether an id follows, and both readings are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
         if self.first >> 4 != PacketKind::Publish as u8 {
@@ -216,8 +216,8 @@ impl<'a> Five<'a> {
                 correlation = Some(data);
             }
         }
-        // Behind an invalid property it is unknown where the next property begins. So any three bytes that look like an
-        // alias may be one.
+        // Behind an invalid property it is unknown where the next property begins. So any three bytes that look like
+        // an alias count as one.
         for said in fields.rest().windows(3) {
             if let [ALIAS, high, low] = said {
                 aliases |= bit(u16::from_be_bytes([*high, *low]));
@@ -246,12 +246,12 @@ mod tests {
         packet(first, &[&length.to_be_bytes(), topic.as_bytes(), rest].concat())
     }
 
-    /// On `stop` everything is urgent, and on `word` payloads that begin with that text.
+    /// Every message on the topic `stop` is urgent. On the topic `word`, payloads that begin with `stop` are urgent.
     fn is_urgent(said: Said<'_>) -> bool {
         said.topic == b"stop" || said.topic == b"word" && said.payload.starts_with(b"stop")
     }
 
-    /// Any payload on the topic `stop` is urgent, and on `word` those that begin with `stop`.
+    /// Returns where the packets of the urgent messages begin.
     fn found<'a>(search: &mut UrgentSearch, pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<u64> {
         let mut found = Vec::new();
         for mut piece in pieces {
@@ -303,7 +303,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever comes before it, and in whatever pieces.
+        /// Other packets may come before it, and the bytes may arrive in any pieces.
         #[test]
         fn every_urgent_message_is_found_once_and_where_it_begins(
             packets in prop::collection::vec(any_packet(), 1..8),
@@ -321,7 +321,7 @@ mod tests {
             prop_assert_eq!(&found(&mut UrgentSearch::default(), stream.chunks(1)), &expected);
         }
 
-        /// With properties and topic aliases.
+        /// The packets have properties and topic aliases.
         #[test]
         fn every_urgent_message_of_mqtt_5_is_found(
             packets in prop::collection::vec(any_packet_of_five(), 1..12),
@@ -360,7 +360,7 @@ mod tests {
         }
     }
 
-    /// The rest of the packet need never come.
+    /// The rest of the packet may never arrive.
     #[test]
     fn an_urgent_message_is_found_as_soon_as_its_topic_has_come() {
         let mut search = UrgentSearch::default();
@@ -374,8 +374,8 @@ mod tests {
         );
     }
 
-    /// A length that no packet may have, and an urgent message before bytes in which the end of a packet cannot be
-    /// found.
+    /// Two cases: a packet that is longer than allowed, and an urgent message before bytes in which no end of a
+    /// packet can be found.
     #[test]
     fn an_urgent_message_that_is_too_long_is_found_and_one_before_nonsense() {
         let too_long = [&[0x30, 0xFF, 0xFF, 0xFF, 0x7F, 0, 4][..], b"stop"].concat();

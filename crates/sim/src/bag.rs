@@ -1,5 +1,5 @@
-//! A piece of luggage in a simulated hall: where it lies, its kind, colour and height, and whether it is dangerous. The
-//! knowledge of robot and operator about the piece is not here.
+//! A piece of luggage in a simulated hall: its cells, kind, colour and height, and whether it is dangerous. What the
+//! robot and the operator know about the piece is not stored here.
 
 use std::sync::Arc;
 
@@ -7,13 +7,13 @@ use hallsweep_core::units::{Cell, Piece};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bag {
-    /// The number by which the camera recognises the piece, counted from 1 in reading order of the drawing.
+    /// The number by which the camera recognises the piece. Numbers start at 1, in reading order of the drawing.
     pub piece: Piece,
     /// Name of the piece for people, such as `red suitcase`.
     pub name: Arc<str>,
     pub kind: BagKind,
     pub colour: Colour,
-    /// The cells that the piece covers, at least one, in map coordinates, sorted by row and column.
+    /// The cells that the piece covers, in map coordinates, sorted by row, then by column. There is at least one.
     pub cells: Vec<Cell>,
     pub height_m: f64,
     pub dangerous: bool,
@@ -68,7 +68,7 @@ pub struct Colour {
 }
 
 impl Colour {
-    /// The colours that have a name in hall files.
+    /// The colours that a hall file can name.
     pub(crate) const NAMED: [(&'static str, Colour); 13] = [
         ("red", Colour::new(0xb8, 0x22, 0x2a)),
         ("orange", Colour::new(0xd9, 0x74, 0x1c)),
@@ -89,7 +89,7 @@ impl Colour {
         Colour { red, green, blue }
     }
 
-    /// Accepts a name or `#rrggbb`.
+    /// Reads a colour name or `#rrggbb`. Returns `None` for any other text.
     pub(crate) fn parse(text: &str) -> Option<Colour> {
         let named = Colour::NAMED.into_iter().find(|(name, _)| *name == text).map(|(_, colour)| colour);
         named.or_else(|| Colour::from_hex(text.strip_prefix('#')?))
@@ -111,8 +111,8 @@ impl Colour {
 }
 
 impl Bag {
-    /// A piece without a description of its own, as in drawings without a list and in benchmark maps: kind and colour
-    /// follow from its number, so that neighbours differ.
+    /// Makes a piece that has no description in its file, such as a piece of a benchmark map. Its number determines
+    /// kind and colour, so that neighbouring pieces differ.
     pub(crate) fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
         Bag::of_kind(BagKind::ALL[pick(piece, BagKind::ALL.len(), 1)], piece, cells)
     }
@@ -124,7 +124,7 @@ impl Bag {
     }
 }
 
-/// An index below `count` that follows from the piece's number.
+/// Returns an index below `count`, computed from the piece's number.
 fn pick(piece: Piece, count: usize, stride: usize) -> usize {
     usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count
 }

@@ -1,5 +1,5 @@
-//! The temperature of a hall over time: keyframes, straight lines between them, and the last value for ever after. The
-//! core decides what a temperature means for the robot.
+//! The temperature of a hall over time: keyframes joined by straight lines. After the last keyframe the temperature
+//! stays the same. The core decides what a temperature means for the robot.
 
 use std::time::Duration;
 
@@ -7,12 +7,12 @@ use hallsweep_core::units::Celsius;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
-    /// At least one keyframe, in order of time in seconds, without equal times.
+    /// Pairs of time in seconds and temperature, sorted by time. There is at least one, and no time occurs twice.
     keys: Vec<(f64, Celsius)>,
 }
 
 impl Curve {
-    /// A curve through these keyframes (seconds, °C), which must be in order of time; `None` when there are none.
+    /// Makes a curve from keyframes (seconds, °C), which must be sorted by time. Returns `None` if there are none.
     pub(super) fn through(keys: Vec<(f64, Celsius)>) -> Option<Curve> {
         (!keys.is_empty()).then_some(Curve { keys })
     }
@@ -25,13 +25,13 @@ impl Curve {
         self.at_s(since_start.as_secs_f64())
     }
 
-    /// The first whole second after `after` at which the temperature, to a tenth of a degree, is no longer `shown`.
+    /// The first whole second after `after` at which the temperature in tenths of a degree is not `shown`.
     pub(super) fn next_change(&self, after: u64, shown: i64) -> Option<u64> {
         let differs = |second: u64| tenths(self.at_s(seconds(second))) != shown;
         let mut first = after + 1;
         for (at, _) in &self.keys {
-            // Up to each keyframe the temperature is monotonic: if it differs at any second, it still differs at the
-            // last one.
+            // Between two keyframes the temperature only rises or only falls. So once it differs from `shown`, it
+            // differs up to the second before the next keyframe.
             let last = whole_second_before(*at);
             if first > last {
                 continue;
@@ -60,13 +60,14 @@ impl Curve {
     }
 }
 
-/// A temperature in whole tenths of a degree, as it is shown.
+/// A temperature in tenths of a degree, rounded as it is shown.
 #[expect(clippy::cast_possible_truncation, reason = "a temperature is at most a thousand degrees")]
 pub(super) fn tenths(temperature: Celsius) -> i64 {
     (temperature.degrees() * 10.0).round() as i64
 }
 
-/// The first second in `first..=last` for which `holds` is true; once true it must stay true up to `last`.
+/// The first second in `first..=last` for which `holds` is true. `holds` must be true at `last`, and stay true once
+/// it is.
 fn first_that(mut first: u64, mut last: u64, holds: impl Fn(u64) -> bool) -> u64 {
     while first < last {
         let middle = first + (last - first) / 2;

@@ -1,4 +1,5 @@
-//! Two-wheel kinematics: from wheel speeds to the place of the body, in closed form. Obstacles are not known here.
+//! Kinematics of a robot with two wheels: computes the place of the body from the wheel speeds, exactly. Obstacles
+//! are not known here.
 //!
 //! ```text
 //!        x (east) ─►            v = r (ωl + ωr) / 2     metres a second, forward
@@ -11,8 +12,8 @@ use std::time::Duration;
 
 use hallsweep_core::units::{Heading, Pose};
 
-/// Where the body really is. (0, 0) is the centre of the home cell in a hall, and the north-west corner in the Roomba's
-/// room.
+/// Where the body really is. In a hall, (0, 0) is the centre of the home cell. In the Roomba's room, it is the
+/// north-west corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPose {
     /// Metres to the east of (0, 0).
@@ -24,7 +25,7 @@ pub struct BodyPose {
 }
 
 impl BodyPose {
-    /// The centre of a cell with sides of `cell_m` metres, facing exactly along a heading.
+    /// Puts the body at the centre of a cell with sides of `cell_m` metres. It faces exactly along the heading.
     #[must_use]
     pub fn centred(pose: Pose, cell_m: f64) -> BodyPose {
         let theta = match pose.heading {
@@ -36,13 +37,13 @@ impl BodyPose {
         BodyPose { x_m: f64::from(pose.cell.x) * cell_m, y_m: f64::from(pose.cell.y) * cell_m, theta }
     }
 
-    /// The unit vector of the heading.
+    /// The vector of length 1 in the direction of the heading.
     #[must_use]
     pub fn ahead(self) -> (f64, f64) {
         (self.theta.cos(), self.theta.sin())
     }
 
-    /// Where the body is after `t` seconds at `v` metres a second forward and `omega` radians a second clockwise.
+    /// Where the body is after `t` seconds, at `v` metres a second forward and `omega` radians a second clockwise.
     #[must_use]
     pub fn after(self, v: f64, omega: f64, t: f64) -> BodyPose {
         if omega == 0.0 {
@@ -57,7 +58,7 @@ impl BodyPose {
     }
 }
 
-/// Speeds of the wheels, in radians a second; positive drives forward.
+/// Speeds of the two wheels, in radians a second. A positive speed drives forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wheels {
     pub(super) left: f64,
@@ -71,12 +72,12 @@ pub(super) struct Chassis {
 }
 
 impl Chassis {
-    /// The wheel speeds that drive straight on at `v` metres a second; backwards when negative.
+    /// The wheel speeds for driving straight on at `v` metres a second. A negative `v` drives backwards.
     pub(super) fn straight(self, v: f64) -> Wheels {
         Wheels { left: v / self.wheel_radius_m, right: v / self.wheel_radius_m }
     }
 
-    /// The wheel speeds that turn on the spot at `omega` radians a second, clockwise when positive.
+    /// The wheel speeds for turning on the spot at `omega` radians a second. A positive `omega` turns clockwise.
     pub(super) fn spin(self, omega: f64) -> Wheels {
         let speed = omega * self.axle_m / (2.0 * self.wheel_radius_m);
         Wheels { left: speed, right: -speed }
@@ -89,11 +90,11 @@ impl Chassis {
     }
 }
 
-/// An angle in `-π..=π`.
+/// Returns the same angle in `-π..=π`.
 #[must_use]
 pub fn normal(angle: f64) -> f64 {
-    // An angle within these limits is returned unchanged to the last bit, so that a body that has not moved is still
-    // centred.
+    // An angle within these limits is returned unchanged to the last bit. So a body that has not moved is still
+    // exactly at the centre.
     if angle.abs() <= PI {
         return angle;
     }
@@ -101,12 +102,12 @@ pub fn normal(angle: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
-/// Constant wheel speeds for a while.
+/// A motion with constant wheel speeds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
     pub(super) from: BodyPose,
     pub(super) wheels: Wheels,
-    /// When the motion began, since the start of the run.
+    /// When the motion began, counted from the start of the run.
     pub(super) began: Duration,
     pub(super) ends: Duration,
 }
@@ -140,7 +141,8 @@ mod tests {
 
     #[test]
     fn unequal_wheels_drive_an_arc() {
-        // v = 0.45 m/s and ω = 1 rad/s to the right: a quarter of a circle of radius 0.45 m ends south-east, facing south.
+        // v = 0.45 m/s and ω = 1 rad/s to the right. The quarter circle of radius 0.45 m ends in the south-east,
+        // facing south.
         check(Wheels { left: 12.0, right: 6.0 }, FRAC_PI_2, (0.45, 0.45, FRAC_PI_2));
         check(Wheels { left: 6.0, right: 12.0 }, FRAC_PI_2, (0.45, -0.45, -FRAC_PI_2));
     }

@@ -1,11 +1,12 @@
-//! A number that tells halls apart by their content, and intact text from damaged text. It protects against mistakes,
-//! not against attacks: FNV-1a is not cryptographic.
+//! A checksum that distinguishes halls by their content, and finds damage in stored text. It protects against
+//! mistakes, not against attacks: FNV-1a is not cryptographic.
 
 use super::bag::Bag;
 use super::hall::{Hall, Truth};
 use hallsweep_core::units::{Cell, Piece};
 
-/// FNV-1a over 64 bits: the same on every machine and in every version, which the standard library's hashes are not.
+/// The 64-bit FNV-1a hash. It is the same on every machine and in every version. The standard library's hashes are
+/// not.
 pub(super) struct Fingerprint(u64);
 
 impl Fingerprint {
@@ -37,7 +38,7 @@ impl Fingerprint {
         }
     }
 
-    /// The cells of a bag are in the drawing already.
+    /// Adds a piece without its cells, because the cells are already in the drawing.
     fn bag(self, bag: &Bag) -> Fingerprint {
         let colour = [bag.colour.red, bag.colour.green, bag.colour.blue, u8::from(bag.dangerous)];
         self.with(bag.kind.name().as_bytes()).with(&colour).number(bag.height_m.to_bits())
@@ -45,8 +46,8 @@ impl Fingerprint {
 }
 
 impl Hall {
-    /// The fingerprint of everything that a robot can meet: floor, luggage, temperature. Name and description do not
-    /// count.
+    /// The fingerprint of everything that a robot can meet: floor, luggage, temperature. Name and description of the
+    /// hall are left out.
     pub(super) fn fingerprint(&self) -> u64 {
         let bounds = self.bounds();
         let sized = Fingerprint::new().number(self.cell_m().to_bits()).cell(bounds.least).cell(bounds.most);

@@ -1,12 +1,12 @@
-//! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in
-//! one plain loop, in simulated time (`headless`). It never waits: `now` is an argument.
+//! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, and a camera. `headless` runs
+//! core and simulator in one plain loop, in simulated time. Nothing here waits: the time `now` is an argument.
 //!
 //! ```text
 //!  hall files ─► hall ─┐
-//!                      ├─► simulator ─► memory ─► page (how it is written)
+//!                      ├─► simulator ─► memory ─► page (its stored form)
 //!  drive · sonar · recognise · camera ─┘
 //! ```
-//! The orders of the robot are decided elsewhere: it gets one at a time, and answers it.
+//! The simulator does not decide what the robot does. It gets one order at a time and answers it.
 
 mod bag;
 pub mod camera;

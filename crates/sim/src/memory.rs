@@ -1,15 +1,14 @@
-//! The state that a robot and its hall would retain by physics when the program dies: where the robot stands, how it is
-//! moving, how old the hall is. The program that runs the robot stores the state; `simulator::recall` continues from
-//! it.
+//! What a real robot and its hall would still be like after the program has died: the robot's place, its motion, the
+//! age of the hall. The program that runs the robot stores this state, and `simulator::recall` continues from it.
 //!
 //! ```text
 //!            pose: the cell and heading of the last completed order
 //!              │         stands: ahead of it, or turned away from it, never both
 //!        ┌─────┴─────┬───┼───────┐
-//!        │     +     │   o──►    │   motion: to where, and how long still
+//!        │     +     │   o──►    │   motion: where it ends, and the time left
 //!        └───────────┴───────────┘
 //! ```
-//! Lengths are whole micrometres and angles whole microradians, so that written values are read back exactly.
+//! Lengths are whole micrometres and angles are whole microradians. So values are the same after writing and reading.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -22,34 +21,34 @@ use hallsweep_core::place::Place;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Piece, Pose};
 
-/// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
+/// Longest time from the death of the program to the robot's own halt, in simulated time (safety S5).
 const WATCHDOG: Duration = Duration::from_millis(500);
 
-/// Largest error from rounding to micrometres and microradians.
+/// Largest rounding error of micrometres and microradians.
 const ROUNDING: i64 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimMemory {
-    /// The cell and heading in which the last completed order left the robot.
+    /// The cell and heading of the robot after its last completed order.
     pub pose: Pose,
-    /// Distance from home, in steps, of a robot that stands outside, before the entrance; 0 in the hall.
+    /// Distance of the robot outside the hall from home, in steps, before the entrance. 0 if it is in the hall.
     pub outside: u8,
     pub stands: Astray,
     pub taken: Taken,
     pub motion: Option<Underway>,
-    /// How long the hall has existed, over all runs; the temperature curve continues from this age.
+    /// How long the hall has existed, over all runs. The temperature depends on this age.
     pub age: Duration,
-    /// Number of times that the robot continued after the end of a program; each time the noise of its sensors begins
-    /// anew.
+    /// Number of times that the robot continued after the program had ended. After each restart, the sensors use new
+    /// random numbers.
     pub restarts: u32,
 }
 
-/// The pieces that a robot has taken with its hook: they no longer stand in the hall.
+/// The pieces that a robot has taken with its hook. They no longer stand in the hall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taken {
-    /// The piece on the robot's back.
+    /// The piece that the robot carries on its back.
     pub carried: Option<Piece>,
-    /// A bit for each piece in the container, by its number.
+    /// One bit for each piece, at the position of its number. The bit is set if the piece is in the container.
     pub container: [u64; Taken::WORDS],
 }
 
@@ -58,8 +57,7 @@ impl Taken {
 
     pub(crate) const WORDS: usize = 16;
 
-    /// Whether a piece can be remembered: there is one bit for each number, and a hall can have more pieces than there
-    /// are bits.
+    /// Whether there is a bit for this piece. A hall can have more pieces than there are bits.
     #[must_use]
     pub const fn has_room_for(piece: Piece) -> bool {
         (piece.0 as usize) < 64 * Taken::WORDS
@@ -71,36 +69,36 @@ impl Taken {
         Some(piece)
     }
 
-    /// The pieces in the container, in the order of their numbers.
+    /// The pieces in the container, sorted by their numbers.
     pub fn in_container(&self) -> impl Iterator<Item = Piece> {
         let words = (0..).zip(self.container);
         words.flat_map(|(word, bits)| (0..64).filter(move |bit| bits & (1 << bit) != 0).map(move |bit| Piece(word * 64 + bit)))
     }
 
-    /// The pieces that no longer stand in the hall.
+    /// The pieces that no longer stand in the hall: the carried piece and those in the container.
     pub fn gone(&self) -> impl Iterator<Item = Piece> {
         self.carried.into_iter().chain(self.in_container())
     }
 }
 
-/// How far a body is from the centre and heading it belongs to. At least one of the two is zero.
+/// How far the body is from the centre of its cell, or from its heading. At least one of the two is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Astray {
-    /// Micrometres ahead of the centre; behind it when negative.
+    /// Micrometres ahead of the centre. Negative if behind it.
     pub ahead_um: i64,
-    /// Microradians turned from the heading, clockwise when positive.
+    /// Angle away from the heading, in microradians. Positive is clockwise.
     pub turned_urad: i64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Underway {
     pub to: Astray,
-    /// Remaining simulated time of the motion.
+    /// Simulated time until the motion would end.
     pub left: Duration,
 }
 
 impl SimMemory {
-    /// A robot that was just put down at home, in a hall that was just opened.
+    /// The memory of a new robot that stands at home in a hall of age 0.
     pub const NEW: SimMemory = SimMemory {
         pose: Pose::START,
         outside: 0,
@@ -111,9 +109,9 @@ impl SimMemory {
         restarts: 0,
     };
 
-    /// The state once the program that drove the robot has died and the robot has come to rest. Nobody saw when the
-    /// wheels stopped, so a random time is drawn from the seed: at most `WATCHDOG` after the last known moment, and not
-    /// after the end of the motion.
+    /// The state after the program has died and the robot has stopped. Nobody knows when the wheels stopped, so the
+    /// time is drawn from the seed. It is at most `WATCHDOG` after the last known moment, and not after the end of
+    /// the motion.
     pub fn at_rest(self, seed: u64) -> SimMemory {
         let restarts = self.restarts.wrapping_add(1);
         let stands = self.motion.map_or(self.stands, |motion| {
@@ -124,12 +122,13 @@ impl SimMemory {
         SimMemory { stands, motion: None, restarts, ..self }
     }
 
-    /// Where the body is, in a hall whose cells have this side in metres.
+    /// Where the body is. `cell_m` is the side of a cell in metres.
     pub fn body(&self, cell_m: f64) -> BodyPose {
         self.stands.from(centre_of(self.pose, self.outside, cell_m))
     }
 
-    /// Whether this state is possible in that hall: a robot on free floor, no further astray than obstacles allow.
+    /// Whether this state is possible in the given hall. The robot must be on free floor, and not further off the
+    /// centre than obstacles allow.
     pub fn fits(&self, hall: &Hall) -> bool {
         let hall = &hall.rearranged(&self.taken.gone().map(|piece| (piece, None)).collect());
         let stands = match self.outside {
@@ -140,12 +139,12 @@ impl SimMemory {
         stands && self.reaches(self.stands, hall) && moving
     }
 
-    /// Whether a body that belongs to the free floor of `pose` can be this far astray.
+    /// Whether a body can be this far off the centre and heading of `pose`.
     fn reaches(&self, astray: Astray, hall: &Hall) -> bool {
         let backs = astray.ahead_um < 0;
         let heading = if backs { self.pose.heading.opposite() } else { self.pose.heading };
-        // Before a mission the robot is at home with its back to the entrance. Halfway through the entrance it counts
-        // as outside already.
+        // The entrance is behind a robot that stands at home before a mission. Halfway through the entrance, the
+        // robot already counts as outside.
         let way = if self.outside > 0 || backs && self.pose == Pose::START {
             1.0
         } else {
@@ -175,7 +174,7 @@ impl Astray {
         BodyPose { x_m: centre.x_m + ahead_m * dx, y_m: centre.y_m + ahead_m * dy, theta }
     }
 
-    /// The point at this share (0–1) of the way to `end`; a motion has constant speed.
+    /// The point on the way to `end` after this share (0–1) of the way. A motion has constant speed.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a cell and a turn")]
     fn towards(self, end: Astray, share: f64) -> Astray {
         let between = |from: i64, to: i64| from + ((to - from) as f64 * share) as i64;
@@ -190,9 +189,9 @@ pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
     }
 }
 
-/// The seed of the noise after this many restarts: before the first restart it is the user's own.
+/// The seed of the noise after `restarts` restarts. Before the first restart, it is the user's own seed.
 pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
-    // The golden ratio's bits set neighbouring counts, and seeds, far apart.
+    // The golden ratio's bits make the results very different even for neighbouring counts and seeds.
     seed ^ u64::from(restarts).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
@@ -206,7 +205,8 @@ pub(crate) fn whole(micro: i64) -> f64 {
     micro as f64 / 1e6
 }
 
-/// The way out is north of home, where the seeds' halls have nothing.
+/// Where the body stands when it is exactly at its place. The way out is drawn to the north of home, where the halls
+/// of the original specification have nothing.
 pub(crate) fn centre_of(pose: Pose, outside: u8, cell_m: f64) -> BodyPose {
     let cell = Cell::new(pose.cell.x, pose.cell.y - i32::from(outside));
     BodyPose::centred(Pose { cell, ..pose }, cell_m)
@@ -245,7 +245,7 @@ mod tests {
         }
     }
 
-    /// Safety S5.
+    /// Tests safety S5 (docs/safety.md).
     #[test]
     fn a_robot_whose_program_has_died_rolls_no_further_than_its_motion_and_no_longer_than_half_a_second() {
         let places: Vec<i64> = (0..200).map(|seed| moving(ahead(500_000), 330).at_rest(seed).stands.ahead_um).collect();
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn a_robot_in_a_wall_or_too_far_astray_fits_no_hall() {
         let hall = Hall::from_rows("test", &["S.", "a#"]).unwrap();
-        // The entrance is at its back.
+        // The entrance is behind the robot, so it may stand up to a cell behind the centre.
         for fits in [ahead(0), ahead(100_000), ahead(-500_000), turned(1_570_796), turned(-1_570_796)] {
             assert!(standing(fits).fits(&hall), "{fits:?}");
             assert!(moving(fits, 100).fits(&hall), "{fits:?}");

@@ -1,5 +1,5 @@
-//! The written form of a robot's memory: one small text of fixed size, pure bytes to values and back. Files are not
-//! touched here.
+//! The stored form of a robot's memory: a text of fixed size. This file converts between bytes and values, and does
+//! not touch files.
 //!
 //! ```text
 //!  0     hallsweep simulated robot, version 1⏎
@@ -8,8 +8,8 @@
 //!  3072  77e2… {"turn":42, …}                                      blanks ⏎   slot 1: the odd turns
 //!  4096
 //! ```
-//! A write goes into the slot of the older turn, so that a write that is cut short leaves the other slot whole. The
-//! whole slot with the later turn counts.
+//! A write goes into the slot with the lower turn. If the write is interrupted, the other slot is still complete. On
+//! reading, the complete slot with the higher turn is used.
 
 use std::time::Duration;
 
@@ -20,16 +20,16 @@ use super::hall::Hall;
 use super::memory::{Astray, SimMemory, Taken, Underway};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// Bytes before the slots: room for the longest name, even if each letter is escaped as six.
+/// Bytes before the slots. The longest name fits, even if each letter is escaped as six bytes.
 const HEAD: usize = 2048;
 
-/// Bytes of a slot: several times as many as the longest memory needs.
+/// Bytes of a slot. This is several times the size of the longest memory.
 const SLOT: usize = 1024;
 
-/// Bytes of the whole file, neither more nor less.
+/// Size of the whole file, in bytes. A file of any other size is damaged.
 pub const SIZE: usize = HEAD + 2 * SLOT;
 
-/// Longest stored name of a hall, in letters; a name from a hall file is shorter.
+/// Maximum length of a stored hall name, in letters. Names in hall files are shorter.
 const NAME: usize = 256;
 
 const MAGIC: &str = "hallsweep simulated robot, version ";
@@ -39,16 +39,16 @@ const VERSION: &str = "1";
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whose {
-    /// Name of the hall, for people.
+    /// Name of the hall, shown to people.
     pub hall: String,
-    /// Fingerprint by which the hall is recognised.
+    /// Fingerprint of the hall, by which the hall is recognised.
     fingerprint: String,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryPage {
     pub whose: Whose,
-    /// Counts the writings; its parity chooses the slot.
+    /// Number of the write. An even number goes into slot 0, an odd number into slot 1.
     pub turn: u64,
     pub memory: SimMemory,
 }
@@ -65,25 +65,25 @@ impl Whose {
         Whose { hall: hall.name().chars().take(NAME).collect(), fingerprint: format!("{:016x}", hall.fingerprint()) }
     }
 
-    /// Compares fingerprints; names are for people only.
+    /// Whether both belong to the same hall. Only fingerprints are compared, because names are for people.
     pub fn is_same(&self, other: &Whose) -> bool {
         self.fingerprint == other.fingerprint
     }
 }
 
-/// The whole file with its first memory, in both slots.
+/// The whole file for the first write. Both slots contain the same memory.
 pub fn whole(whose: &Whose, turn: u64, memory: &SimMemory) -> Vec<u8> {
     let title = format!("{MAGIC}{VERSION}\n");
     let head = line(whose, HEAD - title.len());
     [title.as_bytes(), &head, &slot(turn, memory), &slot(turn, memory)].concat()
 }
 
-/// One memory, to be written at `place(turn)`.
+/// One slot with its memory. It must be written at `place(turn)`.
 pub fn slot(turn: u64, memory: &SimMemory) -> Vec<u8> {
     line(&Written::of(turn, memory), SLOT)
 }
 
-/// Offset in the file, in bytes, at which the memory of a turn belongs.
+/// Offset of the slot for this turn in the file, in bytes.
 pub const fn place(turn: u64) -> u64 {
     if turn.is_multiple_of(2) { HEAD as u64 } else { (HEAD + SLOT) as u64 }
 }
@@ -119,7 +119,7 @@ struct Written {
     stands: Astray,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     carried: Option<u32>,
-    /// The bits of `Taken::container`, each word in hexadecimal.
+    /// The words of `Taken::container`, each in hexadecimal.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     container: Vec<String>,
     motion: Option<WrittenMotion>,
@@ -174,7 +174,7 @@ fn words_of(container: [u64; Taken::WORDS]) -> Vec<String> {
     container.iter().map(|word| format!("{word:x}")).collect()
 }
 
-/// An empty container is not written.
+/// Reads the words of the container. An empty list means an empty container.
 fn container_of(words: &[String]) -> Option<[u64; Taken::WORDS]> {
     let mut container = Taken::NONE.container;
     if words.is_empty() {
@@ -195,7 +195,7 @@ fn micros(duration: Duration) -> u64 {
     u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
-/// A line of `size` bytes: a checksum, JSON, blanks and a line break.
+/// Makes a line of `size` bytes: a checksum, JSON, blanks, and a line break.
 fn line(value: &impl Serialize, size: usize) -> Vec<u8> {
     let json = serde_json::to_string(value).expect("numbers, words and lists of them can always be written as JSON");
     let text = format!("{:016x} {json}", Fingerprint::of(&json));
@@ -255,7 +255,7 @@ mod tests {
             prop_assert_eq!(read(&bytes), Ok(MemoryPage { whose, turn, memory }));
         }
 
-        /// Safety A7.
+        /// Tests safety A7 (docs/safety.md).
         #[test]
         fn any_bytes_are_a_memory_or_a_clear_error(bytes in proptest::collection::vec(any::<u8>(), 0..2 * SIZE)) {
             prop_assert!(matches!(read(&bytes), Err(Unread::Damaged(words)) if !words.is_empty()));
@@ -263,7 +263,7 @@ mod tests {
             prop_assert!(read(&titled).is_err(), "no checksum fits by luck");
         }
 
-        /// Safety A7.
+        /// Tests safety A7 (docs/safety.md).
         #[test]
         fn a_changed_byte_is_noticed_or_the_other_memory_counts(memory in memory(), at in 0..SIZE, byte in any::<u8>()) {
             let mut bytes = whole(&whose(), 4, &memory);
@@ -275,7 +275,7 @@ mod tests {
             }
         }
 
-        /// Safety A7: text with a right checksum is validated as well.
+        /// Tests safety A7 (docs/safety.md): text is also validated when its checksum is right.
         #[test]
         fn any_text_under_a_right_checksum_is_a_memory_or_a_clear_error(text in any::<String>(), number in any::<f64>()) {
             let texts = [text, format!("{{\"turn\":{number}}}"), "[".repeat(500), "null".to_owned()];

@@ -1,11 +1,11 @@
-//! What the camera recognises in an obstacle that the robot has met or has seen ahead. Errors of the camera are made in
-//! `senses`, pictures in `camera`.
+//! What an ideal camera recognises in an obstacle that the robot has met or seen ahead. `senses` adds the errors of
+//! the real camera. `camera` makes the pictures.
 
 use super::hall::{Hall, Truth};
 use hallsweep_core::event::Obstacle;
 use hallsweep_core::units::{Heading, Pose};
 
-/// What really is ahead of `pose.cell`, seen along `pose.heading`; unknown when nothing is there.
+/// What is really in the cell ahead of the robot. `Unknown` if nothing is there.
 pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     match hall.truth(pose.ahead()) {
         Truth::Wall => Obstacle::Wall {
@@ -17,8 +17,8 @@ pub(super) fn obstacle_ahead(hall: &Hall, pose: Pose) -> Obstacle {
     }
 }
 
-/// Number of cells by which the wall ahead continues sideways, as far as it can be seen: each must be wall, and the
-/// cell in front of it free.
+/// Number of cells that the wall ahead continues sideways, as far as the robot can see. Each counted cell is a
+/// wall, and the cell in front of it is free.
 fn further_cells(hall: &Hall, pose: Pose, side: Heading) -> u16 {
     let mut here = pose.cell;
     for seen in 0..u16::MAX {

@@ -1,5 +1,5 @@
-//! What the simulated robot perceives, with the noise and errors of its sensors: sonar, recognition, thermometer. The
-//! exact geometry stands in `sonar` and `recognise`.
+//! What the simulated robot perceives with its sonar, camera and thermometer, including noise and errors. The exact
+//! geometry is in `sonar` and `recognise`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use hallsweep_core::event::{Ahead, Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
-/// Sonar and camera, each with a random stream of its own.
+/// Sonar and camera. Each has its own random stream.
 #[derive(Debug)]
 pub(super) struct Senses {
     hall: Arc<Hall>,
@@ -42,21 +42,21 @@ impl Senses {
         self.hall = hall;
     }
 
-    /// A reading of the sonar, even if unchanged.
+    /// Takes a reading of the sonar, and reports it even if it is unchanged.
     pub(super) fn listen(&mut self, body: BodyPose) -> RobotEvent {
         let reading = self.read_sonar(body);
         self.reported = Some(reading);
         RobotEvent::Sonar(reading)
     }
 
-    /// A reading of the sonar, if it differs from the last reported reading.
+    /// Takes a reading of the sonar, and reports it only if it differs from the last report.
     pub(super) fn listen_for_change(&mut self, body: BodyPose) -> Option<RobotEvent> {
         let before = self.reported;
         let reading = self.listen(body);
         (self.reported != before).then_some(reading)
     }
 
-    /// Which cells ahead are free, according to the last reading, for a robot that stands centred in `pose`. The
+    /// Reports which cells ahead are free according to the last reading. The robot must stand exactly in `pose`. The
     /// obstacle behind the free cells is reported only if the camera sees it too.
     pub(super) fn look_ahead(&mut self, pose: Pose) -> Option<RobotEvent> {
         let cells = u16::from(self.sonar_cells);
@@ -82,34 +82,35 @@ impl Senses {
     }
 }
 
-/// The hall's thermometer: it reports when the temperature, to a tenth of a degree, has changed, at most once a second.
+/// The hall's thermometer. It reports each change of the temperature, rounded to a tenth of a degree, at most once a
+/// second.
 #[derive(Debug)]
 pub(super) struct Thermometer {
     hall: Arc<Hall>,
-    /// How old the hall was when the run began: the curve goes on over all runs.
+    /// Age of the hall when the run began. The temperature curve continues over all runs.
     before: Duration,
-    /// The next second of the hall at which there is a report.
+    /// The next report, in whole seconds of the hall's age.
     next: Option<u64>,
 }
 
 impl Thermometer {
-    /// A thermometer in a hall of this age, which reports at once.
+    /// A thermometer in a hall of this age. It reports at once.
     pub(super) fn new(hall: Arc<Hall>, before: Duration) -> Thermometer {
         let next = hall.curve().map(|_| before.as_secs());
         Thermometer { hall, before, next }
     }
 
-    /// When the next report is due, since the start of the run.
+    /// When the next report is due, counted from the start of the run.
     pub(super) fn next(&self) -> Option<Duration> {
         self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
     }
 
-    /// Drops the reports of the time in which the thermometer was missing, up to this age of the hall.
+    /// Skips the reports that were due while the thermometer was missing, up to this age of the hall.
     pub(super) fn come_back(&mut self, age: Duration) {
         self.next = self.next.map(|second| second.max(age.as_secs()));
     }
 
-    /// The report that is due at the moment of `next`.
+    /// Makes the report that is due now, and plans the next one.
     pub(super) fn read(&mut self) -> Option<RobotEvent> {
         let second = self.next.take()?;
         let curve = self.hall.curve()?;
@@ -147,7 +148,7 @@ mod tests {
         assert_eq!(looks(hall, with_sonar(1)), Ahead { free: 3, obstacle: Some(Obstacle::Luggage(Piece(1))) });
     }
 
-    /// Seven cells of five metres are further than any sonar reaches.
+    /// Seven cells of five metres are out of the sonar's range.
     #[test]
     fn nothing_is_said_of_cells_beyond_the_range() {
         let hall = Hall::from_rows("test", &["S.#.."]).unwrap().measured(5.0, None);

@@ -1,20 +1,20 @@
-//! The settings of the simulated robot. The origin of settings and the speed of simulated time are not here.
+//! The settings of the simulated robot. Where the settings come from and the speed of simulated time are not here.
 
 use std::time::Duration;
 
-/// Times are in simulated time.
+/// Settings of the simulated robot. All times are simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimSettings {
-    /// The seed of its noise and failures.
+    /// The seed of the robot's noise and failures.
     pub seed: u64,
     /// Probability that the camera cannot tell what an obstacle is, 0–1.
     pub unknown_rate: f64,
     /// Probability that a photo fails, 0–1.
     pub photo_failure_rate: f64,
-    /// The standard deviation of the sonar, in centimetres.
+    /// The standard deviation of the sonar's noise, in centimetres.
     pub sonar_noise_cm: f64,
-    /// Number of cells ahead that the sonar reports as free or not without being asked. With 0 the robot finds
-    /// obstacles only by bumping into them.
+    /// Number of cells ahead that the sonar reports on after each move. With 0, the robot notices obstacles only by
+    /// bumping into them.
     pub sonar_cells: u8,
     pub camera: Camera,
     /// Duration of a step of one cell.
@@ -22,9 +22,9 @@ pub struct SimSettings {
     /// Duration of a turn of 90°.
     pub turn: Duration,
     pub photo: Duration,
-    /// Whether the robot has a hook, with which it takes the piece ahead onto its back.
+    /// Whether the robot has a hook. With the hook it takes the piece ahead onto its back.
     pub has_hook: bool,
-    /// Duration of taking a piece, and of releasing it.
+    /// Duration of taking or releasing a piece.
     pub hook: Duration,
     pub wheel_radius_m: f64,
     /// The distance between the wheels, in metres.
@@ -35,11 +35,12 @@ pub struct SimSettings {
 pub enum Camera {
     #[default]
     Rendered,
-    /// Two pixels that still differ from bag to bag, for runs in which nobody looks.
+    /// A picture of only two pixels that still differ from piece to piece. For runs in which nobody looks at the
+    /// photos.
     Stub,
 }
 
-/// Shortest move, so that speeds stay finite.
+/// Shortest duration of a movement. It keeps speeds finite.
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl SimSettings {
@@ -48,8 +49,8 @@ impl SimSettings {
         SimSettings { seed, camera, ..SimSettings::default() }
     }
 
-    /// Limits every value to the range that the arithmetic can handle: no move is quicker than a millisecond, no wheel
-    /// smaller than a millimetre.
+    /// Changes values that the arithmetic could not handle. For example, no move is shorter than a millisecond, and
+    /// no wheel is smaller than a millimetre.
     pub(super) fn sound(mut self) -> SimSettings {
         for time in [&mut self.step, &mut self.turn, &mut self.photo, &mut self.hook] {
             *time = (*time).max(QUICKEST);

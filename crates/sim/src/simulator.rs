@@ -1,7 +1,7 @@
-//! The simulated robot, sans-IO: orders, halts and the passing of time go in, reports come out, and nothing here waits.
-//! Channels, timers and the speed factor belong to `link`; the core decides what to do next.
+//! The simulated robot, without input or output of its own. Orders, halts and the time go in, and reports come out.
+//! Nothing here waits. Channels, timers and the speed factor belong to `link`. The core decides what to do next.
 //!
-//! Nothing ticks: when a motion begins, the moment at which it ends or touches something follows in closed form.
+//! There is no clock tick. When a motion begins, the exact time at which it ends or touches something is computed.
 
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
@@ -34,17 +34,17 @@ use self::{hook::Handling, photo::Film};
 pub struct Sim {
     /// The hall without the pieces that this robot has taken.
     hall: Arc<Hall>,
-    /// The hall with the pieces that this robot has taken.
+    /// The hall including the pieces that this robot has taken.
     floor: Arc<Hall>,
     taken: Taken,
     settings: SimSettings,
     chassis: Chassis,
     now: Duration,
-    /// The pose in which the last completed order left the robot.
+    /// The cell and heading of the robot after its last completed order.
     pose: Pose,
-    /// Distance from home, in steps, of a robot that stands outside and faces the entrance; 0 in the hall.
+    /// Distance of the robot outside the hall from home, in steps. It faces the entrance. 0 if it is in the hall.
     outside: u8,
-    /// Where the robot really stands while nothing moves it.
+    /// Where the robot really stands while it does not move.
     body: BodyPose,
     task: Option<SimTask>,
     led: bool,
@@ -54,9 +54,9 @@ pub struct Sim {
     failures: RandomStream,
     events: VecDeque<RobotEvent>,
     before: Duration,
-    /// Number of times that the robot continued after the end of a program.
+    /// Number of times that the robot continued after the program had ended.
     restarts: u32,
-    /// Whether something has changed that must be stored.
+    /// Whether the state has changed since it was last stored.
     unkept: bool,
 }
 
@@ -74,13 +74,13 @@ enum Work {
     Handle { ends: Duration, what: Handling },
 }
 
-/// How a motion ends when nothing cuts it short.
+/// How a motion ends if nothing interrupts it.
 #[derive(Clone, Copy, Debug)]
 enum End {
     At(Pose),
-    /// This many steps from home, before the entrance.
+    /// Outside the entrance, this many steps from home.
     Outside(u8),
-    /// Against an obstacle, which is behind the robot unless it is `ahead`.
+    /// At an obstacle. The obstacle is in front of the robot if `ahead`, or else behind it.
     Against {
         ahead: bool,
     },
@@ -94,14 +94,14 @@ enum Due {
 }
 
 impl Sim {
-    /// A robot that was just put down at home in this hall, facing south. Its first reports are `Stands`, the hook if
-    /// there is one, and `LinkUp`.
+    /// Makes a new robot at home in this hall, facing south. Its first reports are `Stands`, the hook if there is
+    /// one, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
         Sim::placed(hall, settings, SimMemory::NEW)
     }
 
-    /// A robot at rest at the place in its memory.
+    /// Makes a robot that stands still at the place in its memory.
     fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         let settings = settings.sound();
         let floor = Arc::clone(&hall);
@@ -132,7 +132,7 @@ impl Sim {
         sim
     }
 
-    /// Begins an order, or answers at once why it cannot.
+    /// Begins an order, or reports at once why it cannot be done.
     pub fn handle_order(&mut self, order: Order, now: Now) {
         self.pass_to(now.since_start);
         if let Some(task) = &self.task {
@@ -149,7 +149,7 @@ impl Sim {
         }
     }
 
-    /// Stops wheels and hook where they are. A photo is no motion and goes on.
+    /// Stops wheels and hook where they are. A photo is not a motion and goes on.
     pub fn handle_halt(&mut self, now: Now) {
         self.pass_to(now.since_start);
         if let Some(SimTask { order, work: Work::Drive { .. } | Work::Handle { .. }, .. }) = self.task {
@@ -162,7 +162,7 @@ impl Sim {
         self.led = blinking;
     }
 
-    /// Handles everything that is due by `now`, in order of time.
+    /// Handles everything that is due up to `now`, in order of time.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
@@ -171,7 +171,7 @@ impl Sim {
         self.events.pop_front()
     }
 
-    /// When something will happen next by itself, since the start of the run.
+    /// When something will happen next by itself, counted from the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.next_due().map(|(at, _)| at)
@@ -182,13 +182,13 @@ impl Sim {
         self.task.is_some()
     }
 
-    /// Whether it stands away from the centre of its cell or between two headings.
+    /// Whether the robot is away from the centre of its cell or between two headings.
     #[must_use]
     pub fn is_off_centre(&self) -> bool {
         self.body_at(self.now) != self.centre()
     }
 
-    /// The hall has changed: somebody has taken luggage away, or put it elsewhere.
+    /// Tells the robot that somebody has removed or moved luggage in the hall.
     pub fn handle_hall(&mut self, hall: Arc<Hall>) {
         self.floor = hall;
         self.look_at_floor();
@@ -199,7 +199,7 @@ impl Sim {
         self.senses.look_into(Arc::clone(&self.hall));
     }
 
-    /// Where the robot's body really is at `now`, if nothing interferes.
+    /// Where the robot's body really is at `now`, if nothing interrupts its motion.
     #[must_use]
     pub fn pose_at(&self, now: Now) -> BodyPose {
         self.body_at(now.since_start)
@@ -227,7 +227,8 @@ impl Sim {
         }
     }
 
-    /// Begins a step of one cell along the heading (`sign` 1) or against it (−1), or as far as an obstacle allows.
+    /// Begins a step of one cell: along the heading if `sign` is 1, backwards if it is −1. An obstacle makes the step
+    /// shorter.
     fn begin_step(&mut self, order: Order, sign: f64) {
         let heading = if sign > 0.0 { self.pose.heading } else { self.pose.heading.opposite() };
         let target = self.pose.cell.ahead(heading);
@@ -238,15 +239,16 @@ impl Sim {
         self.drive(order, sign * way, end);
     }
 
-    /// A turn by `angle` radians, clockwise when positive.
+    /// Begins a turn by `angle` radians. A positive angle is clockwise.
     fn begin_turn(&mut self, order: Order, angle: f64, to: Pose) {
         let speed = FRAC_PI_2 / self.settings.turn.as_secs_f64();
         let lasts = self.settings.turn.mul_f64(angle.abs() / FRAC_PI_2);
         self.begin_motion(order, self.chassis.spin(speed.copysign(angle)), lasts, End::At(to));
     }
 
-    /// Takes a reading, and returns the robot to where the last completed order left it. After a halt it is either off
-    /// the centre or between two headings, never both: until it has recentred it makes no other motion.
+    /// Takes a sonar reading and returns the robot to where its last completed order left it. After a halt, the robot
+    /// is either off the centre or between two headings, never both. It makes no other motion before it has
+    /// recentred.
     fn begin_recentring(&mut self, order: Order) {
         let reading = self.senses.listen(self.body);
         self.events.push_back(reading);
@@ -266,7 +268,7 @@ impl Sim {
         }
     }
 
-    /// Straight on by this many cells, backwards when negative.
+    /// Drives straight on by this number of cells. A negative number drives backwards.
     fn drive(&mut self, order: Order, cells: f64, end: End) {
         let speed = self.hall.cell_m() / self.settings.step.as_secs_f64();
         let lasts = self.settings.step.mul_f64(cells.abs());
@@ -283,8 +285,8 @@ impl Sim {
         self.unkept = true;
     }
 
-    /// Handles everything that is due by `now`, each at its own moment, so that the result does not depend on how often
-    /// time advances.
+    /// Handles everything that is due up to `now`, each at its exact time. So the result does not depend on how often
+    /// time is advanced.
     fn pass_to(&mut self, now: Duration) {
         while let Some((at, due)) = self.next_due().filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
@@ -303,7 +305,7 @@ impl Sim {
         self.now = self.now.max(now);
     }
 
-    /// The next event; of several at the same moment, the end of the order first.
+    /// The next event and its time. If several events have the same time, the end of the order comes first.
     fn next_due(&self) -> Option<(Duration, Due)> {
         let end = self.task.as_ref().and_then(|task| Some((task.work.ends()?, Due::End)));
         let deadline = self.task.as_ref().map(|task| (task.deadline, Due::Deadline));
@@ -343,7 +345,7 @@ impl Sim {
         self.events.push_back(RobotEvent::Failed(order, words.to_owned()));
     }
 
-    /// Ends the order under way without an answer, with the body where it is now.
+    /// Ends the current order without a report, and leaves the body where it is now.
     fn stop_wheels(&mut self) {
         self.body = self.body_at(self.now);
         self.task = None;
@@ -363,7 +365,7 @@ impl Sim {
 }
 
 impl Work {
-    /// When the work ends; `None` if that depends on somebody else.
+    /// When the work ends. `None` while a photo is being developed elsewhere, because the end then depends on that.
     const fn ends(&self) -> Option<Duration> {
         match self {
             Work::Drive { motion, .. } => Some(motion.ends),

@@ -1,5 +1,5 @@
-//! The front sonar: the distance from the robot's front to the next thing ahead. The sonar cannot tell what the thing
-//! is.
+//! The front sonar. It measures the distance from the robot's front to the next thing ahead, but cannot tell what the
+//! thing is.
 
 use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
@@ -7,13 +7,14 @@ use hallsweep_core::units::Cell;
 
 pub(super) const RANGE_M: f64 = 4.0;
 
-/// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.
+/// Half the robot's size, in cells. The robot fills most of its cell, but can turn without touching the next cell.
 pub(super) const BODY_HALF: f64 = 0.42;
 
-/// The floor that luggage leaves free on every side of its cell, in cells. Walls leave no floor free.
+/// Width of the free strip along each side of a cell with luggage, in cells. Walls leave no free strip.
 pub(super) const LUGGAGE_INSET: f64 = 0.12;
 
-/// The exact distance in centimetres from the robot's front to the next thing ahead; `None` beyond the range.
+/// The exact distance from the robot's front to the next thing ahead, in centimetres. `None` if it is beyond the
+/// range.
 pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
     let cell_m = hall.cell_m();
     let ray = Ray { x: body.x_m / cell_m, y: body.y_m / cell_m, direction: body.ahead() };
@@ -22,15 +23,15 @@ pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
     Some((way - BODY_HALF).max(0.0) * cell_m * 100.0)
 }
 
-/// Number of whole cells that are free before the source of a reading, for a robot that stands centred. Walls and
-/// luggage begin within the first quarter of their cells, so rounding to the nearest number of cells is safe.
+/// Number of whole free cells before the thing that a reading shows. The robot must stand at the centre of its cell.
+/// Walls and luggage begin within the first quarter of their cells, so rounding gives the right number.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a reading ends at the sonar's range")]
 pub(super) fn free_cells(cm: u16, cell_m: f64) -> u16 {
     let begins = 0.5 - BODY_HALF + LUGGAGE_INSET / 2.0;
     (f64::from(cm) / (cell_m * 100.0) - begins).round().max(0.0) as u16
 }
 
-/// Number of whole cells ahead that are within the range, for a robot that stands centred.
+/// Number of whole cells ahead that are within the range. The robot must stand at the centre of its cell.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -40,13 +41,13 @@ pub(super) fn cells_in_range(cell_m: f64) -> u16 {
     (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
-/// How far a robot at the centre of a cell drives until it touches the wall or luggage in the next cell, in cells;
-/// `None` if the next cell is free.
+/// How far a robot can drive from the centre of its cell before it touches a wall or luggage in the next cell. In
+/// cells. `None` if the next cell is free.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
 }
 
-/// Distance of a wall or luggage from the sides of its cell, in cells; `None` for a free cell.
+/// Distance from the sides of a cell to the wall or luggage in it, in cells. `None` for a free cell.
 const fn inset(truth: Truth) -> Option<f64> {
     match truth {
         Truth::Free => None,
@@ -55,7 +56,7 @@ const fn inset(truth: Truth) -> Option<f64> {
     }
 }
 
-/// A line of sight, in cells; the centre of the home cell is (0, 0).
+/// A line of sight from (`x`, `y`), in cells. The centre of the home cell is (0, 0).
 struct Ray {
     x: f64,
     y: f64,

@@ -1,4 +1,5 @@
-//! Requests in the journal, each as a code with fields: commands, STOPs in quick succession, and changes of the simulator.
+//! Requests in the journal, each as a code with fields. Requests are commands, STOPs in quick succession, and changes
+//! of the simulator.
 
 use std::time::Duration;
 

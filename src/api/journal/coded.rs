@@ -1,5 +1,5 @@
-//! Requests, refusals and causes: codes with fields in the journal, sentences of this version in exported lines. `asked`,
-//! `refused` and `causes` have the codes; `earlier` reads sentences of earlier versions.
+//! Requests, refusals and causes. In the journal they are codes with fields; in exported lines they are sentences of
+//! this version. The codes are in `asked`, `refused` and `causes`; `earlier` reads sentences of earlier versions.
 
 use std::fmt::Display;
 
@@ -21,7 +21,7 @@ pub(super) enum Form {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Coded {
     pub(super) code: String,
-    /// The fields depend on the code; an absent field has no value.
+    /// The fields depend on the code. A field without a value is absent.
     #[serde(flatten)]
     pub(super) fields: Map<String, Value>,
 }
@@ -38,15 +38,16 @@ pub(super) trait Valued: Display + Sized {
 
     fn value(coded: &Coded) -> Result<Self, Unparsed>;
 
-    /// Code and fields of a sentence that an earlier version wrote.
+    /// Returns the code and the fields for a sentence of an earlier version; `None` if no earlier version wrote the
+    /// sentence.
     fn earlier(sentence: &str) -> Option<Coded>;
 
-    /// The value for a sentence that no version wrote.
+    /// Returns the value for a sentence that no version wrote.
     fn words(words: String) -> Self;
 }
 
 impl Coded {
-    /// Null fields are left out.
+    /// Makes a code with fields. Fields that are null are left out.
     pub(super) fn new(code: &str, fields: Value) -> Coded {
         let Value::Object(mut fields) = fields else { return Coded { code: code.to_owned(), fields: Map::new() } };
         fields.retain(|_, field| !field.is_null());

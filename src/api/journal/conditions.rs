@@ -1,4 +1,5 @@
-//! Place and threshold of a mission, in the journal and over the interface.
+//! The conditions of a mission, in the journal and in the API: the hall, the temperature threshold, the robots and
+//! the seed.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -9,15 +10,15 @@ use serde::{Deserialize, Serialize};
 use super::{Unparsed, names};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 
-/// Smallest and largest side of a cell, in metres: no hall has smaller or larger cells.
+/// Minimum and maximum side of a cell, in metres: no hall has smaller or larger cells.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
-/// Longest name of a hall, in bytes.
+/// Maximum length of the name of a hall, in bytes.
 const NAME_BYTES: usize = 4096;
 
-/// `{"hall":"airport","cellM":0.5,"threshold":25.0}`; metres and °C. `cellM` is null where the side of a cell is unknown. For a
-/// hall that is known beforehand `"reach":[51,60]` has the number of reachable cells and of free cells.
-/// `"robots":[{"name":"discovery","kind":"sim"}]` are the robots that take part, the searching one first, and `"seed":"7"` is the
-/// seed of a simulated hall.
+/// Conditions of a mission, as `{"hall":"airport","cellM":0.5,"threshold":25.0}`. `cellM` is the side of a cell in
+/// metres, or null if it is unknown; `threshold` is in °C. If the hall is known beforehand, `"reach":[51,60]` has the
+/// numbers of reachable cells and of all free cells. `"robots":[{"name":"discovery","kind":"sim"}]` are the robots
+/// that take part, beginning with the robot that searches. `"seed":"7"` is the seed of a simulated hall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Conditions")]
 #[serde(rename_all = "camelCase")]
@@ -25,14 +26,15 @@ pub struct ConditionsShape {
     hall: String,
     cell_m: Option<f64>,
     threshold: f64,
-    /// Whether the robot measures its way by time, without a scene file. Obstacles may then be one cell beside
-    /// the shown place.
+    /// Whether the robot measures its way by time and has no scene file. Obstacles may then be one cell beside the
+    /// shown place.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     reckoned: bool,
-    /// Numbers of free cells that a robot can reach from its start, and of all free cells, in a hall that is known beforehand.
+    /// Number of free cells that a robot can reach from its start, and number of all free cells. Absent if the hall
+    /// is not known beforehand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reach: Option<(u32, u32)>,
-    /// Robots that take part, the searching one first; absent in records of earlier versions.
+    /// Robots that take part, beginning with the robot that searches; absent in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     robots: Vec<ParticipantShape>,
     /// Seed of a simulated hall, in digits.
@@ -44,7 +46,7 @@ pub struct ConditionsShape {
 #[schemars(rename = "Participant")]
 struct ParticipantShape {
     name: String,
-    /// `sim`, `virtual-tcp`, `virtual-ws` or `line`.
+    /// Kind of robot: `sim`, `virtual-tcp`, `virtual-ws` or `line`.
     kind: String,
     /// Address of the robot, as `localhost:8999`; absent for a robot that is part of this program.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,13 +1,13 @@
-//! Reads entries of earlier versions. Up to format 4 the journal stored requests, refusals and causes as English sentences;
-//! each sentence becomes the code with fields that is written since then. The sentences here are those of the earlier versions,
-//! whatever the program says today. A sentence that no earlier version wrote is left as it is.
+//! Reads entries of earlier versions. Up to format 4, the journal stored requests, refusals and causes as English
+//! sentences. Each sentence becomes the code with fields that later formats store. The sentences here are those of
+//! the earlier versions, whatever the program says today. A sentence that no earlier version wrote is left as it is.
 
 use serde_json::{Map, Value, json};
 
 use super::coded::Coded;
 
-/// A code, and the sentence of earlier versions for it. `{field:kind}` stands for a value of this kind, and `{field}` for any
-/// words.
+/// A code, and the sentence that earlier versions wrote for it. `{field:kind}` stands for a value of this kind,
+/// `{field}` for any words.
 type Sentence = (&'static str, &'static str);
 
 const ASKED: [Sentence; 25] = [
@@ -190,7 +190,8 @@ fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) ->
     })
 }
 
-/// The values of a sentence's fields in `words`. The text between two fields is searched from the left.
+/// Compares `words` with a sentence, and returns the values of the sentence's fields; `None` if they do not match.
+/// Text between two fields is searched from the left.
 fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     let Some((before, behind)) = sentence.split_once('{') else { return (sentence == words).then(Map::new) };
     let words = words.strip_prefix(before)?;
@@ -226,13 +227,15 @@ fn value(kind: &str, words: &str) -> Option<Value> {
         "pair" => known(&OF_PAIR),
         "alone" => known(&ALONE),
         "stuck" => known(&STUCK),
-        // The value has the shape of `CauseShape` in `phase`: a name, or an object with the name as its only key.
+        // The value has the shape of `CauseShape` in `phase`. This is a name, or an object with the name as its only
+        // key.
         "fault" => {
             let Coded { code, mut fields } = one_of(&FAULTS, words)?;
             let own = fields.remove("words").or_else(|| fields.remove("why"));
             Some(own.map_or_else(|| Value::from(&*code), |own| json!({ &code: own })))
         }
-        // A sentence within another contains no further one: nested words, as a damaged journal may have, are not split further.
+        // A sentence inside another sentence contains no third one. A damaged journal may have more nested words,
+        // which are not split further.
         "asked" => Some(within(&ASKED[..ASKED.len() - 1], words)),
         "notFetched" => Some(within(&NOT_FETCHED[2..], words)),
         "anyNotFetched" => Some(within(&NOT_FETCHED, words)),
@@ -248,22 +251,22 @@ fn number(words: &str) -> Option<u64> {
     words.parse().ok().filter(|number: &u64| number.to_string() == words)
 }
 
-/// Reads `1.2` seconds as milliseconds.
+/// Reads seconds with one decimal, such as `1.2`, as milliseconds.
 fn tenths(words: &str) -> Option<Value> {
     let (seconds, tenths) = words.split_once('.')?;
     let tenths = number(tenths).filter(|tenths| *tenths < 10)?;
     Some(number(seconds)?.checked_mul(1000)?.checked_add(tenths * 100)?.into())
 }
 
-/// Reads `(1, 2)`.
+/// Reads a cell written as `(1, 2)`.
 fn cell(words: &str) -> Option<Value> {
     let (x, y) = words.strip_prefix('(')?.strip_suffix(')')?.split_once(", ")?;
     let side = |words: &str| words.parse::<i32>().ok().filter(|side| side.to_string() == words);
     Some(json!({ "x": side(x)?, "y": side(y)? }))
 }
 
-/// Reads holds separated by `; `, possibly after the reason of a store's failure. The reason may contain `; ` itself,
-/// so the known holds are split off from the end, and the rest is the reason.
+/// Reads holds separated by `; `. The reason of a store's failure may come before the holds. The reason may contain
+/// `; ` itself, so the known holds are split off from the end, and the rest is the reason.
 fn held(sentence: &str) -> Option<Value> {
     let mut rest = sentence.strip_prefix("not possible while held: ")?;
     let mut holds = Vec::new();
@@ -274,19 +277,22 @@ fn held(sentence: &str) -> Option<Value> {
         rest = before;
     }
     let store_failure = rest.strip_prefix("nothing can be recorded: ").filter(|_| !holds.contains(&"store"))?;
-    // The sentence begins with the store's reason; in the list, the store's hold has the place that `HOLDS` gives it.
+    // The sentence begins with the store's reason. In the list, the store's hold has its place in the order of
+    // `HOLDS`.
     let behind = holds.iter().position(|hold| place(hold) > place("store")).unwrap_or(holds.len());
     holds.insert(behind, "store");
     Some(json!({ "holds": holds, "storeFailure": store_failure }))
 }
 
-/// The words before this hold, if the words end with it; the inner `None` when nothing comes before the hold.
+/// Returns the words before this hold, if the words end with the hold. The inner `None` means that nothing comes
+/// before the hold.
 fn before_last<'w>(words: &'w str, hold: &str) -> Option<Option<&'w str>> {
     let before = words.strip_suffix(hold)?;
     if before.is_empty() { Some(None) } else { before.strip_suffix("; ").map(Some) }
 }
 
-/// Reads `simulator paused, speed 2, camera fails: yes, blocked (1, 2), (3, 4)`: the cells come last.
+/// Reads changes of the simulator, such as `simulator paused, speed 2, camera fails: yes, blocked (1, 2), (3, 4)`.
+/// The cells come last.
 fn changes(sentence: &str) -> Option<Map<String, Value>> {
     let words = sentence.strip_prefix("simulator ")?;
     let (before, cells) = words.split_once("blocked (").map_or((words, None), |(before, cells)| (before, Some(cells)));
@@ -314,7 +320,7 @@ fn changes(sentence: &str) -> Option<Map<String, Value>> {
     (!fields.is_empty()).then_some(fields)
 }
 
-/// Reads a string literal as Rust writes it.
+/// Reads a string literal of Rust.
 fn unquoted(literal: &str) -> Option<Value> {
     let mut letters = literal.strip_prefix('"')?.strip_suffix('"')?.chars();
     let mut text = String::new();
@@ -324,7 +330,7 @@ fn unquoted(literal: &str) -> Option<Value> {
     (format!("{text:?}") == literal).then(|| text.into())
 }
 
-/// The letter of an escape, after its backslash.
+/// Returns the letter that an escape stands for. The backslash has been read already.
 fn escaped(letters: &mut std::str::Chars<'_>) -> Option<char> {
     Some(match letters.next()? {
         'n' => '\n',

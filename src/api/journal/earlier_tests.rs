@@ -1,4 +1,4 @@
-//! Sentences as versions up to format 4 wrote them with the codes that they become, and sentences that none of them wrote.
+//! Tests with sentences of versions up to format 4 and the codes for them, and with sentences that no version wrote.
 
 use super::super::coded::{CodeOrSentence, Form, Valued};
 use super::super::refused;
@@ -8,7 +8,7 @@ use hallsweep_core::not_fetched::NotFetched;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::world::alarm::AlarmCause;
 
-/// Sentences of requests, and their codes in the journal now.
+/// Sentences of requests in earlier versions, and the codes with which the journal stores these requests now.
 const WAS_ASKED: [(&str, &str); 29] = [
     ("START", r#"{"code":"start"}"#),
     ("STOP", r#"{"code":"stop"}"#),
@@ -47,7 +47,8 @@ const WAS_ASKED: [(&str, &str); 29] = [
     ("POST /x, and 7 more that were refused", r#"{"code":"many","last":{"code":"words","words":"POST /x"},"more":7}"#),
 ];
 
-/// Codes and sentences of refusals, and their codes in the journal now.
+/// Codes and sentences of refusals in earlier versions, and the codes with which the journal stores these refusals
+/// now.
 const WAS_REFUSED: [(&str, &str, &str); 38] = [
     (
         "outdated",
@@ -283,7 +284,7 @@ fn what_no_version_wrote_stays_as_it_is() {
     }
 }
 
-/// Words by somebody who knows our sentences.
+/// Random words by an attacker who knows the program's sentences.
 fn hostile(dice: &mut RandomStream) -> String {
     const PIECES: [&str; 24] = [
         "the wheels slip",
@@ -315,7 +316,7 @@ fn hostile(dice: &mut RandomStream) -> String {
     (0..length).map(|_| PIECES[dice.below(PIECES.len() as u64) as usize]).collect()
 }
 
-/// A value of this kind, with its text.
+/// A random value of this kind, as text and as JSON.
 fn drawn(kind: &str, dice: &mut RandomStream) -> (String, Value) {
     let any = dice.number() >> dice.below(64);
     let of = |all: &[Sentence]| {
@@ -345,7 +346,7 @@ fn drawn(kind: &str, dice: &mut RandomStream) -> (String, Value) {
     }
 }
 
-/// A sentence with drawn values, and these values.
+/// A sentence with random values, and these values.
 fn filled(sentence: &str, dice: &mut RandomStream) -> (String, Map<String, Value>) {
     let Some((before, (field, rest))) = sentence.split_once('{').and_then(|(before, rest)| Some((before, rest.split_once('}')?)))
     else {

@@ -1,4 +1,4 @@
-//! One shape for every fact. The names of facts in JSON are the kinds by which the store finds entries.
+//! One JSON shape for every fact. The name of a fact in JSON is its kind. The store finds entries by their kind.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub(super) enum Shape {
     ClockSet {
         by_ms: i64,
     },
-    /// Missions `first` to `last`, entries up to `until`, are in this archive only.
+    /// Missions `first` to `last`, and the entries up to `until`, are only in this archive file.
     WrittenOut {
         first: u64,
         last: u64,
@@ -37,8 +37,8 @@ pub(super) enum Shape {
         file: String,
         digest: String,
     },
-    /// All entries before this one were in this archive. The archive begins after entry `behind`, whose page has the digest
-    /// `page`.
+    /// All entries before this one come from this archive file. The archive begins after the entry `behind`. The page
+    /// of that entry has the digest `page`.
     Unpacked {
         file: String,
         digest: String,
@@ -119,7 +119,7 @@ pub(super) enum Shape {
         luggage: u64,
         verdict: String,
         who: String,
-        /// Absent in entries of versions without notes.
+        /// Absent in entries of versions that had no notes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         note: Option<String>,
     },
@@ -160,7 +160,7 @@ pub(super) struct CommandShape {
     refused: Option<Coded>,
 }
 
-/// The kind of a fact, by which entries are found.
+/// The kind of a fact. The store finds entries by their kind.
 pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
@@ -198,7 +198,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
 }
 
 impl Shape {
-    /// For a photo, the shape has only the digest and the media type of its file.
+    /// The shape of a fact. Of a photo, it has only the digest and the media type of the file.
     pub(super) fn of(fact: &Fact, picture: Option<&Picture>, form: Form) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
@@ -261,7 +261,7 @@ impl Shape {
         }
     }
 
-    /// The fact, and the file of its photo, which only a luggage record has.
+    /// Reads the fact, and the file of its photo. Only a luggage record has a photo.
     pub(super) fn fact(self) -> Result<(Fact, Option<Picture>), Unparsed> {
         let fact = match self {
             Shape::Luggage { luggage, picture } => {

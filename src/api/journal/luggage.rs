@@ -1,5 +1,5 @@
-//! Luggage records and alarms in the journal. Fields that earlier versions did not have are left out while they have no value,
-//! so that such a record is written as in earlier versions.
+//! Luggage records and alarms in the journal. A field that earlier versions did not have is left out if it has no
+//! value. A record without such values is thus written as in earlier versions.
 
 use std::sync::Arc;
 
@@ -18,13 +18,13 @@ pub(super) struct LuggageShape {
     cell: Point,
     pose: PoseShape,
     taken: Moment,
-    /// Time of the first photo, when a later one is stored.
+    /// Time of the first photo, if a later photo is stored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     first_taken: Option<Moment>,
     photo: PhotoShape,
     verdict: Option<DecisionShape>,
     piece: Option<u32>,
-    /// Time at which it was put into the container.
+    /// Time at which the piece was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     secured: Option<Moment>,
     #[serde(default, skip_serializing_if = "is_zero")]

@@ -1,5 +1,5 @@
-//! The hall map in the journal: for each row its number, its first known column, and runs of equal cells. Walls and floors are
-//! both short: a hall of 512 × 512 cells takes some kilobytes.
+//! The hall map in the journal. Each row has its number, its first known column, and runs of equal cells. Runs keep
+//! both walls and floors short: a hall of 512 × 512 cells takes some kilobytes.
 //!
 //! ```text
 //!   [4, -1, "W1V12.3L1"]   row 4, from column -1: a wall, twelve visited cells, three unknown, a piece of luggage
@@ -21,7 +21,7 @@ const LETTERS: [(Mark, char); 6] = [
     (Mark::NotInspected, 'N'),
 ];
 
-/// A row: its `y`, the `x` of its first known cell, and its runs.
+/// A row: its `y`, the `x` of its first known cell, and its runs of equal cells.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Row(i32, i32, String);
 
@@ -38,7 +38,7 @@ pub(super) fn rows(map: &HallMap) -> Vec<Row> {
 
 pub(super) fn map(rows: &[Row]) -> Result<HallMap, Unparsed> {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
-    // A new map knows home already, but here every cell must come from the stored map.
+    // A new map already knows the home cell. Here every cell must come from the stored map, home too.
     map.mark(Cell::HOME, Mark::Unknown, Revision(1));
     rows.iter().try_for_each(|row| draw(&mut map, row))?;
     Ok(map)
@@ -97,7 +97,8 @@ fn mark(letter: char) -> Result<Mark, Unparsed> {
     known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{letter:?} is no mark of a cell")))
 }
 
-/// Draws a row. Cells beyond the map's reach are refused, so that no number in a file makes the program draw for ever.
+/// Draws a row into the map. Cells beyond the map's reach are refused. Otherwise a large number in a file could make
+/// the program draw for ever.
 fn draw(map: &mut HallMap, Row(y, first, runs): &Row) -> Result<(), Unparsed> {
     let wrong = || Unparsed(format!("row {y} of the map is no row: {:?}", in_short(runs)));
     let within = |number: i32| (-REACH..=REACH).contains(&number);

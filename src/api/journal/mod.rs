@@ -1,12 +1,14 @@
-//! The shapes of the journal: every fact as JSON and back, for the table of events and for export with one object per line. In
-//! the table, requests, refusals and causes are codes with fields (`coded`), which do not depend on wording; exported lines
-//! have sentences instead. The store stores the lines; of a photo they have only the digest of its file.
+//! The JSON shapes of the journal. Every fact is written as JSON and read back, for the table of events and for
+//! export with one object per line. In the table, requests, refusals and causes are codes with fields (`coded`),
+//! which do not depend on wording. Exported lines have sentences instead. The store stores the lines. For a photo, a
+//! line has only the digest of the file.
 //!
 //! ```text
 //!   {"seq":12,"at":"2026-02-03T10:05:12.000+01:00","unixMs":1770109512000,"offsetS":3600,"mission":3,
 //!    "kind":"phase","phase":{"name":"exploring"}}
 //! ```
-//! Unknown fields are skipped when a line is read, so that a later version may add fields. Unknown values are refused.
+//! Unknown fields are skipped when a line is read, so that a later version may add fields. Unknown values are
+//! refused.
 
 mod asked;
 mod causes;
@@ -40,7 +42,7 @@ use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
-/// Why no fact can be made of a stored text, as a sentence.
+/// Why a stored text cannot be read as a fact, as a sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unparsed(pub(super) String);
@@ -60,7 +62,7 @@ pub struct Line {
     /// `None` between two missions.
     pub mission: Option<MissionId>,
     pub entry: Entry,
-    /// The file of a photo; only luggage records have one.
+    /// The file of a photo. Only luggage records have a photo.
     pub picture: Option<Picture>,
 }
 
@@ -68,7 +70,7 @@ pub struct Line {
 #[serde(rename_all = "camelCase")]
 struct LineShape {
     seq: u64,
-    /// The time for people; programs read the next two fields.
+    /// The time for people. Programs read the next two fields.
     #[serde(default)]
     at: String,
     unix_ms: i64,
@@ -78,8 +80,8 @@ struct LineShape {
     fact: Shape,
 }
 
-/// A line in a list of entries, with further fields that depend on the kind (`docs/journal.md`). An entry that cannot be
-/// understood has only `seq`, `kind` and `why`.
+/// A line in a list of entries, with further fields that depend on the kind (`docs/journal.md`). An entry that cannot
+/// be understood has only `seq`, `kind` and `why`.
 #[derive(JsonSchema)]
 #[schemars(rename = "Entry", rename_all = "camelCase")]
 #[expect(dead_code, reason = "it is there for its schema: a list is put together of lines that are written already")]
@@ -98,18 +100,18 @@ pub struct ListedLine {
     /// Mission of the entry; null between two missions.
     #[schemars(skip_serializing_if = "Option::is_none")]
     mission: Option<u64>,
-    /// Kind of the entry; `unreadable`, with the reason as `why`, if the entry cannot be understood.
+    /// Kind of the entry. An entry that cannot be understood has the kind `unreadable`, and the reason as `why`.
     kind: String,
 }
 
 impl Picture {
-    /// Whether the digest has the right form: it becomes the name of a file.
+    /// Whether the digest has the right form. This matters because the digest becomes the name of a file.
     pub fn is_sound(&self) -> bool {
         self.digest.len() == 64 && self.digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
     }
 }
 
-/// A fact as it is stored in the journal, a JSON object with its kind.
+/// Writes a fact as the journal stores it: a JSON object with the kind of the fact.
 pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
     written(&Shape::of(fact, picture, Form::Codes))
 }
@@ -118,7 +120,7 @@ pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
     parsed::<Shape>(text.as_bytes())?.fact()
 }
 
-/// A line for export, with sentences in place of the journal's codes, and without a line break.
+/// Writes a line for export. The line has sentences in place of the journal's codes, and no line break.
 pub fn line(line: &Line) -> String {
     let WallTime { unix_ms, offset_s } = line.entry.wall;
     written(&LineShape {
@@ -131,14 +133,13 @@ pub fn line(line: &Line) -> String {
     })
 }
 
-/// The line for an entry that cannot be understood: its number, the kind `unreadable`, and the reason.
+/// Writes the line for an entry that cannot be understood: its number, the kind `unreadable`, and the reason.
 pub fn unreadable(seq: Seq, why: &str) -> String {
     format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
 }
 
-/// Reads an exported line. A sentence that no version up to format 4 wrote is read as `words`.
-///
-/// What is wrong with the line. Any bytes yield a line or this error.
+/// Reads an exported line. A sentence that no version up to format 4 wrote is read as `words`. Any bytes yield a
+/// line, or an error that says what is wrong with the line.
 pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
     let LineShape { seq, unix_ms, offset_s, mission, fact, .. } = parsed(bytes)?;
     let (fact, picture) = fact.fact()?;

@@ -1,4 +1,4 @@
-//! Names in the journal, and how they are read back: unknown names are refused.
+//! Names in the journal, and how they are read back. Unknown names are refused.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use hallsweep_core::units::{Celsius, Epoch, Heading};
 
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
-/// Position of a search in its order.
+/// State of a search: its strategy, and the numbers from which the strategy continues.
 #[derive(Serialize, Deserialize)]
 pub(super) struct SearchShape {
     strategy: String,
@@ -54,7 +54,7 @@ pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     text.map(sound).transpose()
 }
 
-/// Reads a number of stops. The store counts in signed 64-bit numbers, so it could not count on from a larger number.
+/// Reads a number of stops. The store counts in signed 64-bit numbers, so a larger number is refused.
 pub(super) fn epoch(count: u64) -> Result<Epoch, Unparsed> {
     i64::try_from(count).map(|_| Epoch(count)).map_err(|_| Unparsed(format!("{count} is too large a number of stops")))
 }

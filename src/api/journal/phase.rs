@@ -10,7 +10,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::state::{Inspection, Phase, Stage};
 use hallsweep_core::units::{LuggageId, Piece};
 
-/// A phase, by the name that the doors use.
+/// A phase. Its name is the same as at the doors.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "name", rename_all = "camelCase")]
 pub(super) enum PhaseShape {

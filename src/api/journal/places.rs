@@ -1,4 +1,5 @@
-//! Cells, poses and moments in the journal. A moment has the exact millisecond and offset; its RFC 3339 form is for people.
+//! Cells, poses and times in the journal. A time has the exact millisecond and offset. Its RFC 3339 form is only for
+//! people.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -9,7 +10,7 @@ use hallsweep_core::search::Goal;
 use hallsweep_core::units::{Cell, Pose, WallTime};
 use hallsweep_core::world::hall_map::REACH;
 
-/// Largest coordinate of a cell in a journal, on either side of home: twice the reach of a map.
+/// Maximum coordinate of a cell in a journal, in each direction from home: twice the reach of a map.
 const FARTHEST: i32 = 2 * REACH;
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -32,7 +33,7 @@ pub(super) struct PoseShape {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Moment {
-    /// RFC 3339, for people; not read.
+    /// The time in RFC 3339, for people. It is not read back.
     #[serde(default)]
     at: String,
     unix_ms: i64,
@@ -100,7 +101,7 @@ impl From<GoalShape> for Goal {
     }
 }
 
-/// Reads one coordinate of a cell; refuses a coordinate that no map reaches.
+/// Reads one coordinate of a cell. A coordinate beyond `FARTHEST` is refused.
 pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D::Error> {
     let side = i32::deserialize(deserializer)?;
     if (-FARTHEST..=FARTHEST).contains(&side) {

@@ -1,4 +1,5 @@
-//! Reasons of refusals in the journal. A refusal in a door's own words has these words beside its code, in every version.
+//! Reasons of refusals in the journal. If a door refused in its own words, these words are stored beside the code, in
+//! every version.
 
 use serde_json::{Value, json};
 
@@ -48,7 +49,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
     Coded::new(refused.code(), fields)
 }
 
-/// Reads a refusal. A refusal with a sentence comes from a door, from an earlier version, or from an exported line.
+/// Reads a refusal. Only refusals by doors, of earlier versions and in exported lines have a sentence.
 pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
     let Some(words) = coded.field::<Option<String>>("words")? else { return value(coded) };
     let earlier = earlier::refused(&coded.code, &words).and_then(|coded| value(&coded).ok());

@@ -75,7 +75,7 @@ impl RetrievalShape {
     }
 }
 
-/// Checks a number of steps from home, against the largest distance of a robot outside.
+/// Checks how far outside the hall a robot stands, in steps from home. A distance above `Place::FURTHEST` is refused.
 pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
     (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("no robot can stand {steps} steps outside")))
 }

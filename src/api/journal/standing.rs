@@ -1,4 +1,4 @@
-//! The whole persistent state in the journal, from which a restarted program continues.
+//! The whole persistent state in the journal. A restarted program continues from this state.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,15 +31,15 @@ pub(super) struct StandingShape {
     goal: Option<GoalShape>,
     blocked: Vec<Point>,
     pose: PoseShape,
-    /// Robots other than the searching one.
+    /// Poses of all robots except the robot that searches.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     others: BTreeMap<String, PoseShape>,
-    /// Distance of the robots outside the hall from home, in steps.
+    /// Distance from home of each robot outside the hall, in steps.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     outside: BTreeMap<String, u8>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     retrieval: Option<RetrievalShape>,
-    /// Cells where known pieces were met once more.
+    /// Cells where a known piece was met again, each with the piece.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     met_again: Vec<(Point, u32)>,
     led_blinking: bool,

@@ -1,5 +1,5 @@
-//! The pair's trees in the journal, after each tick that changed something: the trees continue from this record after a
-//! restart, and a run can be replayed from it.
+//! The behaviour trees of the robot pair in the journal, after each tick that changed something. After a restart, the
+//! trees continue from this record. A run can also be replayed from it.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,10 +15,10 @@ use hallsweep_core::units::Piece;
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TeamShape {
-    /// The states of SRM1, SRM2 and the Supervisor, one line each.
+    /// The states of the trees SRM1, SRM2 and Supervisor, one line each.
     trees: [String; 3],
     said: [String; 3],
-    /// Name, type and value of each entry.
+    /// Name, type and value of each entry of the blackboard.
     blackboard: Vec<[String; 3]>,
     stage: StageShape,
     losses: u32,

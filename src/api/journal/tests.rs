@@ -1,4 +1,4 @@
-//! Tests that every entry is read back as it was written, and that anything else is refused with a sentence.
+//! Tests that every entry is read back as it was written, and that any other text is refused with a sentence.
 
 pub(crate) mod arbitrary;
 
@@ -23,7 +23,7 @@ fn refused(text: &str) -> String {
 }
 
 proptest! {
-    /// Safety R1: the journal loses nothing on its way to the disk and back.
+    /// Safety R1: no entry loses anything when it is written and read back.
     #[test]
     fn every_entry_is_read_back_as_it_was(seq in any::<u64>(), mission in any::<Option<u64>>(), entry in arbitrary::entry()) {
         let before = Line { seq: Seq(seq), mission: mission.map(MissionId), entry, picture: None };
@@ -33,7 +33,7 @@ proptest! {
         prop_assert_eq!(read_body(&body(&before.entry.fact, None)).unwrap().0, before.entry.fact);
     }
 
-    /// Commands by themselves, which have more kinds than all other facts.
+    /// Tests commands separately, because they have more kinds than all other facts.
     #[test]
     fn every_command_is_read_back_with_what_became_of_it(facts in prop::collection::vec(arbitrary::command(), 16)) {
         for fact in facts {
@@ -47,7 +47,7 @@ proptest! {
         prop_assert_eq!(&object["kind"], kind(&fact));
     }
 
-    /// Safety A7.
+    /// Safety A7: any bytes give a line or an error.
     #[test]
     fn any_bytes_give_a_line_or_a_sentence(bytes in any::<Vec<u8>>()) {
         if let Err(unparsed) = read_line(&bytes) {
@@ -55,7 +55,7 @@ proptest! {
         }
     }
 
-    /// Safety A7: a valid line with damage in one place.
+    /// Safety A7: a valid line that is damaged in one place gives a line or an error.
     #[test]
     fn a_damaged_line_gives_a_line_or_a_sentence(entry in arbitrary::entry(), place in any::<prop::sample::Index>(), with: u8) {
         let mut bytes = line(&Line { seq: Seq(1), mission: None, entry, picture: None }).into_bytes();
@@ -143,7 +143,7 @@ fn a_row_of_the_map_cannot_be_without_end() {
     }
 }
 
-/// Found by fuzzing: one step beyond this cell the coordinate overflowed.
+/// Found by fuzzing: the coordinate one step beyond this cell overflowed.
 #[test]
 fn a_cell_that_no_map_reaches_is_refused() {
     let pose = r#"{"kind":"pose","x":2147483647,"y":0,"heading":"east"}"#;
@@ -162,7 +162,7 @@ fn a_large_hall_takes_some_kilobytes() {
     assert_eq!(read_body(&text).unwrap().0, Fact::State(Box::new(standing)));
 }
 
-/// A hall of `size` columns and rows with walls around it and some pillars.
+/// A hall of `size` columns and rows, with walls in the east and in the south and with some pillars.
 fn hall(size: i32) -> HallMap {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
     for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {

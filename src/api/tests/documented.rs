@@ -1,4 +1,4 @@
-//! For tests: compares a table in a page of `docs/` with the one in the program.
+//! For tests: compares a table in a page of `docs/` with the table in the program.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::api::commands::{CommandKind, CommandRow};
 
-/// Keeps two tests from writing to one page at once.
+/// Prevents two tests from writing to one page at the same time.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 pub(crate) fn bodies(command: &CommandRow) -> String {
@@ -20,8 +20,8 @@ pub(crate) fn bodies(command: &CommandRow) -> String {
     none.then(|| "none".to_owned()).into_iter().chain(written).collect::<Vec<_>>().join(", ")
 }
 
-/// Fails unless the page has this text between `<!-- PLACE begins -->` and `<!-- PLACE ends -->`; writes it there when
-/// `HALLSWEEP_UPDATE_DOCS` is set.
+/// Fails unless the page has this text between `<!-- PLACE begins -->` and `<!-- PLACE ends -->`. If
+/// `HALLSWEEP_UPDATE_DOCS` is set, writes the text there instead.
 pub(crate) fn shows(page: &str, place: &str, shown: &str) {
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page);

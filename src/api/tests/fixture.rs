@@ -1,5 +1,5 @@
-//! Hand-made snapshots for tests of the wire and of the doors: a small hall, a mission under way, one piece of each kind. It is
-//! no simulation: the parts need not follow from each other.
+//! Hand-made snapshots for tests of the API and of the doors: a small hall, a mission under way, and one piece of
+//! each kind. The snapshots are not simulated, so their parts need not fit together.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 /// 10:00 on 3 February 2026, one hour east of Greenwich.
 pub(crate) const TEN: WallTime = WallTime { unix_ms: 1_770_109_200_000, offset_s: 3600 };
 
-/// These entries as they are exported.
+/// Returns these entries as exported lines.
 pub(crate) fn exported(mission: MissionId, happened: Vec<Happened>) -> Vec<(Seq, String)> {
     let line = |(seq, entry): Happened| match entry {
         Ok(entry) => (seq, journal::line(&Line { seq, mission: Some(mission), entry, picture: None })),
@@ -32,7 +32,7 @@ pub(crate) fn exported(mission: MissionId, happened: Vec<Happened>) -> Vec<(Seq,
     happened.into_iter().map(line).collect()
 }
 
-/// An idle robot at home that knows only its cell, at revision 1.
+/// A snapshot at revision 1: an idle robot at home that knows only its own cell.
 pub(crate) fn idle() -> Snapshot {
     let robot = RobotView {
         state: RobotState::Stopped,
@@ -68,7 +68,8 @@ pub(crate) fn idle() -> Snapshot {
     }
 }
 
-/// A search under way in a hall of six columns by four rows: one safe piece, one dangerous, one pending, at revision 20.
+/// A snapshot at revision 20 of a search in a hall of six columns and four rows. There are a safe piece, a dangerous
+/// one and a pending one.
 pub(crate) fn searching() -> Snapshot {
     let mut snapshot = idle();
     touch(&mut snapshot, 20, &Resource::ALL);
@@ -101,7 +102,8 @@ pub(crate) fn searching() -> Snapshot {
     snapshot
 }
 
-/// A map from rows that begin at (0, 0): `1` visited, `W` wall, `L` luggage, `N` luggage not inspected, anything else unknown.
+/// Makes a map from rows that begin at (0, 0). `1` is visited, `W` wall, `L` luggage, `N` luggage not inspected;
+/// anything else is unknown.
 pub(crate) fn drawn(rows: &[&str], revision: u64) -> HallMap {
     let mut map = HallMap::new(Cell::HOME, Revision(revision));
     for (y, row) in (0..).zip(rows) {
@@ -152,7 +154,7 @@ pub(crate) fn degrees(celsius: f64) -> Celsius {
     Celsius::new(celsius).unwrap()
 }
 
-/// The list of all robots when there is only the searching one.
+/// The list of all robots if the robot that searches is the only one.
 fn alone(view: RobotView) -> Arc<[RobotShown]> {
     Arc::from([RobotShown {
         id: RobotId::discovery(),

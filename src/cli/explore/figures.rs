@@ -15,7 +15,7 @@ struct FiguresJson<'a> {
     /// Reachable cells, including home.
     cells: usize,
     free_cells: usize,
-    /// Number of pieces of luggage that can be reached, and of all pieces.
+    /// Number of pieces of luggage that can be reached; `pieces` counts all pieces.
     reachable_pieces: usize,
     pieces: usize,
     steps: u64,
@@ -26,7 +26,7 @@ struct FiguresJson<'a> {
     complete: bool,
     home: bool,
     luggage: Vec<PieceJson>,
-    /// Number of moves until a dangerous piece was met; null when none was.
+    /// Number of moves until a dangerous piece was met; null if no dangerous piece was met.
     bomb_found_at_moves: Option<u64>,
 }
 

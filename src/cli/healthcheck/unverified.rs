@@ -1,5 +1,6 @@
-//! TLS to a program on this machine without verifying its certificate: the certificate is made for the names under which others
-//! reach the program, and nothing secret is sent or trusted. Nothing else may use this.
+//! TLS to a program on this machine, without verifying its certificate. The certificate is made for the names that
+//! other machines use. Nothing secret is sent, and nothing in the answer is trusted. Only the health check may use
+//! this.
 
 use std::io;
 use std::net::TcpStream;
@@ -20,7 +21,7 @@ pub(super) fn encrypted(stream: TcpStream) -> io::Result<StreamOwned<ClientConne
     Ok(StreamOwned::new(connection, stream))
 }
 
-/// Accepts any certificate, but only from whoever has its key.
+/// Accepts any certificate, but only from a server that has the private key of the certificate.
 #[derive(Debug)]
 struct Anybody(Arc<CryptoProvider>);
 

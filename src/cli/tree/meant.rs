@@ -15,17 +15,18 @@ pub(super) struct Meant<'a> {
     pub(super) port: Option<&'a str>,
 }
 
-/// Refuses an unknown leaf or port. A leaf is named by its path in the tree that runs, or by its name or kind in any tree of the
-/// file.
+/// Refuses an unknown leaf or port. A leaf is named by its path in the tree that runs. It can also be named by its
+/// name or kind in any tree of the file.
 pub(super) fn check(all: &[Meant<'_>], document: &Document, tree: &Tree, catalogue: &Catalogue) -> Result<(), String> {
     let leaves = leaves(document, tree);
     all.iter().try_for_each(|meant| one(*meant, &leaves, catalogue))
 }
 
-/// Path, name and kind.
+/// A leaf's path, name and kind.
 type Leaf<'a> = [&'a str; 3];
 
-/// The leaves of the tree, and the leaves of the whole file; these have no path, so their name takes its place.
+/// The leaves of the tree, then the leaves of the whole file. The leaves of the file have no path, so their name
+/// takes its place.
 fn leaves<'a>(document: &'a Document, tree: &'a Tree) -> Vec<Leaf<'a>> {
     let name = |leaf: &'a Element| leaf.name.as_deref().unwrap_or(&leaf.id);
     let of_file = mock::leaves(document).into_iter().map(|leaf| [name(leaf), name(leaf), &*leaf.id]);

@@ -1,5 +1,5 @@
-//! Tells the loop of the door that there is a newer state, at a limited rate, and the endpoint which subjects may be shown
-//! again. The endpoint finds out what is new.
+//! Tells the loop of this door that there is a newer state, at a limited rate. Tells the endpoint which subjects may
+//! be sent to observers again. The endpoint finds out which of them have changed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,17 +16,17 @@ use hallsweep_core::snapshot::Snapshot;
 pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
-    /// Time before which no change is reported; `None` once that time has passed.
+    /// No change is reported before this time. `None` once this time has passed.
     next: Option<Duration>,
     paces: Paces<SubjectId>,
 }
 
-/// When each subject may be shown again. A representation is written as a whole, so a large map is written less often than a
-/// small one. A change that was skipped is shown later.
+/// When each subject may be sent again. A representation is always sent as a whole, so a large map is sent less often
+/// than a small one. A subject that is skipped now is sent later.
 #[derive(Debug)]
 struct Paces<K> {
     next: BTreeMap<K, Duration>,
-    /// When the first skipped subject may be shown.
+    /// Earliest time at which a skipped subject may be sent.
     passed_over: Option<Duration>,
 }
 
@@ -35,7 +35,7 @@ impl ChangeFeed {
         ChangeFeed { states, clock, next: None, paces: Paces { next: BTreeMap::new(), passed_over: None } }
     }
 
-    /// Waits for a newer state, or until a skipped subject may be shown. Safe to cancel.
+    /// Waits until there is a newer state, or until a skipped subject may be sent. Safe to cancel.
     pub(super) async fn next(&mut self) {
         if self.next.is_some() {
             self.clock.reach(self.next).await;
@@ -50,7 +50,8 @@ impl ChangeFeed {
         self.next = Some(self.clock.since_start() + PACE);
     }
 
-    /// Reports once more for an answer that is observed: the state may have changed since the answer was made.
+    /// Call this after an answer was made. If the answer is observed, the state is reported once more, because it may
+    /// have changed since the answer was made.
     pub(super) fn again_for(&mut self, answer: &Answer) {
         if !answer.observed.is_empty() {
             self.states.mark_changed();
@@ -71,7 +72,7 @@ impl ChangeFeed {
 
 impl<K: Copy + Ord> Paces<K> {
     fn due<T>(&mut self, subjects: Vec<(K, T)>, now: Duration) -> Vec<(K, T)> {
-        // Subjects that nobody observes any more are dropped.
+        // Forgets the subjects that nobody observes any more.
         let next = std::mem::take(&mut self.next);
         self.next = subjects.iter().filter_map(|(id, _)| Some((*id, *next.get(id)?))).filter(|(_, next)| *next > now).collect();
         self.passed_over = self.next.values().min().copied();

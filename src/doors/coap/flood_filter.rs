@@ -1,36 +1,38 @@
-//! A filter that lets the system drop datagrams of a flood before they take room in the socket's queue, so that the queue does
-//! not stay full and lose a STOP (safety S1, S6). Of a kind that floods the door, only a random share is let through, but every
-//! command with a word that a STOP has. Only Linux supports the filter; other systems drop nothing. The endpoint alone judges
-//! what is let through.
+//! A filter with which the system drops datagrams of a flood before they enter the socket's queue. Otherwise the
+//! queue would stay full and a STOP could be lost (safety S1, S6). If datagrams of one kind flood the door, only a
+//! random share of them passes. Every command that contains a word of a STOP passes. Only Linux supports the filter;
+//! other systems drop nothing. What passes is judged by the endpoint alone.
 
 use std::time::Duration;
 
-/// Finest filter: one datagram in 2^7 of a kind is let through. Of all that this machine can send to itself, that is some
-/// thousand a second.
+/// Maximum strictness: one of 2^7 datagrams of a kind passes. If this machine sends to itself as fast as it can, that
+/// is still some thousand a second.
 const FINEST: u32 = 7;
 
-/// Time without overload after which twice as many are let through.
+/// Time without overload after which twice as many datagrams pass.
 const CALM: Duration = Duration::from_millis(50);
 
-/// Number of bytes of a datagram searched for the words: a STOP has its word at the beginning.
+/// Number of bytes of a datagram that are searched for the words. In a STOP the word is near the beginning.
 const SEARCHED: u32 = 160;
 
-/// A kind is filtered only if at least one in this many received datagrams is of that kind: a rarer kind did not cause the
+/// A kind is filtered only if at least 1 in `PART` received datagrams is of that kind. A rarer kind did not cause the
 /// flood.
 const PART: usize = 8;
 
-/// Length of the header in bytes (RFC 7252, section 3); the words come after the header.
+/// Length of the header in bytes (RFC 7252, section 3). The search for words begins after it.
 const HEADER: usize = 4;
 
-/// Number of received datagrams of each kind: reads, commands, signs (other datagrams), and commands that pass every filter.
+/// Number of received datagrams of each kind. The kinds are reads, commands, signs (all other datagrams), and
+/// commands that pass every filter.
 pub(super) type KindCounts = [usize; 4];
 
 pub(super) struct FloodFilter {
-    /// Words of four bytes, in lower case by the bit 0x20 of each byte. A STOP in its usual form contains one of them.
+    /// Words of four bytes, where each byte has the bit 0x20 set (lower case). A STOP in its usual form contains one
+    /// of them.
     words: &'static [[u8; 4]],
-    /// For reads, commands and signs: of 2 to the power of this number, one datagram passes.
+    /// Strictness for reads, commands and signs. With the value n, one of 2^n datagrams passes.
     fine: [u32; 3],
-    /// Time of the last change; after `CALM` more is let through.
+    /// Time of the last change or flood. More datagrams pass when `CALM` has passed since then.
     since: Duration,
 }
 
@@ -39,8 +41,8 @@ impl FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// Filters the most frequent kind further after an overload, in which `heard` was received; returns whether that was
-    /// possible.
+    /// Makes the filter stricter after an overload, for the most frequent kind in `heard` that is not at `FINEST`
+    /// yet. Returns whether the filter has changed.
     pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
@@ -58,7 +60,7 @@ impl FloodFilter {
         (self.fine != [0; 3]).then(|| self.since + CALM)
     }
 
-    /// Lets more datagrams through if it is time; returns whether the filter has changed.
+    /// Makes the filter less strict if `CALM` has passed. Returns whether the filter has changed.
     pub(super) fn loosen(&mut self, now: Duration) -> bool {
         if self.due().is_none_or(|due| now < due) {
             return false;
@@ -68,7 +70,7 @@ impl FloodFilter {
         true
     }
 
-    /// The kind of a datagram as the filter sees it, as an index of `KindCounts`.
+    /// Returns the kind of a datagram as the filter sees it. It is an index of `KindCounts`.
     pub(super) fn kind(&self, bytes: &[u8]) -> usize {
         match bytes.get(1) {
             Some(1 | 5) => 0,
@@ -92,8 +94,8 @@ impl FloodFilter {
     }
 }
 
-/// The filter as a program of the classic Berkeley packet filter. It sees a datagram from the UDP header on, and drops a
-/// datagram that is shorter than what it reads.
+/// Builds the filter as a program for the classic Berkeley packet filter. It sees a datagram from the UDP header on.
+/// It drops a datagram that is shorter than the position it reads.
 #[cfg(target_os = "linux")]
 fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
     use socket2::SockFilter;
@@ -105,7 +107,7 @@ fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2
     let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
     let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
     let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
-    // A datagram that chance does not choose goes on after these four steps.
+    // These four steps let a random share of the datagrams pass. The others continue with the next step.
     let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
     let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
     steps.extend(one_in(reads));
@@ -138,7 +140,7 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
     const LAST: &[u8] = b"\x40\x02\x00\x01the last: stop";
 
-    /// The datagrams that pass a filter tightened this often for each kind.
+    /// Sends the datagrams through a filter with this strictness. Returns those that pass.
     fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
         let [to, from] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
         for fine in [[30; 3], fine] {
@@ -151,7 +153,7 @@ mod tests {
             if n % 50 < 49 && n + 1 < datagrams.len() {
                 continue;
             }
-            // This one passes every filter, after those before it.
+            // `LAST` passes every filter, and arrives after the datagrams before it.
             from.send_to(LAST, to.local_addr().unwrap()).unwrap();
             loop {
                 let length = to.recv(&mut buffer).expect("the last one comes");
@@ -182,7 +184,7 @@ mod tests {
         assert!(stops.iter().all(|stop| FloodFilter::new(WORDS).kind(stop) == 3));
     }
 
-    /// The counted kind of a datagram is the one by which the system filters it.
+    /// `kind` must give each datagram the kind by which the system filters it.
     #[test]
     fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
         let filter = FloodFilter::new(WORDS);
@@ -208,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Safety A5: the configured share of each kind passes, and all of the others.
+    /// Safety A5: of a filtered kind only the configured share passes. Kinds that are not filtered pass completely.
     #[test]
     fn of_a_kind_of_which_too_much_comes_only_some_come_through() {
         let kinds = [(0x40, 1, "read"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
@@ -241,7 +243,7 @@ mod tests {
         assert_eq!(filter.fine, [0; 3]);
     }
 
-    /// Safety S9: filtering the commands of others would not reduce such a flood.
+    /// Safety S9: if the flood passes every filter, a filter for other commands would not reduce it.
     #[test]
     fn what_comes_through_anyway_makes_it_no_finer_for_anything_else() {
         let mut filter = FloodFilter::new(WORDS);

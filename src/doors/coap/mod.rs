@@ -1,5 +1,5 @@
-//! The CoAP door: the resources of hallsweep for small devices and scripts, which can read them, observe them and send
-//! commands. It turns requests into commands and snapshots into answers, and decides nothing about the mission.
+//! The CoAP door, for small devices and scripts. They can read and observe the resources of hallsweep, and send
+//! commands. This door turns requests into commands and snapshots into answers. It decides nothing about the mission.
 
 mod application;
 mod change_feed;

@@ -1,4 +1,5 @@
-//! Requests that are answered later: a bounded number at once, each with a time limit. The application carries them out.
+//! Requests that are answered later. Their number is bounded, and each has a time limit. The application carries them
+//! out.
 
 use std::collections::HashMap;
 use std::pin::Pin;
@@ -9,22 +10,22 @@ use tokio::task::{Id, JoinSet};
 use super::application::broken;
 use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
 
-/// Maximum number of commands under way; urgent ones are accepted beyond it.
+/// Maximum number of commands under way. Urgent commands are accepted beyond it.
 pub(super) const COMMANDS: usize = 256;
 
-/// Maximum number of disk reads under way. Reads have a maximum of their own: anybody may read, and a disk that hangs must not
-/// block commands.
+/// Maximum number of disk reads under way. It is separate from `COMMANDS`, because anybody may read, and a disk that
+/// hangs must not block commands.
 pub(super) const READS: usize = 64;
 
 /// Seconds after which a refused client should try again.
 const BUSY_S: u32 = 2;
 
-/// Maximum time for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
+/// Maximum time until a request is answered (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
 const PATIENCE: Duration = Duration::from_secs(93);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestKind {
-    /// A read changes nothing, and does nothing before its future is polled.
+    /// A request that changes nothing. It begins when its future is polled for the first time.
     Read,
     Command,
 }
@@ -43,7 +44,7 @@ impl RequestKind {
 }
 
 impl PendingAnswers {
-    /// Whether no more requests of this kind may begin, except for urgent ones.
+    /// Whether the maximum number of requests of this kind is under way. Urgent requests may begin nevertheless.
     pub(super) fn is_full(&self, kind: RequestKind) -> bool {
         match kind {
             RequestKind::Read => self.reads >= READS,
@@ -51,7 +52,7 @@ impl PendingAnswers {
         }
     }
 
-    /// Waits for an answer in the background. When `OPEN` answers are awaited, an urgent command is still carried out, but its
+    /// Waits for an answer in the background. Beyond `OPEN` answers, an urgent command is still carried out, but its
     /// answer is dropped.
     pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
@@ -65,7 +66,7 @@ impl PendingAnswers {
         }
     }
 
-    /// The next answer; `None` when nothing is under way. Safe to cancel.
+    /// Waits for the next answer. Returns `None` when no request is under way. Safe to cancel.
     pub(super) async fn next(&mut self) -> Option<(ExchangeId, Answer)> {
         let (id, answer) = self.tasks.join_next_with_id().await?.unwrap_or_else(|error| (error.id(), broken()));
         let (exchange, kind) = self.exchanges.remove(&id)?;

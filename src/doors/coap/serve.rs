@@ -1,5 +1,6 @@
-//! The loop of the door. Datagrams go to the endpoint, and its requests to the application; answers, changes and time go
-//! back to the endpoint, whose output goes to the socket. Nothing is interpreted here.
+//! The loop of this door. It passes datagrams to the endpoint, and the endpoint's requests to the application. It
+//! passes answers, changes and the time back to the endpoint, and the endpoint's output to the socket. Nothing is
+//! interpreted here.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,19 +18,21 @@ use crate::runtime::handle::Gone;
 use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::snapshot::Snapshot;
 
-/// Maximum wait for requests under way at the end. The HTTP door ends at the same time, and the program within two seconds.
+/// Maximum wait for requests under way when the program ends. The HTTP door ends at the same time. The program must
+/// end within two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// Maximum time for answering datagrams in one turn, before more are received and other sockets of this thread get their turns
-/// (safety S7).
+/// Maximum time for answering datagrams in one turn (safety S7). After that, more datagrams are received, and other
+/// sockets of this thread get their turns.
 const TURN: Duration = Duration::from_millis(1);
 
-/// Maximum time for receiving in one turn, and for answering urgent requests. `HEARING_BYTES` limits the bytes of each.
+/// Maximum time in one turn for receiving, and again for answering urgent requests. `HEARING_BYTES` limits the bytes
+/// of each.
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
-/// Maximum number of turns in a row in which datagrams are only received, and urgent ones answered. In that many turns more is
-/// received than the system queues for a socket.
+/// Maximum number of turns in a row in which only urgent requests are answered. More datagrams are received in that
+/// many turns than the system queues for a socket.
 const HEARINGS: u32 = 20;
 
 struct Driver<A> {
@@ -40,12 +43,13 @@ struct Driver<A> {
     backlog: Backlog,
     filter: FloodFilter,
     observed: Vec<Connected>,
-    /// Number of turns in a row without ordinary answers.
+    /// Number of turns in a row in which only urgent requests were answered.
     hearings: u32,
     clock: Clock,
 }
 
-/// Serves until `shutdown`, then waits briefly for requests under way. All random numbers of the endpoint come from `secret`.
+/// Serves until `shutdown`, then waits at most `GRACE` for requests under way. The endpoint derives all its random
+/// numbers from `secret`.
 pub async fn serve<A: Application>(
     socket: Socket,
     secret: [u8; 32],
@@ -54,7 +58,8 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    // The wall clock, since 1970, at the zero of `clock`. Notification numbers continue from it after a restart.
+    // The time since 1970 at which `clock` was zero. With it, the numbers of notifications continue to grow after a
+    // restart.
     let now = clock.now();
     let began = Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start);
     let endpoint = Endpoint::new(secret).started_at(began).with_urgent(A::IS_STOP, HALTED);
@@ -82,12 +87,12 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Handles the received datagrams for a limited time. When more arrive than can be answered, they are received first, so
-    /// that a STOP is found behind the datagrams of others (safety S1, S7).
+    /// Handles received datagrams for a limited time. If more arrive than can be answered, receiving comes first. So
+    /// a STOP behind the datagrams of others is found (safety S1, S7).
     async fn turn(&mut self) {
         if self.backlog.has_urgent() {
-            // Nothing is received meanwhile. Otherwise a datagram received before a further STOP would be handled before the
-            // waiting STOPs.
+            // Nothing is received while a STOP waits. Otherwise a datagram that came later could be handled before
+            // that STOP.
             self.answer_urgent();
         } else if self.backlog.is_empty() && self.answer_as_they_come().await {
             self.hearings = 0;
@@ -103,8 +108,8 @@ impl<A: Application> Driver<A> {
         tokio::task::yield_now().await;
     }
 
-    /// Handles each datagram completely before the next is read; returns whether the queue was empty. Reading several before
-    /// answering would make clients send in bursts, with everybody waiting between the bursts.
+    /// Handles each datagram completely before the next is read. Returns whether the queue was empty. Reading several
+    /// datagrams before answering would make clients send in bursts, and all would wait between the bursts.
     async fn answer_as_they_come(&mut self) -> bool {
         let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
@@ -120,7 +125,7 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Receives for `HEARING` at most, and answers nothing; returns whether the queue was empty.
+    /// Receives for at most `HEARING`, without answering. Returns whether the queue was empty.
     async fn hear(&mut self) -> bool {
         let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {
@@ -172,8 +177,8 @@ impl<A: Application> Driver<A> {
         self.settle(now);
     }
 
-    /// Passes requests to the application and datagrams to the network, until none are left. Beyond the maximum a command is
-    /// not begun.
+    /// Passes requests to the application and datagrams to the network, until none are left. Beyond the maximum
+    /// number under way, commands are refused.
     fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (kind, asked) = (RequestKind::of(request.method), &self.application);
@@ -207,8 +212,9 @@ impl<A: Application> Driver<A> {
     }
 }
 
-/// Whether the datagrams of an overloaded turn are a flood, more than harmless clients send. A few datagrams in a whole turn
-/// are no flood: this thread had to wait for others, and a filter would drop datagrams of innocent clients.
+/// Whether the datagrams of an overloaded turn are a flood: more than harmless clients send. A few datagrams in a
+/// whole turn are no flood. In such a turn this thread had to wait for others, and a filter would drop datagrams of
+/// innocent clients.
 fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }

@@ -1,5 +1,5 @@
-//! The socket loop over real sockets of this machine, with an application that does what the path says. A file of its own, so
-//! that `serve` is seen to be short.
+//! Tests of the socket loop over real sockets of this machine. The application does what the path of a request says.
+//! The tests have a file of their own, so that `serve` stays short.
 
 use std::net::SocketAddr;
 use std::sync::Mutex;
@@ -16,18 +16,18 @@ use crate::doors::coap::pending::{COMMANDS, READS};
 use crate::runtime::figures::Figures;
 use coap_endpoint::{Answer, Code, Format, Method, RefusedRequest, Request, Response};
 
-/// Maximum wait of a test.
+/// Maximum time that a test waits.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Does what the path says; `revision` returns the state, and `hang` waits until it is released.
+/// Does what the path of a request says. `revision` returns the state, and `hang` waits until the test releases it.
 struct Obedient {
     states: watch::Receiver<Arc<Snapshot>>,
     go: Arc<Semaphore>,
-    /// Rings before it panics at the thirteenth state.
+    /// Notified before the application panics at state 13.
     unlucky: Arc<Notify>,
-    /// Requested paths in order.
+    /// The paths of all requests, in order.
     asked: Arc<Mutex<Vec<String>>>,
-    /// Paths of commands beyond the maximum.
+    /// The paths of commands that were refused because too many were under way.
     busy: Arc<Mutex<Vec<String>>>,
 }
 
@@ -134,7 +134,7 @@ impl TestApp {
 }
 
 impl Client {
-    /// Sends a confirmable request; returns its message id.
+    /// Sends a confirmable request and returns its message id.
     async fn send(&mut self, method: Method, path: &str, adorn: impl FnOnce(&mut Packet)) -> u16 {
         self.id += 1;
         let mut packet = Packet::new();
@@ -148,7 +148,7 @@ impl Client {
         self.id
     }
 
-    /// The next message with a payload or code; a separate response is acknowledged.
+    /// Returns the next message with a payload or code. A separate response is acknowledged.
     async fn next(&self) -> Packet {
         let mut buffer = vec![0; 64 * 1024];
         loop {
@@ -188,11 +188,12 @@ async fn a_mistake_of_the_application_ends_one_request_and_no_more() {
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
 }
 
-/// Fills the available places with requests that hang without an answer.
+/// Fills this many places with requests that hang.
 async fn fill(client: &mut Client, method: Method, places: usize) {
     for begun in 1..=places {
         client.send(method, "hang", |packet| packet.header.set_type(MessageType::NonConfirmable)).await;
-        // Datagrams may be lost even here when many are queued: an answer shows that these arrived.
+        // Datagrams may be lost even on loopback if many are queued. An answer shows that the requests before it have
+        // arrived.
         if begun % 16 == 0 || begun == places {
             assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
         }
@@ -245,7 +246,7 @@ async fn observers_see_every_change_that_lasts() {
     let token = client.send(Method::Get, "revision", |packet| packet.add_option(CoapOption::Observe, Vec::new())).await;
     let first = client.next().await;
     assert!(first.get_first_option(CoapOption::Observe).is_some());
-    // The thirteenth state makes the application panic, and is skipped.
+    // State 13 makes the application panic. Its notification is skipped.
     for (revision, seen) in [(31, "31"), (13, "32"), (33, "33")] {
         app.show(revision);
         if revision == 13 {
@@ -269,7 +270,7 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     assert_eq!(code(&client.next().await), Code::TOO_LARGE);
     client.send(Method::Put, "take", |packet| packet.payload = vec![b'x'; 5000]).await;
     assert_eq!(client.next().await.payload, b"5000");
-    // A client that is gone before the answer comes does not matter.
+    // A client may leave before its answer comes.
     let mut gone = app.client().await;
     gone.send(Method::Post, "hang", |_| {}).await;
     drop(gone);
@@ -286,7 +287,7 @@ fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
     packet.to_bytes().unwrap()
 }
 
-/// Safety S1, S7. All datagrams are queued before the door reads: nothing here awaits, so that the door has no turn.
+/// Safety S1, S7. All datagrams are queued before the door reads, because nothing is awaited until then.
 #[tokio::test]
 async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     const READS: u16 = 300;
@@ -314,7 +315,7 @@ async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     assert!(place("take") < place("stop") && place("stop") < place("last"));
 }
 
-/// Paths requested from a door, in order.
+/// Returns the paths requested from a door, in order.
 fn asked(driver: &Driver<Obedient>) -> Vec<String> {
     driver.application.asked.lock().unwrap().clone()
 }
@@ -339,8 +340,8 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
     (driver, address)
 }
 
-/// Safety S1, S7, S9. There are more datagrams than can be received in a turn, in which the time stands still here: on a busy
-/// machine a turn is over after a few.
+/// Safety S1, S7, S9. More datagrams are sent than can be received in one turn. The clock is paused, because on a
+/// busy machine a turn could end after a few datagrams.
 #[tokio::test(start_paused = true)]
 async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
     let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
@@ -359,15 +360,15 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
     assert_eq!(driver.filter.due(), None);
 }
 
-/// Safety S9: on a busy machine a turn may be over after a datagram or two, which is no flood.
+/// Safety S9: on a busy machine a turn may end after a datagram or two. That is no flood.
 #[test]
 fn few_datagrams_in_a_long_turn_are_no_flood() {
     assert!(!is_flood([1, 0, 0, 0], 60) && !is_flood([20, 20, 20, 3], HEARING_BYTES - 1));
     assert!(is_flood([20, 20, 20, 4], 4_000) && is_flood([0, 1, 0, 0], HEARING_BYTES));
 }
 
-/// Safety S1, S7: datagrams before a STOP take several turns, and none that comes meanwhile is handled before it, although
-/// another STOP follows. At most 64 KiB are answered in a turn, in which the time stands still here.
+/// Safety S1, S7: answering the datagrams before a STOP takes several turns. A datagram that comes meanwhile is not
+/// handled before that STOP, even if another STOP follows it. The clock is paused, so the limit of a turn is 64 KiB.
 #[tokio::test(start_paused = true)]
 async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_before_it() {
     for waits in ["take", "stop"] {
@@ -394,7 +395,7 @@ async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_be
     }
 }
 
-/// Safety S1, S7: the time stands still, so that the bytes alone decide how much is received in a turn.
+/// Safety S1, S7: the clock is paused, so only the number of bytes limits what is received in a turn.
 #[tokio::test(start_paused = true)]
 async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_all_have_answers() {
     let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
@@ -414,7 +415,7 @@ async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_
         let before = asked(&driver).len();
         for turn in 1..=HEARINGS {
             assert_eq!(asked(&driver).len(), before, "it is heard first, {turn} times");
-            // Datagrams with a word of a STOP are not filtered.
+            // The path contains a word of a STOP, so these datagrams are not filtered.
             (0..5).for_each(|_| assert!(sender.send_to(&large(Method::Put, "nonstop"), address).is_ok()));
             driver.socket.readable().await;
             driver.turn().await;
@@ -423,7 +424,7 @@ async fn a_stop_is_found_before_any_look_is_answered_and_in_a_flood_without_end_
     }
 }
 
-/// Waiting requests have their turn although nothing more comes.
+/// Waiting requests are noticed even if nothing more arrives.
 #[test]
 fn whatever_waits_alone_is_known_to_wait() {
     let peer = SocketAddr::from(([127, 0, 0, 1], 1));

@@ -1,4 +1,5 @@
-//! The door's socket, with room for a burst of datagrams. No fault of the socket ends the door. The protocol is not here.
+//! The socket of this door. It has room for many datagrams at once. No error of the socket ends the door. The
+//! protocol is not here.
 
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
@@ -10,17 +11,18 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// Requested buffer size in bytes for each direction: every observer may acknowledge at once. A datagram that does not fit is
-/// sent again.
+/// Requested size of each of the two buffers in bytes, because all observers may acknowledge at the same time. If a
+/// datagram does not fit, the client sends it again.
 const ROOM: usize = 4 * 1024 * 1024;
 
-/// Maximum size of a datagram in bytes. No datagram is cut to it, so the endpoint can recognise one that is too long.
+/// Maximum size of a datagram in bytes. No datagram is longer, so none is cut off, and the endpoint can recognise a
+/// datagram that is too long.
 const LONGEST: usize = 64 * 1024;
 
-/// Number of datagrams read before other work has its turn.
+/// Maximum number of datagrams read before other work gets a turn.
 pub(super) const BATCH: usize = 64;
 
-/// Pause before a failing socket is read again.
+/// Pause after an error of the socket, before the next read.
 const PAUSE: Duration = Duration::from_millis(1);
 
 pub struct Socket {
@@ -29,7 +31,7 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// The door's socket from a bound one. Must be called inside the runtime that polls it.
+    /// Makes the door's socket from a bound socket. Must be called inside the runtime that will poll it.
     pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
         bound.set_nonblocking(true)?;
         let udp = UdpSocket::from_std(bound)?;
@@ -43,7 +45,7 @@ impl Socket {
     }
 
     pub(super) async fn readable(&self) {
-        // A socket that cannot be polled reports the reason when it is read.
+        // If the socket cannot be polled, the next read reports the error.
         let _ = self.udp.readable().await;
     }
 
@@ -52,7 +54,7 @@ impl Socket {
             Ok((length, peer)) => return Some((peer, &self.buffer[..length])),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(error) => {
-                // Some systems report here that a client's port is closed; other errors are worse.
+                // Some systems report here that a client's port is closed. Other errors are more serious.
                 tracing::debug!(%error, "a datagram could not be received");
                 tokio::time::sleep(PAUSE).await;
             }
@@ -60,15 +62,15 @@ impl Socket {
         None
     }
 
-    /// Makes the system drop every datagram for this socket that the filter does not pass.
+    /// Makes the system drop every datagram that does not pass the filter.
     pub(super) fn attach(&self, filter: &FloodFilter) {
         if let Err(error) = filter.fit(&SockRef::from(&self.udp)) {
             tracing::debug!(%error, "the flood filter could not be attached to the socket");
         }
     }
 
-    /// Sends a datagram. One that cannot be sent immediately is dropped, like datagrams that the network loses: nothing waits
-    /// for the network.
+    /// Sends a datagram. If it cannot be sent immediately, it is dropped, as if the network had lost it. Nothing
+    /// waits for the network.
     pub(super) fn send(&self, transmit: &Transmit) {
         if let Err(error) = self.udp.try_send_to(&transmit.bytes, transmit.peer) {
             tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
@@ -76,11 +78,11 @@ impl Socket {
     }
 }
 
-/// Binds the same port at another address that the first socket covers. The two sockets share the port only during this call,
-/// so that no other program can join them.
+/// Binds a second socket to the same port at another address that the first socket covers. The port can be shared
+/// only during this call, so that no other program can join.
 ///
 /// # Errors
-/// The address does not exist, or another program has taken it.
+/// The address does not exist, or another program uses it.
 pub fn beside(first: &std::net::UdpSocket, address: SocketAddr) -> io::Result<std::net::UdpSocket> {
     let (first, second) = (SockRef::from(first), socket2::Socket::new(Domain::for_address(address), Type::DGRAM, None)?);
     first.set_reuse_address(true)?;

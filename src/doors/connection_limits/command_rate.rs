@@ -1,27 +1,28 @@
-//! Limit of the commands that one sender may send per second. A flood would fill the journal and delay everybody's commands.
-//! STOP is not counted: the caller looks for a STOP first, and asks here only about other messages.
+//! Limit of the commands that one sender may send per second. A flood would fill the journal and delay everybody's
+//! commands. STOP does not count: the caller checks for a STOP before it calls this.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Maximum commands per second of a sender whose commands may be accepted: sixty sensors that report each second, people at
-/// some panels, and a script.
+/// Maximum number of commands per second from a sender with the right to give commands. This is enough for sixty
+/// sensors that report each second, some people at panels, and a script.
 const OPERATORS: u32 = 300;
 
-/// Maximum commands per second of a sender whose commands are all refused.
+/// Maximum number of commands per second from a sender without that right, whose commands are all refused.
 const VIEWERS: u32 = 50;
 
-/// Per sender: the start of the current second, counted from when the door was made, and the number of commands in that second.
+/// For each sender: the start of its current second, and the number of commands in that second. The start is the
+/// value of `now` in `admits`.
 #[derive(Debug, Default)]
 pub(in crate::doors) struct CommandRate(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl CommandRate {
-    /// Counts a command, whether or not it is refused. `now` is the time since the door was made. The table has at most one
-    /// entry per key.
+    /// Counts a command; returns whether the sender is still within its limit. Refused commands count too. `now` is a
+    /// time of the caller's clock. The table has at most one entry per key.
     pub(in crate::doors) fn admits(&self, sender: Arc<str>, is_viewer: bool, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        // The entry of a removed key stays; nobody creates many keys.
+        // The entry of a removed key stays in the table. Few keys are ever created, so the table stays small.
         let (since, said) = all.entry(sender).or_insert((now, 0));
         if now.saturating_sub(*since) >= Duration::from_secs(1) {
             (*since, *said) = (now, 0);

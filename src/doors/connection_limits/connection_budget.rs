@@ -1,15 +1,15 @@
-//! The budget of descriptors for the connections of all doors. Where the system allows enough open files, the limits hold in
-//! full; otherwise they are scaled down in proportion. So the doors together never need the last descriptor, and no crowd at
-//! one door keeps the others closed (safety S9).
+//! The number of descriptors (open files) for the connections of all doors. If the system allows enough, all limits
+//! apply in full. Otherwise all limits are scaled down in proportion. So the doors together never use the last
+//! descriptor, and no crowd at one door blocks the others (safety S9).
 
-/// Descriptors for all connections, closing ones included, when every door is at its limit: one per HTTP connection, three per
-/// MQTT client.
+/// Descriptors for all connections when every door is at its limit. Closing connections count too. An HTTP connection
+/// needs one descriptor, an MQTT client three.
 const CONNECTIONS: u64 = 2_600;
 
-/// Descriptors for everything else: the journal, the listening ports, and the pollers of the threads.
+/// Descriptors for everything else: the journal, the listening ports, and the event queues of the threads.
 const RESERVED: u64 = 80;
 
-/// Smallest value to which a limit is scaled down.
+/// No limit is scaled down below this value.
 const LEAST: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +18,12 @@ pub struct ConnectionBudget {
 }
 
 impl ConnectionBudget {
-    /// The budget of a program that may have this many open descriptors.
+    /// Returns the budget of a program that may open this many descriptors.
     pub fn of(descriptors: u64) -> ConnectionBudget {
         ConnectionBudget { descriptors: descriptors.saturating_sub(RESERVED).min(CONNECTIONS) }
     }
 
-    /// `all` is the limit in a full budget. A limit of at most `LEAST` is not scaled down.
+    /// Scales a limit down; `all` is the limit in a full budget. A limit of at most `LEAST` stays as it is.
     pub fn scaled(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.descriptors / CONNECTIONS).unwrap_or(all);
         part.max(LEAST.min(all))

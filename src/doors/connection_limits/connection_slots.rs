@@ -1,7 +1,8 @@
-//! Slots for HTTP connections that have sent the whole head of a request. One key and one network have limited shares. When no
-//! slot is free, a connection is evicted for a newcomer: a stranger's before a viewer's before an operator's. Among equals the
-//! least active one is evicted (`Activity`), and among equally active ones the one whose last progress is oldest. Only an
-//! operator evicts an operator. Connections without a whole head are in `pending_connections`.
+//! Slots for HTTP connections that have sent the whole head of a request. The shares of one key and of one network
+//! are limited. If no slot is free, a connection is evicted for a newcomer. Strangers are evicted before viewers, and
+//! viewers before operators. Only an operator evicts an operator. Among senders of one rank, the least active
+//! connection is evicted (`Activity`). Among equally active connections, the one whose last progress is oldest is
+//! evicted. Connections without a whole head are in `pending_connections`.
 
 mod eviction_queues;
 
@@ -17,20 +18,20 @@ use super::connection_budget::ConnectionBudget;
 use super::pending_connections::EVICTED_AT_ONCE;
 use crate::access::{Access, Caller, Network, Role};
 
-/// Maximum number of open connections: 256 streams, and 384 for other requests. A process has 1,024 descriptors by default, of
-/// which pending and closing connections, the other doors and files also need some.
+/// Maximum number of open connections: 256 streams, and 384 connections for other requests. By default a process has
+/// 1,024 descriptors. Some of them are needed for pending and closing connections, the other doors, and files.
 pub(in crate::doors) const SLOTS: usize = 640;
 
-/// Divisor of all slots for the share of one key, and for that of one network other than this machine. Without keys there are
-/// no shares.
+/// One key may have 1 / `PARTS` of all slots. The same holds for one network, except for this machine. Without keys
+/// there are no shares.
 const PARTS: usize = 4;
 
-/// Divisor of all slots for the part that is reserved for operators, who may connect later.
+/// 1 / `KEPT` of all slots is reserved for operators, who may connect later.
 const KEPT: usize = 8;
 
-/// Maximum number of evicted connections that are still closing: the ordinary threads close them, which may take long. Beyond
-/// it no newcomer is accepted. For operators and STOP the maximum is twice as high. So a flood of opened and evicted
-/// connections is bounded.
+/// Maximum number of evicted connections that are still closing. The ordinary threads close them, which may take
+/// long. Beyond this number newcomers are refused. For operators and STOP the number is twice as high. This limits
+/// what a flood of new connections can cost.
 const LEAVING: usize = 32;
 
 #[derive(Clone)]
@@ -41,48 +42,50 @@ struct SlotTable {
     /// Maximum number of evicted connections that are still closing.
     leaving: usize,
     has_shares: bool,
-    /// Number of events so far. A moment is the number of an event; the smaller of two moments is the older one.
+    /// Number of events so far. A "moment" is the number of an event, so a smaller moment is an older one.
     moments: u64,
     /// Slots in use, including those of evicted connections that are still closing.
     held: usize,
     holders: HashMap<u64, SlotHolder>,
-    /// The order of eviction, kept sorted: to search all connections for each newcomer would delay the STOPs of others.
+    /// The order of eviction. It is kept sorted, because searching all connections for each newcomer would delay the
+    /// STOPs of others.
     queues: EvictionQueues,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::doors) struct SlotClaim {
     network: Network,
-    /// `None` for strangers.
+    /// The sender's key; `None` for strangers.
     who: Option<Who>,
 }
 
-/// The name of a key, and whether it is an operator's.
+/// The name of a key, and whether it is the key of an operator.
 type Who = (Arc<str>, bool);
 
 struct SlotHolder {
     claim: SlotClaim,
-    /// Requests whose heads have arrived and that are not answered yet.
+    /// Number of requests whose heads have arrived and that are not answered yet.
     open: u64,
     is_receiving: bool,
     is_watching: bool,
-    /// Moment of the last progress, as counted by `moments`.
+    /// Moment of the last progress. `SlotTable::moments` counts the moments.
     since: u64,
     cut: Arc<Notify>,
 }
 
-/// Activity of a connection. Among senders of one rank, connections are evicted in this order.
+/// How active a connection is. Among senders of one rank, connections are evicted in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Activity {
     Resting,
-    /// A body is arriving, however slowly.
+    /// A body is arriving, even if slowly.
     Receiving,
     Answering,
-    /// An endless answer. Such a connection is not evicted, and there are fewer of them than slots.
+    /// An endless answer is being sent. Such a connection is never evicted. The limit of streams leaves slots for
+    /// other connections.
     Watching,
 }
 
-/// One connection's slot, in use until this value is dropped.
+/// The slot of one connection. It is in use until this value is dropped.
 pub(in crate::doors) struct ConnectionSlot {
     number: u64,
     slots: ConnectionSlots,
@@ -98,7 +101,7 @@ impl SlotClaim {
         self.who.as_ref().is_some_and(|(_, is_operator)| *is_operator)
     }
 
-    /// Rank in the order of eviction: strangers, then viewers, then operators.
+    /// The rank in the order of eviction: first strangers, then viewers, then operators.
     const fn rank(&self) -> u8 {
         match &self.who {
             None => 0,
@@ -115,8 +118,8 @@ impl ConnectionSlots {
         ConnectionSlots(Arc::new(Mutex::new(SlotTable { most, leaving, has_shares, moments: 0, held: 0, holders, queues })))
     }
 
-    /// Takes a slot. When none is free, another connection is evicted, and its `cut` is notified. `None` when no connection can
-    /// be evicted, or too many evicted ones are still closing.
+    /// Takes a slot. If none is free, another connection is evicted, and its `cut` is notified. Returns `None` if no
+    /// connection can be evicted, or if too many evicted connections are still closing.
     pub(in crate::doors) fn take(&self, claim: SlotClaim, says_stop: bool, cut: Arc<Notify>) -> Option<ConnectionSlot> {
         let mut table = self.table();
         let is_heeded = says_stop || table.has_shares && claim.is_operator();
@@ -132,7 +135,7 @@ impl ConnectionSlots {
         Some(ConnectionSlot { number, slots: self.clone() })
     }
 
-    /// Evicts some connections when the system has no more descriptors, and returns how many.
+    /// Evicts some connections when the system has no more descriptors. Returns how many were evicted.
     pub(in crate::doors) fn evict_some(&self) -> usize {
         let mut table = self.table();
         (0..EVICTED_AT_ONCE).map_while(|_| table.queues.of_all().first.filter(|first| table.cut(Some(*first)))).count()
@@ -165,8 +168,8 @@ impl SlotTable {
         Some(holder)
     }
 
-    /// Makes room for this claim. If its key or network has used up its share, one of that share's connections is evicted. Only
-    /// an operator evicts an operator.
+    /// Makes room for this claim; returns whether there is room. If the claim's key or network has used up its share,
+    /// a connection of that key or network is evicted. Only an operator evicts an operator.
     fn make_room(&mut self, claim: &SlotClaim) -> bool {
         let (most, has_shares) = (self.most, self.has_shares);
         if has_shares {
@@ -181,12 +184,13 @@ impl SlotTable {
         self.holders.len() < most || self.cut(yielding.first)
     }
 
-    /// Whether one more connection of this kind is within `most`, after an eviction if necessary.
+    /// Ensures that one more connection of this kind fits within `most`, and evicts one if necessary. Returns false
+    /// if none can be evicted.
     fn bounded(&mut self, most: usize, head: QueueHead) -> bool {
         head.many < most || self.cut(head.first)
     }
 
-    /// Evicts a connection; returns whether there was one.
+    /// Evicts a connection. Returns false if `turn` is `None` or the connection has gone.
     fn cut(&mut self, turn: Option<EvictionTurn>) -> bool {
         let Some(holder) = turn.and_then(|turn| self.remove(turn.number)) else { return false };
         holder.cut.notify_one();
@@ -210,7 +214,7 @@ impl SlotHolder {
 }
 
 impl ConnectionSlot {
-    /// Notes that the head of a request has arrived. A body that arrives slowly is no progress.
+    /// Notes that the head of a request has arrived. While its body arrives slowly, the connection makes no progress.
     pub(in crate::doors) fn asked(&self, claim: SlotClaim, has_body: bool) {
         let mut is_another = false;
         self.change(true, |holder| {
@@ -219,7 +223,7 @@ impl ConnectionSlot {
             holder.open += 1;
         });
         if is_another {
-            // The connection counts for the key that it showed last. The share of that key may now be exceeded.
+            // A connection counts for the key that it used last. This key may now have more than its share.
             let mut table = self.slots.table();
             if table.has_shares {
                 let (most, of_key) = (table.most / PARTS + 1, table.queues.of_key(&claim));
@@ -232,17 +236,18 @@ impl ConnectionSlot {
         self.change(true, |holder| holder.is_receiving = false);
     }
 
-    /// Notes an endless answer, during which the connection is not evicted.
+    /// Notes that an endless answer begins. The connection is not evicted until the answer ends.
     pub(in crate::doors) fn watches(&self) {
         self.change(false, |holder| holder.is_watching = true);
     }
 
-    /// Frees the slot of a connection that changes to another protocol. Such a connection is never evicted here.
+    /// Frees the slot of a connection that changes to another protocol. After that the connection is never evicted
+    /// here.
     pub(in crate::doors) fn hands_over(&self) {
         let _ = self.slots.table().remove(self.number);
     }
 
-    /// Notes progress: a part of an answer was fetched for sending.
+    /// Notes progress: a part of an answer was taken for sending.
     pub(in crate::doors) fn sends(&self) {
         self.change(true, |_| {});
     }

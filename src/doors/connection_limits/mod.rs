@@ -1,5 +1,5 @@
-//! Limits of connections, sessions and requests at the HTTP and MQTT doors, so that no crowd keeps anybody else out (safety
-//! S9). CoAP has no connections; its limits are in `crates/coap` and in `coap::flood_filter`.
+//! Limits of connections, sessions and requests at the HTTP and MQTT doors, so that no crowd keeps anybody else out
+//! (safety S9). CoAP has no connections. Its limits are in `crates/coap` and in `coap::flood_filter`.
 //!
 //! | limit | of what | beyond it |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | `pending_connections` | those without a slot or session yet, or closing | the oldest of the largest crowd is evicted |
 //! | `connection_slots` | HTTP connections with a whole head | a stranger's, then a viewer's, then an operator's is evicted |
 //! | `session_limits` | MQTT sessions, and the unread bytes of their clients | a session of the largest owner is evicted |
-//! | `request_quota` | streams, results of MQTT commands, reports, runs of the laboratory | it is refused, or has no result |
-//! | `command_rate` | MQTT commands of one sender per second, STOP aside | the command is refused |
+//! | `request_quota` | streams, results of MQTT commands, reports, laboratory runs | refused, or without a result |
+//! | `command_rate` | MQTT commands of one sender per second, except STOP | the command is refused |
 
 mod command_rate;
 mod connection_budget;

@@ -1,7 +1,8 @@
-//! A limited number of connections that have no slot or session yet, or are closing. An HTTP connection is pending until its
-//! first head is complete, whoever sends it: a stranger without a key gets a slot, too. An MQTT client is pending until it is
-//! admitted or refused. Beyond the limit, the oldest connection of the network with the most pending connections is evicted. So
-//! every newcomer is served, and outlasts a crowd of one network (safety S9).
+//! Limits connections that have no slot or session yet, and connections that are closing. An HTTP connection is
+//! pending until its first head is complete. After that even a stranger without a key gets a slot. An MQTT client is
+//! pending until it is admitted or refused. Beyond the limit, a connection of the network with the most pending
+//! connections is evicted, the oldest one. So every newcomer is served, and outlasts a crowd of one network (safety
+//! S9).
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -12,7 +13,8 @@ use tokio::sync::Notify;
 
 use crate::access::Network;
 
-/// Number of connections evicted at once when the system has no more descriptors, so that newcomers and files find some.
+/// Number of connections evicted at once when the system has no more descriptors. Newcomers and files then find free
+/// descriptors.
 pub(super) const EVICTED_AT_ONCE: usize = 16;
 
 #[derive(Clone)]
@@ -21,12 +23,12 @@ pub(in crate::doors) struct PendingConnections(Arc<Mutex<PendingTable>>);
 struct PendingTable {
     most: usize,
     entered: u64,
-    /// Connections by number, oldest first.
+    /// The pending connections by number, so the oldest is first.
     waiting: BTreeMap<u64, (Network, Arc<Notify>)>,
     networks: HashMap<Network, usize>,
 }
 
-/// One pending connection, counted until this value is dropped.
+/// One pending connection. It counts until this value is dropped.
 pub(in crate::doors) struct PendingConnection {
     number: u64,
     pending: PendingConnections,
@@ -43,7 +45,7 @@ impl PendingConnections {
         })))
     }
 
-    /// Admits a connection from this address; `cut` is notified when the connection is evicted.
+    /// Admits a connection from this address. `cut` is notified if the connection is evicted.
     pub(in crate::doors) fn admit(&self, address: IpAddr, cut: Arc<Notify>) -> PendingConnection {
         let mut table = self.table();
         if table.waiting.len() >= table.most {
@@ -57,7 +59,7 @@ impl PendingConnections {
         PendingConnection { number, pending: self.clone(), cut }
     }
 
-    /// Runs `last`, the rest of a closing connection, until `last` ends or the connection is evicted.
+    /// Runs `last`, the remaining work of a closing connection. It is stopped if the connection is evicted.
     pub(in crate::doors) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
         let waiting = self.admit(address, Arc::default());
         tokio::select! {
@@ -67,7 +69,7 @@ impl PendingConnections {
         }
     }
 
-    /// Evicts some connections when the system has no more descriptors, and returns how many.
+    /// Evicts some connections when the system has no more descriptors. Returns how many were evicted.
     pub(in crate::doors) fn evict_some(&self) -> usize {
         let mut table = self.table();
         (0..EVICTED_AT_ONCE).take_while(|_| table.evict_one()).count()
@@ -79,7 +81,8 @@ impl PendingConnections {
 }
 
 impl PendingTable {
-    /// Evicts the oldest connection of the network with the most pending connections; returns whether there was one.
+    /// Evicts the oldest connection of the network with the most pending connections. Returns false if there was no
+    /// connection.
     fn evict_one(&mut self) -> bool {
         let most = self.networks.values().max();
         let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);
@@ -101,7 +104,7 @@ impl PendingTable {
 }
 
 impl PendingConnection {
-    /// Stops counting the connection; `false` when it had been evicted.
+    /// Stops counting the connection. Returns `false` if it was evicted before.
     pub(in crate::doors) fn leave(self) -> bool {
         self.pending.table().remove(self.number).is_some()
     }
@@ -128,7 +131,7 @@ mod tests {
         from.into_iter().map(|address| pending.admit(address.parse().unwrap(), Arc::default())).collect()
     }
 
-    /// Indexes of the evicted connections.
+    /// Returns the indexes of the evicted connections.
     fn gone(crowd: &[PendingConnection]) -> Vec<usize> {
         (0..crowd.len()).filter(|number| crowd[*number].evicted().now_or_never().is_some()).collect()
     }
@@ -145,7 +148,8 @@ mod tests {
         assert!(crowd.waiting.is_empty() && crowd.networks.is_empty(), "whoever leaves is not counted");
     }
 
-    /// Safety S9: an attacker with many addresses loses his own older connections before newer ones of others.
+    /// Safety S9: an attacker with many addresses loses older connections of its own before newer connections of
+    /// others.
     #[test]
     fn of_crowds_that_are_equally_large_the_oldest_makes_room() {
         let pending = PendingConnections::new(4);

@@ -1,6 +1,6 @@
-//! Limited numbers of open requests. Each key has a share, and a part is reserved for keys with few open requests, so that
-//! nobody is refused because of others (safety S9). Beyond the quota a request is refused. The quotas of streams and of results
-//! are built from this one.
+//! Limits the number of open requests. Each key has a share. A part is reserved for keys with few open requests, so
+//! that nobody is refused because of others (safety S9). Beyond the quota a request is refused. `StreamQuota` and
+//! `ResultQuota` are built from `RequestQuota`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,9 +11,9 @@ use crate::access::{Access, Caller, Role};
 pub(in crate::doors) struct QuotaLimits {
     pub(in crate::doors) most: usize,
     pub(in crate::doors) of_one_key: usize,
-    /// Part of `most` that is reserved for keys with few open requests.
+    /// Part of `most` that only keys with few open requests may use.
     pub(in crate::doors) kept: usize,
-    /// A key with fewer open requests than this number has few.
+    /// A key has few open requests if it has fewer than this number.
     pub(in crate::doors) few: usize,
 }
 
@@ -29,11 +29,11 @@ struct Counted {
 #[derive(Debug, Default)]
 struct InUse {
     all: usize,
-    /// Only keys with open requests have an entry, which bounds the memory of the table.
+    /// Number of open requests of each key. Keys without open requests have no entry, so the table stays small.
     by_key: HashMap<Arc<str>, usize>,
 }
 
-/// The permit of one request. The request counts until this value is dropped.
+/// The permit for one request. The request counts until this value is dropped.
 #[derive(Debug)]
 pub(in crate::doors) struct Permit {
     quota: RequestQuota,
@@ -45,11 +45,11 @@ impl RequestQuota {
         RequestQuota(Arc::new(Counted { limits, taken: Mutex::default() }))
     }
 
-    /// Admits one more request with this key. Requests without a key have no share, and may use all of the quota.
+    /// Admits one more request with this key. Requests without a key have no share, and may use the whole quota.
     ///
     /// # Errors
-    /// A refused request: the number of open requests of the key if its share is used up, or of all keys if the quota is used
-    /// up.
+    /// The request is refused. If the share of the key is used up, the error is the number of open requests of the
+    /// key. If the quota is used up, it is the number of all open requests.
     pub(in crate::doors) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
         let QuotaLimits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
@@ -70,7 +70,7 @@ impl RequestQuota {
         Ok(Permit { quota: self.clone(), key })
     }
 
-    /// Whether the table has no entries: its memory must not grow with the keys of the past.
+    /// Whether the table has no entries. Entries of keys without open requests must not stay.
     #[cfg(test)]
     pub(in crate::doors) fn knows_nobody(&self) -> bool {
         self.taken().by_key.is_empty()
@@ -93,8 +93,8 @@ impl Drop for Permit {
     }
 }
 
-/// Limits of the open streams of the HTTP door, for the console and the interface together. A key may have a fourth of all
-/// streams, and an eighth is reserved for operators, who may connect later. Cheap to clone.
+/// Limits the open streams of the HTTP door, for the console and the API together. A key may have a fourth of all
+/// streams. An eighth is reserved for operators, who may connect later. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct StreamQuota {
     all: RequestQuota,
@@ -116,7 +116,7 @@ impl StreamQuota {
         self.all.0.limits.most
     }
 
-    /// Opens a stream; `None` when the share of the caller or the whole quota is used up.
+    /// Opens a stream. Returns `None` if the share of the caller or the whole quota is used up.
     pub(in crate::doors) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
         let key = access.key_of(caller);
         let is_viewer = key.is_some() && caller.role() != Role::Operator;
@@ -125,8 +125,8 @@ impl StreamQuota {
     }
 }
 
-/// Limits of the results of MQTT commands that are not published yet. Operators and viewers have separate quotas. A key may
-/// have half of its quota, and a fourth is reserved for keys with fewer than eight open results. Cheap to clone.
+/// Limits the results of MQTT commands that are not published yet. Operators and viewers have separate quotas. A key
+/// may have half of its quota. A fourth is reserved for keys with fewer than eight open results. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct ResultQuota {
     operators: RequestQuota,
@@ -139,10 +139,11 @@ impl ResultQuota {
         ResultQuota { operators: quota(operators), viewers: quota(viewers) }
     }
 
-    /// Admits one more command's result for this key.
+    /// Admits the result of one more command with this key.
     ///
     /// # Errors
-    /// A refused result: the number of open results of the key if its share is used up, or of all keys if the quota is used up.
+    /// The result is refused. If the share of the key is used up, the error is the number of open results of the key.
+    /// If the quota is used up, it is the number of all open results.
     pub(in crate::doors) fn take(&self, is_viewer: bool, key: Option<Arc<str>>) -> Result<Permit, usize> {
         if is_viewer { &self.viewers } else { &self.operators }.take(key)
     }
@@ -186,7 +187,7 @@ mod tests {
     const MOST: usize = 256;
     const VIEWERS: usize = 64;
 
-    /// Whether the sender is a viewer, and the name of its key.
+    /// Whether the sender is a viewer, and the name of the sender's key.
     type Sender<'a> = (bool, Option<&'a str>);
 
     const VIEWER: Sender<'_> = (true, Some("screen"));
@@ -200,7 +201,7 @@ mod tests {
         quota.take(is_viewer, key.map(Arc::from))
     }
 
-    /// As many permits as this sender can get.
+    /// Takes permits for this sender until one is refused, and returns them.
     fn all(quota: &ResultQuota, sender: Sender<'_>) -> Vec<Permit> {
         std::iter::from_fn(|| take(quota, sender).ok()).collect()
     }

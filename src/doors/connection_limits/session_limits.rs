@@ -1,10 +1,10 @@
-//! Limits of MQTT sessions. Each key has a share, and a part is reserved for operators, who may connect later. No newcomer is
-//! refused: beyond a limit, a session of the key with the most sessions is evicted, the one that has made no progress for
-//! longest (safety S9). The memory for unread messages of all sessions is limited likewise. Clients without a session yet are
-//! in `pending_connections`.
+//! Limits of MQTT sessions. Each key has a share. A part is reserved for operators, who may connect later. Newcomers
+//! are not refused. Beyond a limit, a session of the key with the most sessions is evicted: the one that has made no
+//! progress for the longest time (safety S9). The memory for unread messages of all sessions is limited in the same
+//! way. Clients without a session yet are in `pending_connections`.
 //!
-//! One rule differs from the slots of HTTP. When all 256 sessions are taken, an operator's key has the most, and viewers have
-//! not filled their part, a viewer's newcomer evicts a session of that operator.
+//! One rule differs from the slots of HTTP: a viewer may evict an operator's session. This happens if all 256
+//! sessions are taken, an operator's key has the most sessions, and viewers have not filled their part.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -15,30 +15,31 @@ use tokio::sync::Notify;
 
 use super::connection_budget::ConnectionBudget;
 
-/// Maximum number of sessions: every screen, sensor and script of a site. Each session costs descriptors.
+/// Maximum number of sessions. This is enough for every screen, sensor and script of a site. Each session needs
+/// descriptors.
 pub(in crate::doors) const CONNECTIONS: usize = 256;
 
-/// Maximum number of sessions of one key: every screen of a large site. The same number is reserved for operators, who may
-/// connect later.
+/// Maximum number of sessions of one key, enough for every screen of a large site. The same number of sessions is
+/// reserved for operators, who may connect later.
 const SHARE: usize = CONNECTIONS / 4;
 
 /// Maximum size of the unread messages of all sessions, in bytes.
 const UNREAD: usize = 12 * 1024 * 1024;
 
-/// Maximum size of the unread messages of viewers, in bytes, so that there is room for operators' messages.
+/// Part of `UNREAD` for viewers, in bytes. The rest is room for messages to operators.
 const VIEWERS_UNREAD: usize = UNREAD / 2;
 
-/// A session with at most this many unread bytes is not evicted because of them.
+/// A session with at most this many unread bytes is never evicted because of unread bytes.
 const LITTLE_UNREAD: usize = 48 * 1024;
 
-/// Step in which the unread bytes of a session are noted. A smaller step would lock the table for every message.
+/// Unread bytes are noted in steps of this size. Smaller steps would lock the table for every message.
 const STEP: usize = 16 * 1024;
 
 #[derive(Clone, Debug)]
 pub(in crate::doors) struct SessionOwner {
     pub(in crate::doors) who: Arc<str>,
     pub(in crate::doors) is_viewer: bool,
-    /// Whether the owner has shown a key. Without keys all clients have the same owner, who has no share.
+    /// Whether the owner has used a key. Without keys all clients have the same owner, which has no share.
     pub(in crate::doors) has_share: bool,
 }
 
@@ -47,7 +48,8 @@ pub(in crate::doors) struct SessionLimits(Arc<Mutex<SessionTable>>);
 
 #[derive(Debug)]
 struct SessionTable {
-    /// Maximum number of all sessions. One key may have `share` of them, and `share` of them are reserved for operators.
+    /// Maximum number of all sessions. One key may have `share` of them, and another `share` is reserved for
+    /// operators.
     most: usize,
     share: usize,
     opened: u64,
@@ -60,11 +62,12 @@ struct Session {
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
     unread: UnreadBytes,
-    /// When the client last read a large part of its waiting bytes, or all of them, in milliseconds since the door was made.
+    /// When the client last read a large part of its waiting bytes, or all of them. In milliseconds of the caller's
+    /// clock.
     read_ms: u64,
 }
 
-/// Bytes in the memory of the program that a client has not read.
+/// Bytes in the program's memory that wait until a client reads them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::doors) struct UnreadBytes {
     /// Bytes that wait for this client alone.
@@ -73,14 +76,14 @@ pub(in crate::doors) struct UnreadBytes {
     pub(in crate::doors) shared: usize,
 }
 
-/// The permit of one session. The session counts until this value is dropped.
+/// The permit for one session. The session counts until this value is dropped.
 #[derive(Debug)]
 pub(in crate::doors) struct SessionPermit {
     limits: SessionLimits,
     number: u64,
     progress_ms: Arc<AtomicU64>,
     evict: Arc<Notify>,
-    /// Unread bytes noted last, in steps of `STEP`.
+    /// Unread bytes when they were last noted, in multiples of `STEP`.
     unread: AtomicUsize,
 }
 
@@ -96,7 +99,7 @@ impl SessionLimits {
         SessionLimits(Arc::new(Mutex::new(SessionTable { most, share, opened: 0, sessions: HashMap::new() })))
     }
 
-    /// Opens a session, and evicts another one if necessary. `now` is the time since the door was made.
+    /// Opens a session, and evicts another one if necessary. `now` is a time of the caller's clock.
     pub(in crate::doors) fn take(&self, owner: SessionOwner, now: Duration) -> SessionPermit {
         let (progress_ms, evict) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
         let mut table = self.table();
@@ -118,7 +121,7 @@ impl SessionLimits {
 }
 
 impl SessionTable {
-    /// The session that is evicted for a newcomer; `None` while there is room.
+    /// Returns the session to evict for a newcomer, or `None` if there is room.
     fn session_to_evict(&self, newcomer: &SessionOwner) -> Option<u64> {
         let own = self.count(|owner| owner.who == newcomer.who);
         if newcomer.has_share && own >= self.share {
@@ -141,9 +144,10 @@ impl SessionTable {
         self.least_active(|owner| &*owner.who == evicted)
     }
 
-    /// The session that is evicted when there are more than `UNREAD` unread bytes: the one that has read nothing for longest,
-    /// of the key with the most unread bytes. When viewers exceed their part, it is a viewer's session. `replaced` is the size
-    /// of the messages that wait for several clients and are no longer retained. A session with little unread is never evicted.
+    /// Returns the session to evict if there are more than `UNREAD` unread bytes. It belongs to the key with the most
+    /// unread bytes, and has read nothing for the longest time. If viewers exceed their part, it is a viewer's
+    /// session. `replaced` is the size of the messages that wait for several clients and are no longer retained. A
+    /// session with little unread is never evicted.
     fn reader_to_evict(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&SessionOwner) -> bool| {
             self.sessions.values().filter(|session| is_among(&session.owner)).map(|session| session.unread.here).sum::<usize>()
@@ -155,8 +159,8 @@ impl SessionTable {
         viewers.flatten().or_else(|| self.least_read(|_| true))
     }
 
-    /// Of the key with the most unread bytes, the session that has read nothing for longest. Sessions with at most
-    /// `LITTLE_UNREAD` are not considered.
+    /// Returns the session that has read nothing for the longest time, of the key with the most unread bytes.
+    /// Sessions with at most `LITTLE_UNREAD` unread bytes are skipped.
     fn least_read(&self, is_among: fn(&SessionOwner) -> bool) -> Option<u64> {
         let among = || {
             let all = self.sessions.iter().filter(|(_, session)| is_among(&session.owner));
@@ -186,9 +190,9 @@ impl SessionPermit {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
 
-    /// Notes how many bytes wait for the client, and when it last read a large part of them, or all. `replaced` returns the
-    /// size of the messages that wait for several clients and are no longer retained. When the unread bytes of all sessions
-    /// exceed `UNREAD`, sessions are evicted.
+    /// Notes how many bytes wait for the client. `read_at` is when the client last read a large part of them, or all.
+    /// `replaced` returns the size of the messages that wait for several clients and are no longer retained. If the
+    /// unread bytes of all sessions exceed `UNREAD`, sessions are evicted.
     pub(in crate::doors) fn note_unread(&self, unread: UnreadBytes, read_at: Duration, replaced: impl FnOnce() -> usize) {
         let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
         if noted == before {
@@ -207,7 +211,7 @@ impl SessionPermit {
         }
     }
 
-    /// Stops counting the session. Its client may still be reading why the session ends.
+    /// Stops counting the session. The client may still be reading the reason why its session ends.
     pub(in crate::doors) fn release(&self) {
         self.limits.table().sessions.remove(&self.number);
     }
@@ -245,7 +249,7 @@ mod tests {
         SessionOwner { has_share: false, ..operator("operator") }
     }
 
-    /// Opens this many sessions, one per millisecond.
+    /// Opens this many sessions, one in each millisecond.
     fn crowd(limits: &SessionLimits, owner: &SessionOwner, count: usize) -> Vec<SessionPermit> {
         (0..count).map(|n| limits.take(owner.clone(), Duration::from_millis(n as u64))).collect()
     }
@@ -274,7 +278,7 @@ mod tests {
     #[test]
     fn viewers_together_leave_sessions_to_operators_and_to_each_other() {
         let limits = SessionLimits::new(ConnectionBudget::default());
-        // A fourth of all is kept.
+        // A fourth of all sessions is reserved for operators.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
         let keys = viewers / SHARE + 2;
         let crowds: Vec<_> = (0..keys).map(|key| crowd(&limits, &viewer(&key.to_string()), SHARE)).collect();
@@ -305,7 +309,7 @@ mod tests {
         assert_eq!(limits.table().sessions.len(), CONNECTIONS);
     }
 
-    /// Safety S9: where nobody signs in.
+    /// Safety S9: without keys.
     #[test]
     fn without_keys_nobody_has_a_share_and_the_least_active_gives_way() {
         let limits = SessionLimits::new(ConnectionBudget::default());
@@ -318,7 +322,7 @@ mod tests {
         assert_eq!((lost(&all), lost(&all[CONNECTIONS - 1..])), (1, 1));
     }
 
-    /// Notes `here` unread bytes for each session; their clients last read one millisecond after the other.
+    /// Notes `here` unread bytes for each session. The first session has read nothing for the longest time.
     fn pile_up(crowd: &[SessionPermit], here: usize) {
         for (n, permit) in (0..).zip(crowd) {
             permit.note_unread(UnreadBytes { here, ..UnreadBytes::default() }, Duration::from_millis(n), || 0);
@@ -360,7 +364,8 @@ mod tests {
         assert!(unread_here(&limits) <= UNREAD);
     }
 
-    /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
+    /// Safety A5: a message that waits for several clients counts once it is no longer retained. Retained messages do
+    /// not count.
     #[test]
     fn what_several_wait_for_counts_when_it_is_kept_no_more() {
         let limits = SessionLimits::new(ConnectionBudget::default());

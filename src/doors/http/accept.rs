@@ -1,10 +1,11 @@
-//! Chooses the format of a response by the header `Accept` (RFC 9110, section 12.5.1), and its content coding by
+//! Chooses the format of a response by the header `Accept` (RFC 9110, section 12.5.1). Also reads the header
 //! `Accept-Encoding`.
 
 use axum::http::{HeaderMap, header};
 
-/// The offer that the client prefers, or `None` when it accepts none of the offers. Among equals the one that is named more
-/// exactly wins, then the first. Without the header the first offer is used.
+/// Returns the offer that the client prefers, or `None` when the client accepts no offer. Of two offers with equal
+/// quality, the one that `Accept` names more exactly wins. If both are equally exact, the first one wins. Without the
+/// header, the first offer is returned.
 pub(super) fn preferred<'a>(headers: &HeaderMap, offers: &[&'a str]) -> Option<&'a str> {
     let values = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
     let ranges: Vec<(&str, f32)> = values.flat_map(|value| value.split(',')).filter_map(range).collect();
@@ -26,8 +27,8 @@ pub(super) fn codings(headers: &HeaderMap) -> impl Iterator<Item = (&str, f32)> 
     values.flat_map(|value| value.split(',')).filter_map(range)
 }
 
-/// Parses `text/plain;q=0.5` into (`text/plain`, 0.5), and language ranges likewise. Other parameters are ignored. An invalid
-/// quality counts as 0.
+/// Parses `text/plain;q=0.5` into (`text/plain`, 0.5). Language ranges are parsed in the same way. Other parameters
+/// are ignored. An invalid quality counts as 0.
 pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     let mut parts = text.split(';').map(str::trim);
     let media = parts.next().filter(|media| !media.is_empty())?;
@@ -35,7 +36,8 @@ pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     Some((media, quality.map_or(1.0, |q| q.parse::<f32>().unwrap_or(0.0).clamp(0.0, 1.0))))
 }
 
-/// The quality of an offer by the range that matches it most exactly, and how exact that range is.
+/// Returns the quality of an offer, and how exactly a range of the header names it. If several ranges match, the most
+/// exact one counts.
 fn rank(offer: &str, ranges: &[(&str, f32)]) -> (f32, u8) {
     let family = offer.split('/').next().unwrap_or_default();
     let exactness = |media: &str| match media.strip_suffix("/*") {

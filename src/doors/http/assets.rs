@@ -1,4 +1,5 @@
-//! Files of the page, built into the program: style, script, icon, vendored library. Nothing is read from disk.
+//! Files of the web page: style, script, icon, vendored library. They are built into the program. Nothing is read
+//! from disk.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -133,7 +134,7 @@ pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Probl
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response()))
 }
 
-/// Tells two texts apart; not for security.
+/// Returns a hash of a text, for detecting changes. It gives no security against forged texts.
 pub(super) fn fingerprint(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     text.hash(&mut hasher);

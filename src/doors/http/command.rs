@@ -1,6 +1,6 @@
-//! The commands of `/api/v1`, as in the table of commands: reads the body, sends the command with its sender (name,
-//! address, and command id), and answers with its revision. The routes of the console use the same `CommandSender`, and write
-//! their own answers.
+//! The commands of `/api/v1`, one for each row of the table of commands. Reads the body and sends the command. The
+//! command carries its id, and the name and address of its sender. The answer contains the revision after the
+//! command. The routes of the console use the same `CommandSender`, but write their own answers.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -29,8 +29,8 @@ pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }
 
-/// Any command but STOP; `number` is that of its subject. A move that was recognised as a STOP is one, whatever else it
-/// contains.
+/// Carries out any command except STOP. `number` is the number of the luggage or alarm that the command is about. A
+/// move that was recognised as a STOP is carried out as STOP, whatever else the request contains.
 pub(super) async fn command(
     kind: CommandKind,
     sender: CommandSender,
@@ -44,7 +44,7 @@ pub(super) async fn command(
     give(&sender, command, epoch).await
 }
 
-/// Sends a command and answers in JSON. The old console's routes use this, too.
+/// Sends a command and returns the answer as JSON. The routes of the old console use this function too.
 pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> CommandAnswer {
     let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
@@ -74,13 +74,13 @@ impl FromRequestParts<HttpDoor> for CommandSender {
 }
 
 impl CommandSender {
-    /// Whether a STOP was recognised in this request, whatever else it contains.
+    /// Whether a STOP was recognised in this request. Other faults in the request do not matter.
     pub(super) fn has_pressed_stop(&self) -> bool {
         self.pressed.as_ref().is_some_and(Pressed::is_there)
     }
 
-    /// Sends a command and waits for its answer. On every route all commands but STOP need an operator. A STOP request halts
-    /// the robot whatever is wrong with it.
+    /// Sends a command and waits for its answer. On every route, all commands except STOP need the role of an
+    /// operator. A STOP halts the robot even if other parts of the request are faulty.
     pub(super) async fn give(&self, door: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
         if let Some(given) = self.pressed.as_ref().filter(|_| is_stop).and_then(Pressed::take) {
@@ -97,13 +97,14 @@ impl CommandSender {
             Err(problem) => return Err(problem.clone()),
         };
         let request = Request { id, epoch, arrived: self.arrived, ..Request::new(command, issuer) };
-        // In a task of its own: an accepted command is carried out even if its sender disconnects.
+        // Runs in a separate task: an accepted command is carried out even if its sender disconnects.
         let carried_out = tokio::spawn(self.door.handle.carry_out(request));
         Ok(carried_out.await.map_err(|_| Problem::internal())??)
     }
 }
 
-/// The command id: bare, or quoted as in the draft of the header (a structured string, RFC 9651).
+/// Reads the command id from the header `Idempotency-Key`. The id is bare, or quoted as in the draft of the header (a
+/// structured string, RFC 9651).
 pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };
@@ -116,7 +117,7 @@ pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Probl
     name.as_deref().and_then(CommandId::new).map(Some).ok_or_else(wrong)
 }
 
-/// The contents of a quoted string; `None` when its quotes or its escapes are wrong.
+/// Returns the contents of a quoted string, or `None` when its quotes or its escapes are wrong.
 fn unquoted(text: &str) -> Option<String> {
     let mut letters = text.strip_prefix('"')?.strip_suffix('"')?.chars();
     let mut said = String::new();
@@ -324,7 +325,7 @@ mod tests {
         }
     }
 
-    /// Safety A6: a command carries its sender, its address and its id.
+    /// Safety A6: a command carries the name of its sender, the sender's address and the command id.
     #[tokio::test]
     async fn who_from_where_and_under_which_name_goes_with_a_command() {
         let app = app(searching());

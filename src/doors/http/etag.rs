@@ -1,5 +1,5 @@
-//! Avoids sending an answer twice, by weak tags `W/"run-revision-format"` and status 304. The tags are weak because the same
-//! state may be sent compressed or not.
+//! Answers with status 304 if the client already has the current version. To detect this, each answer has a weak tag
+//! `W/"run-revision-format"`. The tags are weak because the same state may be sent compressed or uncompressed.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -10,8 +10,8 @@ pub(super) fn tag(run: &str, revision: impl std::fmt::Display, format: &str) -> 
     format!("W/\"{run}-{revision}-{format}\"")
 }
 
-/// Answers 304 when the client has this version, otherwise with the result of `body`. Both answers carry the tag, and clients
-/// must revalidate each time.
+/// Answers 304 when the client already has this version, otherwise with the result of `body`. Both answers carry the
+/// tag. Clients must ask again each time.
 pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() -> Response) -> Response {
     let mut response = if is_known(request, tag) { StatusCode::NOT_MODIFIED.into_response() } else { body() };
     let tag = HeaderValue::from_str(tag).expect("a tag is a run id, a number and a format, all printable");
@@ -20,7 +20,7 @@ pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() ->
     response
 }
 
-/// Like `conditional`, for content without a revision: the tag is derived from the content.
+/// Like `conditional`, for content that has no revision: the tag is computed from the content.
 pub(super) fn by_content(request: &HeaderMap, media_type: &'static str, body: String) -> Response {
     let tag = tag_of(&body);
     conditional(request, &tag, || ([(header::CONTENT_TYPE, media_type)], body).into_response())
@@ -32,7 +32,7 @@ pub(super) fn tag_of(content: &str) -> String {
     format!("W/\"{:016x}\"", hasher.finish())
 }
 
-/// Whether `If-None-Match` contains the tag, by weak comparison (RFC 9110, section 13.1.2).
+/// Whether the header `If-None-Match` contains the tag. Compares weakly (RFC 9110, section 13.1.2).
 pub(super) fn is_known(request: &HeaderMap, tag: &str) -> bool {
     let opaque = |text: &str| text.trim().trim_start_matches("W/").to_owned();
     let values = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());

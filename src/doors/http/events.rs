@@ -1,5 +1,6 @@
-//! `GET /api/v1/events`: the state as server-sent events, first complete and then only the changes. A reader that reconnects
-//! sends its last revision in `Last-Event-ID`. If that id is of another run, the stream starts with the complete state.
+//! `GET /api/v1/events`: sends the complete state first and then only the changes, as server-sent events. A client
+//! that reconnects sends its last revision in `Last-Event-ID`. If that id is from another run of the program, the
+//! stream starts with the complete state.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -21,13 +22,15 @@ use crate::api::state::StateJson;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// Interval of heartbeats on an idle stream: after three seconds without one a reader may consider the stream dead.
+/// Interval of heartbeats on an idle stream. A client that receives nothing for three seconds may consider the stream
+/// dead.
 pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);
 
-/// Minimum time between two events of one stream: no program that watches a robot needs more than fifty a second.
+/// Minimum time between two events of one stream. No program that watches a robot needs more than fifty a second.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Time after which a reader reconnects when its stream has ended: the field `retry` of the first event.
+/// Time after which a client reconnects when its stream has ended. It is sent in the field `retry` of the first
+/// event.
 const RETRY: Duration = Duration::from_secs(1);
 
 /// Tells proxies not to buffer a stream.
@@ -35,8 +38,8 @@ pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-ac
 
 pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
-    // An id is `run-revision`. If it is of another run, or its revision is not reached yet, the stream starts with the complete
-    // state.
+    // An id has the form `run-revision`. The stream starts with the complete state if the id is from another run, or
+    // if its revision is not reached yet.
     let resumed = headers.get("last-event-id").and_then(|id| {
         let (run, revision) = id.to_str().ok()?.trim().rsplit_once('-')?;
         let revision = Revision(revision.parse().ok()?);

@@ -1,5 +1,5 @@
-//! The gate before every route: it identifies the sender by bearer token or session cookie, and checks the sender's right. The
-//! table of `routes` says which right is needed; keys are in `crate::access`.
+//! The gate before every route. It identifies the sender by bearer token or session cookie, then checks whether the
+//! sender has the required right. The table of `routes` lists the required rights. `crate::access` has the keys.
 
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, header};
@@ -47,7 +47,7 @@ pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
 }
 
 impl HttpDoor {
-    /// Whether answers can have a date. A clock that shows a time before 1970 is wrong.
+    /// Whether answers can have a date: the clock must not show a time before 1970.
     pub(super) fn can_date(&self) -> bool {
         self.moment().unix_s >= 0
     }
@@ -61,7 +61,7 @@ impl HttpDoor {
         self.access.still_knows(caller, self.moment())
     }
 
-    /// Delays a refusal: the more wrong keys came from this network, the longer.
+    /// Delays a refusal. The delay grows with the number of wrong keys that came from this network.
     pub(super) async fn hold_back(&self, peer: Peer) {
         let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
         let (from, delay_ms) = (peer.address, delay.as_millis());
@@ -69,9 +69,9 @@ impl HttpDoor {
         tokio::time::sleep(delay).await;
     }
 
-    /// Records that this door refused a request (safety A6).
+    /// Records in the journal that this door refused a request (safety A6).
     pub(super) async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) {
-        // This fails only when the program is ending, and then nobody is left to tell.
+        // Recording fails only while the program is ending. The error cannot be reported to anybody then.
         let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
 
@@ -79,13 +79,13 @@ impl HttpDoor {
         self.strangers.write(self.clock.now().since_start, write);
     }
 
-    /// Logs a request that must not be recorded in the journal: strangers must not be able to fill the disk.
+    /// Logs a request without recording it in the journal. Strangers must not be able to fill the disk.
     pub(super) fn note_unrecorded(&self, peer: Peer, method: &Method, path: &str, why: &str) {
         let (from, path) = (peer.name(), in_short(path));
         self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
     }
 
-    /// The owner of any valid key in these headers, even if there are wrong keys as well.
+    /// Returns the owner of any valid key in these headers. Wrong keys beside it do not matter.
     pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
         let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
         by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
@@ -126,7 +126,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     request.extensions_mut().insert(caller);
     let pressed = request.extensions().get::<Pressed>().cloned();
     let mut response = next.run(request).await;
-    // If the request was recognised as a STOP, it is recorded already.
+    // A request that was recognised as a STOP is already recorded.
     let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
     if let (Some((issuer, asked)), Some(NotTaken(refused))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
         door.note_refused(issuer, asked, refused).await;
@@ -134,8 +134,8 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     response
 }
 
-/// The record of a refused request, with its door; `None` for a request that changes nothing. Signing in and out are not
-/// commands.
+/// Returns what to record if this request is refused: its door, its method and its path. Returns `None` for a request
+/// that changes nothing. Signing in and out are not commands.
 fn asked(request: &Request, need: Need) -> Option<(command::Door, Asked)> {
     let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     if looks || need == Need::Nothing {
@@ -149,8 +149,9 @@ pub(super) fn by_path(path: &str) -> command::Door {
     if path.starts_with("/console/") || path.starts_with("/simulator/") { door::CONSOLE } else { door::HTTP }
 }
 
-/// The answer to a sender without credentials. A browser that asks for a page is sent to the sign-in page, which leads back;
-/// any other request of a browser leads to a page that says the command was not carried out. A program is told what to send.
+/// Answers a sender without credentials. A browser that requests a page is redirected to the sign-in page, which
+/// leads back afterwards. For any other request of a browser, the sign-in page says that the command was not carried
+/// out. A program gets a problem that says what to send.
 fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
         door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
@@ -166,7 +167,8 @@ fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     response
 }
 
-/// A bearer token takes precedence. Any other kind of authorization is meant for a proxy, so the cookie counts then.
+/// Returns the credentials of a request. A bearer token takes precedence over the cookie. Any other kind of
+/// authorization is meant for a proxy; the cookie counts then.
 fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
     if let Some(token) = tokens(headers).next() {
         return Shown::Token(token);

@@ -1,4 +1,4 @@
-//! What this door records of requests it refuses. Rights are tested in `routes_tests`.
+//! Which refused requests this door records. Rights are tested in `routes_tests`.
 
 use crate::access::Access;
 use crate::api::door;
@@ -13,10 +13,11 @@ const JSON: (&str, &str) = ("content-type", "application/json");
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const PERSON: (&str, &str) = ("accept", "text/html,*/*;q=0.8");
 
-/// Method, path, headers and body of a request; status and code of the answer.
+/// A request (method, path, headers, body), and its answer (status, problem code).
 type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a str);
 
-/// Records pass through the loop's queue in order: once a STOP after them is answered, all of them are there.
+/// Returns the recorded refusals. Records pass through the loop's queue in order. When a STOP sent after them is
+/// answered, all of them are recorded.
 async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
     assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
     let noted = std::mem::take(&mut *app.noted.lock().unwrap());
@@ -58,7 +59,7 @@ async fn what_the_door_itself_refuses_is_put_on_record_once() {
     }
 }
 
-/// Safety A6: the core puts its own refusals on record.
+/// Safety A6: the core itself records the commands that it refuses.
 #[tokio::test]
 async fn what_the_core_refused_or_nobody_asked_for_is_not_put_on_record_here() {
     let app = app(searching());

@@ -1,5 +1,5 @@
-//! Applied before every route: security headers, refusal of foreign hosts and of commands from other origins, error pages for
-//! people, compression, and catching of panics. It knows no route.
+//! Layers before every route: security headers, refusal of foreign hosts, refusal of commands from other origins,
+//! error pages for browsers, compression, and catching of panics. They do not depend on the route.
 
 use std::borrow::Cow;
 use std::net::IpAddr;
@@ -26,11 +26,11 @@ use super::problem::{Detail, Problem, halted, in_words};
 use crate::api::fields::in_short;
 use crate::phrases::Language;
 
-/// Allows only files of this origin, no inline script or style, no frame, and no form to another origin.
+/// Allows only files of this origin. Inline scripts, inline styles, frames and forms to another origin are forbidden.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
                                        base-uri 'self'";
 
-/// Headers of every answer, problems included.
+/// Headers of every answer, error answers included.
 const SECURITY: [(HeaderName, &str); 6] = [
     (header::CONTENT_SECURITY_POLICY, CONTENT_SECURITY_POLICY),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -40,8 +40,8 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// Host names of this program. If other names were accepted, a foreign page could reach the program by a name that points here
-/// (DNS rebinding). An address is safe, because nobody can make it point elsewhere.
+/// Host names of this program. Other names are refused: a foreign page could use a name of its own that leads to this
+/// machine (DNS rebinding). IP addresses are safe, because nobody can redirect them.
 #[derive(Clone, Debug)]
 pub struct Hosts {
     is_local: bool,
@@ -49,13 +49,13 @@ pub struct Hosts {
 }
 
 impl Hosts {
-    /// This machine's own names, and `names`. When other machines can reach the program (`is_local` is false), any address is
-    /// accepted too.
+    /// Creates the list of accepted names: this machine's own names, and `names`. If other machines can reach the
+    /// program (`is_local` is false), any IP address is accepted too.
     pub fn new(is_local: bool, names: &[String]) -> Hosts {
         Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
     }
 
-    /// Whether a host, with or without a port, is this program.
+    /// Whether a host is this program. The host may have a port.
     fn knows(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let name = plain(authority.host());
@@ -65,8 +65,8 @@ impl Hosts {
         }
     }
 
-    /// The first foreign host name in a request: that of its target (`named`) if it has one, otherwise the names in its
-    /// headers.
+    /// Returns the first foreign host name in a request. Checks the host in the request's target (`named`) first, if
+    /// there is one, then all headers `Host`.
     pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
         let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
         let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);
@@ -83,13 +83,13 @@ impl Hosts {
     }
 }
 
-/// Normalises a host name: its case does not matter, and it may end with a dot (RFC 3986, section 3.2.2).
+/// Normalises a host name. Upper and lower case are equal, and a dot at the end is allowed (RFC 3986, section 3.2.2).
 fn plain(name: &str) -> String {
     name.trim_end_matches('.').to_ascii_lowercase()
 }
 
-/// Adds the layers from the innermost to the outermost: a request passes them from the bottom of this list to the top, and then
-/// the gate of its route. By the default of `CompressionLayer`, event streams and pictures are not compressed.
+/// Adds the layers, the innermost first. A request passes them from the bottom of this list to the top, and then the
+/// gate of its route. `CompressionLayer` does not compress event streams and pictures; this is its default.
 pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;
     let guarded = routes
@@ -108,8 +108,8 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     })
 }
 
-/// Lets every answer be sent: a client that refuses the uncompressed form gets it anyway. Otherwise a command that was carried
-/// out would seem to be refused.
+/// Ignores that a client refuses uncompressed answers, and sends it an uncompressed answer. An error instead would
+/// make a command that was carried out look refused.
 async fn as_it_is(mut request: Request) -> Request {
     let is_refused = |(name, quality): (&str, f32)| quality == 0.0 && (name == "*" || name.eq_ignore_ascii_case("identity"));
     if codings(request.headers()).any(is_refused) {
@@ -118,8 +118,8 @@ async fn as_it_is(mut request: Request) -> Request {
     request
 }
 
-/// Refuses requests whose host name is missing, faulty or foreign. A foreign name means that somebody else has led the browser
-/// here.
+/// Refuses requests with a missing, faulty or foreign host name. A foreign name means that somebody else has led the
+/// browser to this program.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     if let Some(fault) = host_fault(&request) {
         let halted = halted(request.extensions().get());
@@ -131,7 +131,7 @@ async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> R
     }
 }
 
-/// The fault in how a request names its host (RFC 9112, section 3.2).
+/// Returns what is wrong with the host name of a request, or `None` (RFC 9112, section 3.2).
 fn host_fault(request: &Request) -> Option<&'static str> {
     let hosts: Vec<&HeaderValue> = request.headers().get_all(header::HOST).iter().collect();
     match hosts[..] {
@@ -141,7 +141,7 @@ fn host_fault(request: &Request) -> Option<&'static str> {
     }
 }
 
-/// Whether this is a host, with or without a port; user information before it is a fault.
+/// Whether this header is a host, with or without a port. A user name before the host is a fault.
 fn is_host(value: &HeaderValue) -> bool {
     let Some(authority) = value.to_str().ok().and_then(|text| text.parse::<Authority>().ok()) else { return false };
     let port = authority.as_str().strip_prefix(authority.host());
@@ -150,12 +150,12 @@ fn is_host(value: &HeaderValue) -> bool {
     })
 }
 
-/// Whether a browser asks for a page; everything under `/api` is for programs.
+/// Whether a browser requests a page. Paths under `/api` are always for programs.
 pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
     !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
 }
 
-/// A page exists in several languages, so caches must know which headers select the language.
+/// Tells caches which headers select the language of a page.
 async fn in_a_language(mut response: Response) -> Response {
     if is_page(&response) {
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept-language, cookie"));
@@ -163,11 +163,12 @@ async fn in_a_language(mut response: Response) -> Response {
     response
 }
 
-/// Turns problems into pages for browsers. Programs get the problem itself, and so does every sender under `/api`.
+/// Converts a problem to a page if a browser requested a page. Programs get the problem as JSON, and so does every
+/// request under `/api`.
 async fn for_people(request: Request, next: Next) -> Response {
     let is_program = !is_for_people(request.uri().path(), request.headers());
     let language = spoken(request.headers());
-    // A page that answers a form cannot be requested again.
+    // The answer to a form cannot be requested again with its address.
     let can_be_shown_again = !is_program && *request.method() == Method::GET;
     let asked = request.uri().path_and_query().filter(|_| can_be_shown_again).map(|path| path.as_str().to_owned());
     let mut response = next.run(request).await;
@@ -179,7 +180,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    // Under a foreign host name STOP would also be refused, so the page must not offer it.
+    // Under a foreign host name, STOP would be refused too. The page must not offer it.
     let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
     let detail = of_core.map_or_else(|| in_words(language, code, &detail), |refused| language.refused(&refused));
     let title = title(parts.status);
@@ -188,7 +189,8 @@ async fn for_people(request: Request, next: Next) -> Response {
     Response::from_parts(parts, page.into())
 }
 
-/// Statuses with a title in plain words. For any other status the title is that the request was not understood.
+/// Statuses that have a title in plain words. All other statuses get the first title, which says that the request was
+/// not understood.
 const TITLES: [&str; 9] = ["400", "401", "403", "404", "408", "409", "421", "500", "503"];
 
 fn title(status: StatusCode) -> &'static str {
@@ -199,15 +201,15 @@ fn title(status: StatusCode) -> &'static str {
 #[template(path = "astray.html")]
 struct Astray<'a> {
     language: Language,
-    /// Key of the page's title among the phrases.
+    /// Key of the page's title in the list of phrases.
     title: &'static str,
     detail: String,
     may_stop: bool,
     here: &'a str,
 }
 
-/// Refuses a request that a page of another origin sent, unless it only reads. A program sends neither of the headers that tell
-/// the origin, and passes.
+/// Refuses a request that a page of another origin sent, unless the request only reads. A program sends no header
+/// about its origin and is not refused.
 async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
@@ -220,8 +222,8 @@ async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next)
     Problem::foreign(detail.to_owned()).into_response()
 }
 
-/// Decided by the header that names the sender's site. Older browsers send only the origin, which is then compared with the
-/// host.
+/// Whether a page of another origin sent the request. The header `Sec-Fetch-Site` decides. Older browsers send only
+/// the header `Origin`; its host is then compared with the header `Host`.
 pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     let texts = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("unreadable"));
     let mut sites = texts(HeaderName::from_static("sec-fetch-site")).peekable();
@@ -232,7 +234,8 @@ pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     texts(header::ORIGIN).any(|origin| origin.split_once("://").map(|(_, host)| host) != host)
 }
 
-/// The value of the header `Date` (RFC 9110, section 6.6.1); `None` when the clock cannot be right.
+/// Returns the value of the header `Date` (RFC 9110, section 6.6.1). Returns `None` if the clock shows an impossible
+/// time.
 fn date(unix_ms: i64) -> Option<HeaderValue> {
     let now = jiff::Timestamp::from_millisecond(unix_ms).ok().filter(|_| unix_ms >= 0)?;
     let text = jiff::fmt::rfc2822::DateTimePrinter::new().timestamp_to_rfc9110_string(&now).ok()?;

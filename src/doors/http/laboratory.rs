@@ -1,5 +1,6 @@
-//! The laboratory: the Roomba as a state machine and as a behaviour tree, and the pallet scenario, on one page and as JSON.
-//! Everything is computed from the address of the page; nothing here reads the state of the hall or moves a robot.
+//! The laboratory: the Roomba as a state machine and as a behaviour tree, and the pallet scenario. Both are shown on
+//! one page and as JSON. Everything is computed from the address of the page. Nothing here reads the state of the
+//! hall or moves a robot.
 
 pub(super) mod asked;
 mod said;
@@ -29,11 +30,12 @@ use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// Limits of runs that are being computed or wait; a run takes less than a tenth of a second. A key has three runs at most, and
-/// four are reserved for keys with fewer than two.
+/// Limits for runs that are being computed or wait. A run takes less than a tenth of a second. A key may have at most
+/// three runs. Four of the twelve places are reserved for keys that have fewer than two.
 const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
-/// Computes one run after the other. So a crowd in the laboratory occupies one thread, and STOP needs none of its threads.
+/// Computes one run after the other. Many users of the laboratory therefore occupy only one thread, and STOP does not
+/// need that thread.
 #[derive(Clone, Debug)]
 pub(super) struct Laboratory {
     places: RequestQuota,
@@ -75,7 +77,7 @@ impl Default for Laboratory {
 }
 
 impl HttpDoor {
-    /// Computes a run on a thread that no robot depends on.
+    /// Computes a run on a thread that no robot depends on. Waits until it is this run's turn.
     async fn computed<T: Send + 'static>(
         &self,
         caller: &Caller,
@@ -84,7 +86,7 @@ impl HttpDoor {
         let Laboratory { places, turn } = &self.laboratory;
         let place = places.take(self.access.key_of(caller)).map_err(Problem::too_many_runs)?;
         let turn = Arc::clone(turn).acquire_owned().await.map_err(|_| Problem::internal())?;
-        // The permits are returned when the run has ended, even if nobody waits for its result any more.
+        // The place and the turn are freed when the run has ended, even if nobody waits for the result any more.
         let computing = tokio::task::spawn_blocking(move || (run(), turn, place));
         computing.await.map_err(|_| Problem::internal())?.0
     }
@@ -105,11 +107,11 @@ struct Page {
 
 struct Carried {
     drawing: String,
-    /// Columns and rows of the yard, with half a cell of the wall on each side.
+    /// Columns and rows of the yard, including half a cell of the wall on each side.
     size: (i32, i32),
     events: Vec<Event>,
     figures: Vec<(String, String)>,
-    /// Why not all parcels arrived.
+    /// Why some parcels did not arrive; `None` if all arrived.
     fault: Option<String>,
     missed: Vec<String>,
     /// The behaviour trees at the end of the run.
@@ -193,7 +195,7 @@ mod tests {
         assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
     }
 
-    /// Safety S9: one request computes while others wait, and each key has only a few.
+    /// Safety S9: one run is computed while others wait. A key may have only a few of them.
     #[tokio::test]
     async fn one_key_has_a_few_runs_and_some_places_are_kept_for_keys_that_have_few() {
         let places = Laboratory::default().places;

@@ -1,5 +1,5 @@
-//! The language of a page: the one stored in a cookie by the language switch, otherwise the one that the browser asks for,
-//! otherwise English.
+//! The language of a page. The language switch stores a language in a cookie. Without the cookie, the browser's
+//! preferred language is used, otherwise English.
 
 use std::convert::Infallible;
 
@@ -19,7 +19,7 @@ use crate::phrases::Language;
 
 const COOKIE: &str = "hallsweep-language";
 
-/// Lifetime of the cookie in seconds: a year.
+/// Lifetime of the language cookie in seconds: a year.
 const REMEMBERED_S: u32 = 365 * 24 * 3600;
 
 pub(super) struct Spoken(pub(super) Language);
@@ -62,7 +62,8 @@ pub(super) fn spoken(headers: &HeaderMap) -> Language {
     cookies(headers, COOKIE).find_map(Language::tagged).unwrap_or_else(|| asked_for(headers))
 }
 
-/// The language with the highest quality, and the first among equals (RFC 9110, section 12.5.4).
+/// Returns the language with the highest quality in the header `Accept-Language` (RFC 9110, section 12.5.4). Of
+/// several with the same quality, the first one wins.
 fn asked_for(headers: &HeaderMap) -> Language {
     let values = headers.get_all(header::ACCEPT_LANGUAGE).iter().filter_map(|value| value.to_str().ok());
     let wishes = values.flat_map(|value| value.split(',')).filter_map(range);

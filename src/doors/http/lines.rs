@@ -1,10 +1,10 @@
-//! Limits the log lines about strangers: a sender without a key must not be able to fill the log. The caller decides what a
-//! line says.
+//! Limits the number of log lines about strangers. A sender without a key must not be able to fill the log. The
+//! caller decides what a line says.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Maximum number of lines in one span of time: enough to see who tries what.
+/// Maximum number of lines in one `SPAN`. It is enough to see who tries what.
 const MOST: u32 = 20;
 
 const SPAN: Duration = Duration::from_secs(60);
@@ -20,8 +20,8 @@ struct Late {
 }
 
 impl Lines {
-    /// Writes a line, unless the span has its maximum already. `now` is the time since the door was made. The number of omitted
-    /// lines is written before the next line.
+    /// Writes a line, unless this span already has its maximum. `now` is the time since this door was created. Before
+    /// the next written line, the number of omitted lines is logged.
     pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
         let left_out = {
             let mut late = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -46,7 +46,7 @@ impl Lines {
 mod tests {
     use super::*;
 
-    /// Safety A5: the log of what strangers try is bounded.
+    /// Safety A5: the number of log lines about strangers is limited.
     #[test]
     fn a_flood_of_strangers_writes_so_many_lines_a_minute() {
         let (lines, mut written) = (Lines::default(), 0);

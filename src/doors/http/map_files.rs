@@ -1,6 +1,6 @@
-//! `GET map/hall.*`: the map as a file for another program. It takes a tenth of a second to write a large hall, so one file is
-//! written at a time, and cached until the map changes. A crowd of readers then keeps one thread busy, and not one that carries
-//! out a STOP (safety S7). The contents are in `api::map_files`.
+//! `GET map/hall.*`: the map as a file for another program. Writing a large hall takes a tenth of a second. One file
+//! is written at a time, and cached until the map changes. Many readers therefore occupy only one thread, and never a
+//! thread that carries out a STOP (safety S7). `api::map_files` has the contents.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use super::problem::Problem;
 use crate::api::map_files::MapFileRow;
 use hallsweep_core::units::Revision;
 
-/// The newest copy of each file, by its name. The writer holds the lock.
+/// The newest copy of each file, by the file's name. The lock is held while a file is written.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MapFiles(Arc<Mutex<HashMap<&'static str, MapFile>>>);
 
-/// A file at a revision; all answers share its bytes.
+/// A file at one revision of the map. All answers share its bytes.
 #[derive(Clone, Debug)]
 struct MapFile {
     revision: Revision,
@@ -42,15 +42,15 @@ pub(super) async fn map_file(row: &'static MapFileRow, door: &HttpDoor, headers:
 }
 
 impl HttpDoor {
-    /// The cached copy if it is new enough for the request, otherwise a copy of the newest map. All waiting requests get that
-    /// copy, too.
+    /// Returns the cached file if it is new enough for the request. Otherwise writes a file of the newest map, which
+    /// all waiting requests then get too.
     async fn map_file(&self, row: &'static MapFileRow, asked: Revision) -> Result<MapFile, Problem> {
         let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
         if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
             return Ok(file.clone());
         }
         let door = self.clone();
-        // The lock is released when the file is written, even if nobody waits for the file any more.
+        // The lock is released when the file is written, even if nobody waits for that file any more.
         let writing = tokio::task::spawn_blocking(move || {
             let snapshot = door.handle.snapshot();
             let (hall, cell_m) = door.hall();
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(late.bytes.as_ptr(), newer.bytes.as_ptr(), "who asked before it changed gets the newer one");
     }
 
-    /// Safety S7: hanging up does not let the next write begin before this file is written.
+    /// Safety S7: if a client disconnects, the next file is still not written before this one is complete.
     #[tokio::test]
     async fn one_is_written_at_a_time_also_for_those_who_have_gone() {
         let app = app(searching());

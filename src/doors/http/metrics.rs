@@ -1,5 +1,6 @@
-//! `GET /metrics`: the figures of the program and the state of the mission, in the text format of Prometheus or of OpenMetrics,
-//! by the header `Accept`. The state comes from the snapshot that every door shows, so a reader does not delay the loop.
+//! `GET /metrics`: the figures of the program and the state of the mission. The header `Accept` selects the text
+//! format of Prometheus or of OpenMetrics. The state comes from the snapshot that all doors use, so a reader does not
+//! delay the loop.
 
 use std::fmt;
 use std::sync::atomic::AtomicU64;
@@ -20,14 +21,14 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Celsius;
 
-/// Media types of both formats, the default first.
+/// Media types of both formats. The default is the first one.
 pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];
 
 const PREFIX: &str = "hallsweep";
 
 pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) -> Result<Response, Problem> {
     let text = written(door.handle.figures(), &door.handle.snapshot()).map_err(|_| Problem::internal())?;
-    // A scraper that names neither format gets the older one, which all scrapers read.
+    // A client that names neither format gets the older one, which all Prometheus clients can read.
     let (media_type, text) = match accept::preferred(&headers, &FORMATS) {
         Some("application/openmetrics-text") => ("application/openmetrics-text; version=1.0.0; charset=utf-8", text),
         _ => ("text/plain; version=0.0.4; charset=utf-8", in_text_format(&text)),
@@ -35,8 +36,8 @@ pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) ->
     Ok(([(header::CONTENT_TYPE, media_type), (header::VARY, "accept")], text).into_response())
 }
 
-/// Converts OpenMetrics to the text format of Prometheus, version 0.0.4. There the family of a counter has the name of its
-/// samples, an info is a gauge, and units and the end mark do not exist.
+/// Converts OpenMetrics to the text format of Prometheus, version 0.0.4. In that format, the family of a counter has
+/// the same name as its samples. An info metric is a gauge. Units and the end mark do not exist.
 fn in_text_format(open_metrics: &str) -> String {
     let mut text = String::with_capacity(open_metrics.len());
     let mut help = "";

@@ -1,4 +1,5 @@
-//! The contents of `/metrics`, and that its page, the dashboard and the tables of commands and doors agree with them.
+//! Tests of `/metrics`: its contents agree with the documentation page, the dashboard, and the tables of commands and
+//! doors.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -17,9 +18,9 @@ struct Family {
     kind: String,
     unit: String,
     help: String,
-    /// Names of its samples, such as `hallsweep_steps_total`.
+    /// Names of the samples of this family, such as `hallsweep_steps_total`.
     samples: BTreeSet<String>,
-    /// The labels with their values, in order.
+    /// The values of each label, in order.
     labels: BTreeMap<String, Vec<String>>,
 }
 
@@ -27,7 +28,7 @@ fn shown() -> String {
     written(&Figures::default(), &searching()).unwrap()
 }
 
-/// A line that is not a comment: its name, its labels, its value.
+/// Splits a line of metrics into its name, its labels and its value. The line must not be a comment.
 fn sample(line: &str) -> (String, Vec<(String, String)>, f64) {
     let (series, value) = line.rsplit_once(' ').unwrap();
     let (name, labels) = series.split_once('{').unwrap_or((series, ""));
@@ -68,7 +69,7 @@ fn value(text: &str, series: &str) -> Option<f64> {
 
 #[tokio::test]
 async fn it_is_the_text_of_open_metrics_to_its_end_for_whoever_prefers_that() {
-    // The header of Prometheus 3.
+    // The header that Prometheus 3 sends.
     let wish = "application/openmetrics-text;version=1.0.0;escaping=allow-utf-8;q=0.5,application/openmetrics-text;version=0.0.1;q=0.4,\
                 text/plain;version=1.0.0;escaping=allow-utf-8;q=0.3,text/plain;version=0.0.4;q=0.2,*/*;q=0.1";
     let response = app(searching()).send("GET", "/metrics", &[("accept", wish)], "").await;
@@ -96,7 +97,7 @@ async fn it_is_the_text_of_prometheus_for_everybody_else() {
     }
 }
 
-/// By https://prometheus.io/docs/practices/naming.
+/// Checks the names by https://prometheus.io/docs/practices/naming.
 #[test]
 fn every_family_has_a_name_by_the_conventions_a_unit_and_a_meaning() {
     for (name, Family { kind, unit, help, samples, .. }) in families(&shown()) {
@@ -160,7 +161,8 @@ fn the_documentation_shows_the_figures_as_they_are() {
             "info" => "_info",
             _ => "",
         };
-        // Values that differ between machines are documented by name only, and so are the bounds of buckets.
+        // Of labels whose values differ between machines, only the name is documented. The same applies to the bounds
+        // of buckets.
         let open = ["le", "robot", "version"];
         let values = |values: &[String]| values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(" ");
         let said = |(label, known): (&String, &Vec<String>)| {

@@ -1,5 +1,5 @@
-//! Stored missions under `/api/v1/missions`, including the present one: the list, one mission, its map, and its events. The
-//! pages for people are in `console::missions`.
+//! Stored missions under `/api/v1/missions`, the present mission included: the list, one mission, its map, and its
+//! events. `console::missions` has the pages for people.
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -28,18 +28,19 @@ pub(super) const MISSIONS: u64 = 20;
 
 pub(super) const MOST_MISSIONS: u64 = 100;
 
-/// Default and maximum number of events in one answer: some 100 KiB of JSON.
+/// Default and maximum number of events in one answer. This makes some 100 KiB of JSON.
 pub(super) const EVENTS: u64 = 1000;
 
-/// Maximum number of entries read for a retrieval: a retrieval has far fewer.
+/// Maximum number of entries read for a retrieval. A real retrieval has far fewer.
 const RETRIEVAL: usize = 1000;
 
-/// Maximum number of reads for one page of commands, which bounds the cost of a request. The page then shows what was found.
+/// Maximum number of reads for one page of commands. It limits the cost of a request. The page shows what was found
+/// until then.
 const LOOKS: usize = 10;
 
 const JSON: &str = "application/json";
 
-/// `GET missions`, the newest first.
+/// `GET missions`: the missions, newest first.
 pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     query.only(&["before", "limit"])?;
     let limit = query.count("limit", 1..=MOST_MISSIONS)?.unwrap_or(MISSIONS);
@@ -49,13 +50,14 @@ pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: He
     Ok(by_content(&headers, JSON, json(&MissionListJson { missions, next })))
 }
 
-/// `GET missions/{id}`, with luggage and map.
+/// `GET missions/{id}`: one mission, with its luggage and its map.
 pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let RecordedMission { record, state, damage } = recorded(&door, id).await?;
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
 }
 
-/// `GET missions/{id}/moment`: the state after the last entry up to `at`, or after the mission's last entry.
+/// `GET missions/{id}/moment`: the state after the last entry up to `at`. Without `at`, the state after the last
+/// entry of the mission.
 pub(super) async fn moment(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -96,7 +98,7 @@ pub(super) async fn timeline(
     .await
 }
 
-/// `GET missions/{id}/events`, oldest first.
+/// `GET missions/{id}/events`: the events of a mission, oldest first.
 pub(super) async fn events(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -128,7 +130,7 @@ async fn listed(
     Ok(by_content(headers, JSON, events_json(MissionId(id), entries, next)))
 }
 
-/// `GET missions/{id}/map`, as JSON or as the text of old clients.
+/// `GET missions/{id}/map`: the map of a mission, as JSON or in the text format of the old clients.
 pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     const FORMATS: [&str; 2] = [JSON, "text/plain; charset=utf-8"];
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
@@ -144,12 +146,13 @@ pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, header
     Ok(response)
 }
 
-/// `GET missions/{id}/retrieval`: the events of the last retrieval, and the ticks of its trees.
+/// `GET missions/{id}/retrieval`: the events of the last retrieval, and each tick of its behaviour trees.
 pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
 }
 
-/// The last retrieval of a mission, from its record. It is assembled on the thread that reads, a few at once.
+/// Returns the last retrieval of a mission from its record. It is assembled on the thread that reads the archive.
+/// Only a few such jobs run at once.
 pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
@@ -175,7 +178,8 @@ pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
     Ok(Seq(query.count("after", 0..=MOST)?.unwrap_or(0)))
 }
 
-/// The newest missions before a given one, and the mission before which the next page begins.
+/// Returns the newest missions with smaller numbers than `before`. Also returns the value of `before` for the next
+/// page.
 pub(super) async fn newest(
     door: &HttpDoor,
     before: Option<MissionId>,
@@ -191,7 +195,7 @@ pub(super) async fn newest(
 
 pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
-    /// The mission's state when it was archived, or its present state.
+    /// The state of the mission when it was archived. For the present mission, the present state.
     pub(super) state: Option<PersistentState>,
     pub(super) damage: Vec<String>,
 }
@@ -204,7 +208,8 @@ pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission
     Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, state, damage })
 }
 
-/// Events of a mission after an entry, oldest first, and the entry after which the next page begins.
+/// Returns the events of a mission after the entry `after`, oldest first. Also returns the value of `after` for the
+/// next page.
 pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     of_these(door, id, after, limit, entries).await
 }
@@ -228,8 +233,8 @@ pub(super) async fn of_these(
     Ok((entries, next))
 }
 
-/// Reads pages of entries until at least `least` wanted or unreadable entries are found, or `LOOKS` pages are read. Returns
-/// them, and the entry after which the next search begins.
+/// Reads pages of entries. Stops when at least `least` wanted or unreadable entries are found, or when `LOOKS` pages
+/// are read. Returns these entries, and the entry after which the next search begins.
 pub(super) async fn wanted(
     door: &HttpDoor,
     id: u64,

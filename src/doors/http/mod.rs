@@ -1,5 +1,5 @@
-//! The HTTP door: JSON under `/api/v1`, the operator's console at `/`, the routes of the old console. It turns requests into
-//! commands and snapshots into answers, and decides nothing about the mission.
+//! The HTTP door: JSON under `/api/v1`, the operator's console at `/`, and the routes of the old console. It converts
+//! requests to commands, and snapshots to answers. It decides nothing about the mission.
 
 mod accept;
 mod assets;
@@ -58,11 +58,11 @@ use crate::runtime::simulator::Simulator;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::Participant;
 
-/// Maximum number of open streams of the console and the interface together: enough for every screen of a site. It also bounds
-/// what strangers cost.
+/// Maximum number of open event streams, those of the console included. It is enough for every screen of a site, and
+/// limits the cost that strangers can cause.
 pub const STREAMS: usize = 256;
 
-/// Default distance from a bomb that people must keep, in metres, as in the settings.
+/// Default distance that people must keep from a bomb, in metres. The settings have the same default.
 const EVACUATION_M: f64 = 100.0;
 
 #[derive(Clone)]
@@ -81,25 +81,25 @@ pub struct HttpDoor {
     strangers: Arc<Lines>,
     cookie: Arc<str>,
     mqtt: Option<Hall>,
-    /// The side of a cell in metres, if it is known.
+    /// Side length of a cell in metres, if it is known.
     cell_m: Option<f64>,
-    /// Whether the hall's map is reckoned from driving times alone.
+    /// Whether the positions on the map come from driving times alone, without measured distances.
     is_reckoned: bool,
     /// Distance from a bomb that people must keep, in metres.
     evacuation_m: f64,
     robots: Arc<[Participant]>,
     began: Arc<console::Began>,
     timelines: Arc<console::Timelines>,
-    /// Has the temperature that counts as too hot.
+    /// Settings of the mission. They contain the temperature threshold.
     settings: Settings,
-    /// Present when the searching robot is simulated.
+    /// The simulator, if the searching robot is simulated.
     simulator: Option<Arc<dyn Simulator>>,
-    /// One permit: uploaded halls are read one after the other (safety S7).
+    /// Has one permit, so that uploaded halls are read one after the other (safety S7).
     halls: Arc<Semaphore>,
 }
 
 impl HttpDoor {
-    /// `hall` is the name of the hall on the page, unless a simulator tells another.
+    /// Creates the door. `hall` is the name of the hall on the page, unless a simulator reports another name.
     pub fn new(handle: Handle, archive: ArchiveReader, hall: &str, access: Access) -> HttpDoor {
         HttpDoor {
             handle,
@@ -132,7 +132,7 @@ impl HttpDoor {
         HttpDoor { simulator, ..self }
     }
 
-    /// Name of the hall, and the side of its cells in metres, if that is known.
+    /// Returns the name of the hall, and the side length of its cells in metres if it is known.
     fn hall(&self) -> (Arc<str>, Option<f64>) {
         match &self.simulator {
             Some(simulator) => {
@@ -148,8 +148,8 @@ impl HttpDoor {
         HttpDoor { mqtt, ..self }
     }
 
-    /// The door at this port. The port is part of the cookie's name: browsers ignore ports, so several instances on one host
-    /// would share a cookie.
+    /// Returns the door for this port. The port becomes part of the cookie's name. Browsers ignore ports, so several
+    /// instances on one host would otherwise share a cookie.
     fn at(self, port: u16) -> HttpDoor {
         HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
@@ -162,22 +162,22 @@ impl HttpDoor {
         &self.cookie
     }
 
-    /// Sets the side of the hall's cells in metres, if that is known.
+    /// Sets the side length of the hall's cells in metres, if it is known.
     pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
         HttpDoor { cell_m, ..self }
     }
 
-    /// Sets whether the robot measures its path by time alone.
+    /// Sets whether the robot knows its position from driving times alone.
     pub fn with_reckoning(self, is_reckoned: bool) -> HttpDoor {
         HttpDoor { is_reckoned, ..self }
     }
 
-    /// Sets the distance from a bomb that people must keep, in metres.
+    /// Sets the distance that people must keep from a bomb, in metres.
     pub fn with_evacuation_of(self, evacuation_m: f64) -> HttpDoor {
         HttpDoor { evacuation_m, ..self }
     }
 
-    /// Sets the robots, the searching one first.
+    /// Sets the robots. The searching robot is the first one.
     pub fn with_robots(self, robots: Arc<[Participant]>) -> HttpDoor {
         HttpDoor { robots, ..self }
     }
@@ -186,20 +186,20 @@ impl HttpDoor {
         HttpDoor { settings, ..self }
     }
 
-    /// Ends every open stream at once. A stream opened later ends at once, too.
+    /// Ends all open streams at once. A stream that is opened later also ends at once.
     pub fn close(&self) {
         self.closing.send_replace(true);
     }
 }
 
-/// Marks a request with the address that it comes from, and whether it was encrypted. For tests that call the router directly;
-/// in the program, `hearing::connection_task` marks every request.
+/// Stores in a request the address that it comes from, and whether it was encrypted. For tests that call the router
+/// directly. In the program, `hearing::connection_task` does this.
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
     request.extensions_mut().insert(peer::Peer { address, is_encrypted });
     request
 }
 
-/// Every route behind the guard. Every request must be marked with its `Peer`, as `coming_from` does.
+/// Returns all routes behind the guard. Every request must contain its `Peer`, as `coming_from` stores it.
 pub fn router(door: &HttpDoor, hosts: Hosts) -> Router {
     guard::guarded(routes::routes(door), hosts, door)
 }

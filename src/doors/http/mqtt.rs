@@ -1,5 +1,5 @@
-//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes of its messages are passed on as one stream. The broker reads
-//! them, and decides whether a client without a key is admitted.
+//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes of all messages are passed on as one stream. The MQTT
+//! broker reads them, and decides whether a client without a key is admitted.
 
 use std::fmt;
 use std::io;
@@ -27,27 +27,28 @@ use super::problem::Problem;
 use crate::access::{Access, Caller};
 use crate::doors::connection_limits::PendingConnections;
 
-/// Name of the subprotocol (MQTT 3.1.1 §6).
+/// Name of the WebSocket subprotocol (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";
 
-/// Buffer between the two streams in each direction, in bytes.
+/// Size of the buffer between the two streams, for each direction, in bytes.
 const BETWEEN: usize = 64 * 1024;
 
-/// Bytes read from a client at once. This buffer is allocated for every client, even for a silent one.
+/// Number of bytes read from a client at once. Every client has a buffer of this size, even a silent one.
 const READ: usize = 4 * 1024;
 
-/// Maximum size of a client's message in bytes: that of the largest MQTT packet that a client may send, and a margin.
+/// Maximum size of a client's WebSocket message in bytes: the size of the largest allowed MQTT packet, and some room.
 const LONGEST: usize = 512 * 1024;
 
-/// Maximum number of bytes waiting for a client that reads nothing, including answers to its pings. A message of the broker
-/// still has room beside those answers.
+/// Maximum number of bytes that wait for a client that does not read, answers to its pings included. Beside those
+/// answers, a message of the broker still fits.
 const UNREAD: usize = 3 * BETWEEN;
 
-/// Maximum time for the remaining bytes to reach a client after the broker has dropped it, and for the closing message.
+/// Maximum time for sending the remaining bytes after the broker has dropped a client. Also the maximum time for the
+/// closing message.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Maximum number of connections that are still closing after the broker has dropped them; the broker bounds only its own
-/// clients.
+/// Maximum number of connections that are still closing after the broker has dropped them. The broker does not count
+/// these.
 const LEAVING: usize = 64;
 
 #[derive(Debug)]
@@ -58,7 +59,8 @@ pub struct IncomingConnection {
     pub access: Access,
 }
 
-/// The broker's end of a connection. Dropping it ends the connection, whether or not the client reads the remaining bytes.
+/// The broker's end of a connection. Dropping it ends the connection, even if the client has not read the remaining
+/// bytes.
 #[derive(Debug)]
 pub struct CarriedConnection {
     stream: DuplexStream,
@@ -103,8 +105,8 @@ impl fmt::Debug for Hall {
     }
 }
 
-/// `GET mqtt`. A browser lets any page open a WebSocket, and sends the cookies along. So pages of other origins are refused
-/// here, as they are when they post.
+/// `GET mqtt`: opens a WebSocket. A browser lets pages of other origins open one too, and sends the cookies along.
+/// Such requests are refused here, as a POST from another origin would be.
 pub(super) async fn mqtt(
     State(door): State<HttpDoor>,
     peer: Peer,
@@ -143,8 +145,8 @@ pub(super) async fn mqtt(
         .into_response())
 }
 
-/// Copies bytes both ways until either side ends. Neither direction waits for the other. A slow reader keeps the connection no
-/// longer than the broker does.
+/// Copies bytes in both directions until one side ends. Neither direction waits for the other. When the broker drops
+/// a client that reads slowly, the connection ends soon after.
 async fn carry(
     socket: WebSocket,
     address: IpAddr,
@@ -159,7 +161,7 @@ async fn carry(
             () = inward(receive, to) => {}
             () = outward(from, &mut send) => {}
         }
-        // A client that is gone needs no closing message.
+        // A failure does not matter: the client may be gone already.
         let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
     };
     tokio::select! {
@@ -168,7 +170,8 @@ async fn carry(
     }
 }
 
-/// Waits until a client that the broker dropped has had time to read the rest, or has to make room for others.
+/// Waits until the broker has dropped the client. Then gives the client time to read the remaining bytes, unless the
+/// connection is evicted for others.
 async fn left(let_go: oneshot::Receiver<()>, leaving: PendingConnections, address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
@@ -179,7 +182,7 @@ async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStre
         let carried = match message {
             Message::Binary(bytes) => to.write_all(&bytes).await.is_ok(),
             Message::Ping(_) | Message::Pong(_) => true,
-            // Text messages are not MQTT (§6).
+            // Text messages are not allowed in MQTT (MQTT 3.1.1 §6).
             Message::Text(_) | Message::Close(_) => false,
         };
         if !carried {
@@ -194,7 +197,7 @@ async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSoc
         if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
             return;
         }
-        // A client that receives much data gets it in fewer messages.
+        // If much data is sent, a larger buffer leads to fewer messages.
         bytes.reserve(if read < READ { READ } else { BETWEEN });
     }
 }
@@ -206,7 +209,7 @@ mod tests {
     use super::*;
     use crate::runtime::tests::within::within;
 
-    /// Safety A5: however many clients come and go, and however little they read.
+    /// Safety A5: the limit holds for any number of clients, even if they read nothing.
     #[tokio::test(start_paused = true)]
     async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
         let leaving = PendingConnections::new(LEAVING);

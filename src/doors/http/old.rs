@@ -1,5 +1,5 @@
-//! The old console's routes (mission §8): POSTs whose path is the whole command; a body is not read. A browser that posted a
-//! form is redirected to the page, a program gets the answer of the interface.
+//! The routes of the old console (mission §8). Each is a POST whose path is the whole command; a body is not read. A
+//! browser that sent a form is redirected to the page. A program gets the same answer as at `/api/v1`.
 
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Redirect, Response};
@@ -10,7 +10,7 @@ use super::language::PageReader;
 use super::{command, console};
 use crate::api::old_clients::posted;
 
-/// `POST w`, `POST startappl` and the others: the path is the command.
+/// `POST w`, `POST startappl` and others: carries out the command in the path.
 pub(super) async fn give(sender: CommandSender, uri: Uri, headers: HeaderMap) -> Response {
     let given = match posted(uri.path().trim_start_matches('/')) {
         Ok(command) => command::give(&sender, command, None).await,

@@ -1,4 +1,4 @@
-//! The other end of a connection, and the sender of a request.
+//! The client's address, and the sender of a request.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -10,15 +10,15 @@ use axum::http::{HeaderMap, header};
 use super::problem::Problem;
 use crate::access::Caller;
 
-/// The other end of a connection. `hearing::connection_task` puts it into every request.
+/// The client at the other end of a connection. `hearing::connection_task` stores it in every request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peer {
-    /// The address of the other end as the system reports it. Headers written by a proxy are not trusted.
+    /// The client's address as the operating system reports it. Headers that a proxy adds are not trusted.
     pub(super) address: IpAddr,
     pub(super) is_encrypted: bool,
 }
 
-/// The sender of a request that the gate has passed.
+/// The sender of a request that has passed the gate.
 pub(super) struct LetIn(pub(super) Caller);
 
 impl Peer {
@@ -27,7 +27,7 @@ impl Peer {
     }
 }
 
-/// A route without a gate admits nobody.
+/// Reads the sender that the gate has stored. On a route without a gate there is none, and the request is refused.
 impl<S: Send + Sync> FromRequestParts<S> for LetIn {
     type Rejection = Problem;
 

@@ -1,5 +1,5 @@
-//! Makes addresses work under any prefix that a proxy puts before this door's paths. The door does not know the prefix, so
-//! every redirect and every page is relative to the requested path.
+//! Makes addresses work under any prefix that a proxy adds before the paths of this door. The door does not know the
+//! prefix, so all redirects and pages use addresses relative to the requested path.
 
 use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::Request;
@@ -7,10 +7,10 @@ use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-/// Tag after which a page's `<base>` is inserted. Templates use addresses relative to the root.
+/// Tag after which the `<base>` of a page is inserted. Templates use addresses relative to the root.
 const HEAD: &str = "<head>";
 
-/// Maximum length of a return path in bytes.
+/// Maximum length in bytes of the path to return to after signing in.
 pub(super) const LONGEST_PATH: usize = 512;
 
 pub(super) async fn relative(request: Request, next: Next) -> Response {
@@ -21,7 +21,7 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     if let Some(leads) = leads.and_then(|path| HeaderValue::from_str(&format!("{root}{path}")).ok()) {
         headers.insert(header::LOCATION, leads);
     }
-    // A report is streamed, and contains no addresses.
+    // A report is sent as a stream and contains no addresses, so it is not changed.
     let is_whole = response.body().size_hint().exact().is_some();
     if root == "./" || !is_page(&response) || !is_whole {
         return response;
@@ -33,7 +33,8 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     Response::from_parts(parts, Body::from(page))
 }
 
-/// Relative path to the root. It is never empty, so that what follows cannot be read as a scheme or host.
+/// Returns the relative path from a page to the root. It is never empty: otherwise the text after it could be read as
+/// a scheme or a host.
 pub(super) fn root(path: &str) -> String {
     let folders = path.matches('/').count().saturating_sub(1);
     if folders == 0 { "./".to_owned() } else { "../".repeat(folders) }
@@ -43,8 +44,8 @@ pub(super) fn is_page(response: &Response) -> bool {
     response.headers().get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/html"))
 }
 
-/// Where to go after signing in: a path of this door, never another site. Refused are `..`, which browsers also read from
-/// `%2e`, and slashes that only a proxy decodes: both could leave the proxy's prefix.
+/// Returns the path to open after signing in. It is always a path of this door. Two things could leave the proxy's
+/// prefix and are refused: `..` (browsers also read `%2e` as a dot), and the escaped slash `%2f`.
 pub(super) fn local(next: Option<&str>) -> &str {
     let plain = |path: &str| path.to_ascii_lowercase().replace("%2e", ".");
     let steps_up = |path: &str| plain(path).contains("%2f") || plain(path).split(['/', '?', '#']).any(|part| part == "..");
@@ -64,7 +65,7 @@ mod tests {
 
     const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-    /// Where a browser looks for `address` on the page at `path`.
+    /// Returns the path that a browser requests for `address` on the page at `path`.
     fn resolved(path: &str, base: &str, address: &str) -> String {
         let address = format!("{base}{address}");
         let mut at: Vec<&str> = path.split('/').collect();
@@ -96,7 +97,7 @@ mod tests {
         let mut pages = 0;
         for (method, path) in asked.chain(astray.map(|path| ("GET".to_owned(), path.to_owned()))) {
             let response = app.send(&method, &path, &[BROWSER], "").await;
-            // The bar is only part of a page.
+            // The bar is only a part of a page and has no `<head>`.
             if !is_page(&response) || path == "/console/bar" {
                 continue;
             }

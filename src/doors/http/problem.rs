@@ -1,5 +1,5 @@
-//! Writes problems as `application/problem+json`, with the status of the problem details. The problems that only this door has
-//! are here, too.
+//! Writes problems as `application/problem+json`, with the HTTP status of the problem. Also contains the problems
+//! that only this door has.
 
 use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
@@ -12,7 +12,7 @@ pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
 use hallsweep_core::refused::{CODES, Refused};
 
-/// Added to the response of a problem, so that a browser can be shown a page instead of JSON.
+/// Added to the response of a problem, so that a browser can get a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     pub(super) code: &'static str,
@@ -20,14 +20,14 @@ pub(super) struct Detail {
     pub(super) of_core: Option<Refused>,
 }
 
-/// Text of a problem without its `Refused`. The phrase of a core's code needs the values in the `Refused`, so the English
-/// detail is shown instead.
+/// Returns the text of a problem without a `Refused`. The text for a refusal by the core needs the values in its
+/// `Refused`. Without them, the English detail is shown.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()
 }
 
-/// Added to the answer to a refused request, so that the gate can record it.
+/// Added to the answer to a refused request, so that the gate can record the refusal.
 #[derive(Clone, Debug)]
 pub(super) struct NotTaken(pub(super) Refused);
 
@@ -67,21 +67,22 @@ impl Problem {
         Problem::new(("tooManyReports", ProblemKind::Unavailable), detail)
     }
 
-    /// No connection gives way to one more. A STOP in the request was carried out before.
+    /// No connection can be evicted for this one. A STOP in the request has already been carried out.
     pub(super) fn no_slot(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP in this request has halted the robot" } else { "" };
         let detail = format!("all connections are in use{so}: try again in a moment");
         Problem::new(("noPlace", ProblemKind::Unavailable), detail)
     }
 
-    /// This machine's clock is so wrong that no answer can be dated. A STOP in the request was carried out before.
+    /// This machine's clock shows a time before 1970, and answers cannot have a date. A STOP in the request has
+    /// already been carried out.
     pub(super) fn no_date(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP in this request has halted the robot" } else { "" };
         let detail = format!("the clock of this machine shows a year before 1970: set the clock, then try again{so}");
         Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
-    /// A panic ended this request; other requests go on.
+    /// A panic ended this request. Other requests continue.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
         Problem::new(("internal", ProblemKind::Internal), detail)
@@ -91,7 +92,7 @@ impl Problem {
         self.of_core().map_or_else(|| in_words(language, self.code(), self.detail()), |refused| language.refused(refused))
     }
 
-    /// The response in this language. The record stays in English.
+    /// Returns the response in this language. The text for the record stays in English.
     pub(super) fn told(self, language: Language) -> Response {
         let said = self.in_words(language);
         let mut response = self.clone().saying(said).into_response();
@@ -107,7 +108,7 @@ impl Problem {
         StatusCode::from_u16(self.kind().status().0).expect("the statuses of problem details are those of HTTP")
     }
 
-    /// Tells the gate what to record: a fault of the sender that the core never saw.
+    /// Tells the gate what to record, if the fault is the sender's and the core has not recorded it.
     pub(super) fn tell_gate(&self, response: &mut Response) {
         if self.status().is_client_error() && self.is_for_record() {
             response.extensions_mut().insert(NotTaken(self.for_record()));
@@ -131,15 +132,15 @@ pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) 
     Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
 }
 
-/// The answer to a known path with another method; the header `Allow` lists the allowed ones (RFC 9110, section
-/// 15.5.6).
+/// Answers a request to a known path with a wrong method. The header `Allow` lists the allowed methods (RFC 9110,
+/// section 15.5.6).
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed.as_deref()));
     let detail = format!("{path} does not accept {method}: see the header Allow{halted}");
     Problem::no_method(detail)
 }
 
-/// Added to the text of a refusal, so that nobody thinks the STOP in the request was refused too.
+/// Returns a text to add to a refusal. It says that the STOP in the request was not refused.
 pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
     if pressed.is_some_and(Pressed::is_there) { "; the STOP in this request has halted the robot" } else { "" }
 }
@@ -199,7 +200,8 @@ mod tests {
         }
     }
 
-    /// Lists one value of each variant, in order; a new variant does not compile until it is added here.
+    /// Returns the next variant after `refused`, with example values. A new variant does not compile until it is
+    /// added here.
     fn next(refused: Option<&Refused>) -> Option<Refused> {
         let id = LuggageId(3);
         Some(match refused {
@@ -231,7 +233,8 @@ mod tests {
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
-            // The first is used for buttons only, and the last can be any of those above.
+            // `NotAllowed` is the last value. `NotOnRecord` is only shown at buttons, and `InWords` can stand for any
+            // variant.
             Some(Refused::NotAllowed(_) | Refused::NotOnRecord | Refused::InWords(_)) => return None,
         })
     }

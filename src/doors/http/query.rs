@@ -1,4 +1,5 @@
-//! The query of an address. Every value is checked, and an unknown name is refused, so that a mistyped one is noticed.
+//! The query of an address. Every value is checked, and unknown names are refused, so that a mistyped name is
+//! noticed.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -9,10 +10,10 @@ use axum::http::request::Parts;
 use super::problem::Problem;
 use crate::api::fields::in_short;
 
-/// The largest number that the store can hold.
+/// The largest number that the archive can store.
 pub(super) const MOST: u64 = i64::MAX as u64;
 
-/// Values by name. They are numbers and plain words, so escapes are not decoded.
+/// The values by name. They are numbers and simple words, so escapes are not decoded.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Query(BTreeMap<String, Vec<String>>);
 
@@ -34,12 +35,12 @@ impl Query {
         Query(values)
     }
 
-    /// Refuses every unknown name, and each known name that occurs twice.
+    /// Refuses a query with an unknown name, or with a known name that occurs twice.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         self.only_with_many(known, &[])
     }
 
-    /// Refuses every name that is in neither list, and each name of `once` that occurs twice.
+    /// Refuses a query with a name that is in neither list, or with a name of `once` that occurs twice.
     pub(super) fn only_with_many(&self, once: &[&str], many: &[&str]) -> Result<(), Problem> {
         for (name, values) in &self.0 {
             let is_single = once.contains(&name.as_str());

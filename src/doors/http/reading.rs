@@ -1,5 +1,5 @@
-//! Reads the contents of a request: JSON bodies, form bodies and numbers in paths, limited in size and time. Every failure is a
-//! `Problem` with a text. The fields are in `crate::api::command`.
+//! Reads the contents of a request: JSON bodies, form bodies and numbers in paths. Size and time are limited. Every
+//! failure is a `Problem` with a text. `crate::api::command` has the fields.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -18,24 +18,24 @@ use super::problem::Problem;
 use crate::api::commands::Payload;
 use crate::api::fields::{self, Body as Fields, Unread, in_short};
 
-/// Maximum size of a body in bytes: a command is a few dozen bytes.
+/// Maximum size of a body in bytes. A command has only a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
-/// Maximum size of a hall in bytes: a hall file of 250 × 250 cells. Together with its head, it fits into the buffer of
-/// `hearing::connection` (`AHEAD`).
+/// Maximum size of a hall in bytes, enough for a hall of 250 × 250 cells. A hall and its head together fit into the
+/// buffer of `hearing::connection` (`AHEAD`).
 pub(super) const HALL_BYTES: usize = 64 * 1024;
 
-/// Maximum unpacked size of a compressed hall file in bytes, as for a large image.
+/// Maximum size in bytes of a compressed hall file after unpacking. A large image fits.
 const UNPACKED_BYTES: u64 = 4 * 1024 * 1024;
 
-/// Bytes allowed beside the hall in a form.
+/// Maximum size of a form's other fields beside the hall, in bytes.
 const BESIDE_HALL: usize = 4 * 1024;
 
-/// Time before the rate of a body is checked.
+/// Time before the rate of a body is checked for the first time.
 const BODY_BEGIN: Duration = Duration::from_secs(2);
 
-/// Minimum rate of a body after that, in bytes a second. A command is complete or refused within six seconds, a hall within
-/// twenty.
+/// Minimum rate of a body after `BODY_BEGIN`, in bytes per second. A command is complete or refused within six
+/// seconds, a hall within twenty.
 const BODY_RATE: usize = 4 * 1024;
 
 pub(super) struct JsonPayload {
@@ -43,10 +43,10 @@ pub(super) struct JsonPayload {
     body: Bytes,
 }
 
-/// JSON that may be as large as a hall.
+/// A JSON body that may be as large as a hall.
 pub(super) struct HallPayload(pub(super) JsonPayload);
 
-/// An unchanged file: as large as a hall, or a larger one in compressed form.
+/// A hall file as it was sent, at most as large as a hall. A larger file can be sent compressed.
 pub(super) struct HallFile {
     bytes: Bytes,
     is_packed: bool,
@@ -54,7 +54,7 @@ pub(super) struct HallFile {
 
 pub(super) struct Form<T>(pub(super) T);
 
-/// The fields of a form, one of which may be as large as a hall.
+/// The fields of a form. One field may be as large as a hall.
 pub(super) struct HallForm<T>(pub(super) T);
 
 pub(super) struct Named(pub(super) String);
@@ -105,7 +105,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for HallForm<T> {
 }
 
 impl HallFile {
-    /// The unpacked file. Unpacking is slow, so this must not be called where others wait.
+    /// Returns the unpacked file. Unpacking is slow, so it must not block a thread that others need.
     pub(super) fn unpacked(&self) -> Result<Cow<'_, [u8]>, Problem> {
         if !self.is_packed {
             return Ok(Cow::Borrowed(&self.bytes));
@@ -152,13 +152,14 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     }
 }
 
-/// Reads `application/x-www-form-urlencoded`, the usual encoding of browsers.
+/// Reads a form in the usual encoding of browsers, `application/x-www-form-urlencoded`.
 async fn pairs<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let read = axum::Form::<T>::from_request(whole(form_type(headers)?, body), state).await;
     read.map(|axum::Form(fields)| fields).map_err(|_| unreadable())
 }
 
-/// The fields of a multipart form, in which a hall keeps its size: the usual encoding takes three bytes for every wall.
+/// Reads the fields of a multipart form. This encoding does not enlarge a hall. The usual encoding of forms takes
+/// three bytes for every wall.
 async fn parts<S: Send + Sync, T: DeserializeOwned>(headers: &HeaderMap, body: Bytes, state: &S) -> Result<T, Problem> {
     let media = headers.get(header::CONTENT_TYPE).cloned().ok_or_else(unreadable)?;
     let mut parts = Multipart::from_request(whole(media, body), state).await.map_err(|_| unreadable())?;
@@ -214,7 +215,7 @@ async fn body_of(request: Request, most: usize) -> Result<(HeaderMap, Bytes), Pr
     Ok((parts.headers, read(body, most).await?))
 }
 
-/// Refuses a body that is larger than `most` bytes or slower than `BODY_RATE`.
+/// Reads a body. Refuses a body that is larger than `most` bytes or slower than `BODY_RATE`.
 async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
     let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
     let (mut span, mut before) = (BODY_BEGIN, None);
@@ -271,7 +272,7 @@ fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
     }
 }
 
-/// The media type in lower case, without its parameters. A charset other than UTF-8 is refused.
+/// Returns the media type in lower case, without its parameters. A charset other than UTF-8 is refused.
 fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(named) = headers.get(header::CONTENT_TYPE) else { return Ok(None) };
     let named = String::from_utf8_lossy(named.as_bytes()).to_ascii_lowercase();
@@ -286,7 +287,7 @@ fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     }
 }
 
-/// A field of a form, without blanks around it.
+/// Returns a field of a form without blanks around it. A missing or empty field is refused.
 pub(super) fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
     let given = value.map(str::trim).filter(|text| !text.is_empty());
     given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
@@ -297,7 +298,8 @@ mod tests {
     use super::*;
     use futures_util::stream;
 
-    /// The result for a body of this many pieces, each of this size and this much after the last.
+    /// Returns the result of reading a body of `pieces` pieces with `bytes` bytes each. There is a pause of `after`
+    /// before each piece.
     async fn comes(pieces: usize, bytes: usize, after: Duration) -> Result<usize, u16> {
         let body = Body::from_stream(stream::unfold(0, move |sent| async move {
             tokio::time::sleep(after).await;

@@ -1,4 +1,4 @@
-//! The readable resources under `/api/v1`, and `/healthz`. Nothing here changes anything.
+//! The resources under `/api/v1` that can be read, and `/healthz`. Nothing here changes any state.
 
 use std::convert::identity;
 use std::sync::Arc;
@@ -21,13 +21,14 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// The forms of this door: the accepted media range, the media type, and the word in tags.
+/// The formats of this door. Each has the accepted media range, the media type sent, and the word used in tags.
 const FORMS: [(Form, &str, &str, &str); 2] = [
     (Form::Json, "application/json", "application/json", "json"),
     (Form::Text, "text/plain", "text/plain; charset=utf-8", "text"),
 ];
 
-/// A resource of the table: as text if it has a text form and the client prefers that, otherwise in JSON.
+/// Returns a resource of the table. It is sent as text if it has a text format that the client prefers, otherwise as
+/// JSON.
 pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
@@ -45,7 +46,7 @@ pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) 
     Ok(response)
 }
 
-/// `GET robots`: the robots of the state, each with its settings. No snapshot has the settings.
+/// `GET robots`: the robots of the state, each with its settings, which no snapshot contains.
 pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
     let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.robots));
@@ -61,8 +62,8 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 
-/// `GET luggage/{id}/photo`: the newest photo of a piece, or an earlier one, as with `?take=1`. A browser that opens the photo
-/// alone is redirected to its page, because a bare picture has no STOP on it.
+/// `GET luggage/{id}/photo`: the newest photo of a piece, or an earlier one with a query such as `?take=1`. A browser
+/// that opens the photo alone is redirected to the photo's page, because a picture alone has no STOP.
 pub(super) async fn photo(
     State(door): State<HttpDoor>,
     Number(id): Number,
@@ -90,7 +91,7 @@ pub(super) fn asked_take(query: &Query) -> Result<Option<u64>, Problem> {
     query.count("take", 1..=MOST)
 }
 
-/// Number of the requested photo, counted from 1, by default the newest.
+/// Returns the number of the requested photo, counted from 1. The newest photo is the default.
 pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhoto> {
     let newest = luggage.take()?;
     let Some(asked) = asked else { return Ok(newest) };
@@ -98,7 +99,7 @@ pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhot
     taken.ok_or(NoPhoto::NotTaken(luggage.id, asked, newest))
 }
 
-/// `GET /healthz`: `ok` and the revision while the loop behind the door runs.
+/// `GET /healthz`: answers `ok` and the revision while the mission's loop runs.
 pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Problem> {
     match door.handle.watch().has_changed() {
         Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),

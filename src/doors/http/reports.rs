@@ -1,6 +1,6 @@
-//! The report of a mission and its record as a list, as downloads: the operator's page with its STOP stays open. A download is
-//! as large as its mission. It is written in parts, as fast as the client reads. Few downloads run at once, with a share for
-//! each key. Their contents are in `report`.
+//! The report of a mission, and its record as a list, as downloads. The operator's page with its STOP stays open. A
+//! download is as large as the record of its mission. It is written in parts, as fast as the client reads. Only a few
+//! downloads run at once, and each key has a share. `report` has the contents.
 
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -26,14 +26,15 @@ use crate::report::{Failure, Report, list};
 use crate::runtime::archive::{Archive, Span};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Limits of simultaneous downloads: one key has at most half of them, and one is reserved for a key that has none.
+/// Limits of simultaneous downloads. A key may have at most half of them. One is reserved for a key without a
+/// download.
 const PLACES: QuotaLimits = QuotaLimits { most: 4, of_one_key: 2, kept: 1, few: 1 };
 
-/// Bytes per part; up to `AHEAD` parts wait for the reader.
+/// Size of a part in bytes. Up to `AHEAD` parts wait until the client has read the earlier ones.
 const CHUNK: usize = 64 * 1024;
 const AHEAD: usize = 4;
 
-/// Maximum time for a download, however slowly its client reads: a large one over a slow line takes minutes.
+/// Maximum time for a download, even if its client reads slowly. A large download over a slow line takes minutes.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 #[derive(Clone, Debug)]
@@ -92,7 +93,7 @@ fn language_of(query: &Query) -> Result<Option<Language>, Problem> {
     Ok(query.word("language", &Language::ALL.map(Language::tag))?.and_then(Language::tagged))
 }
 
-/// Answers with a file of an existing mission. The file is written while it is sent.
+/// Answers with a file about an existing mission. The file is sent while it is being written.
 async fn send(
     door: HttpDoor,
     caller: &Caller,
@@ -115,16 +116,16 @@ async fn send(
     tokio::task::spawn_blocking(move || {
         let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));
-        // After a failure this drops the buffer without writing it.
+        // After a failure, this drops the buffered bytes instead of writing them.
         drop(out.into_parts());
         if let Err(failure) = &ended {
             tracing::debug!(%failure, mission = id, "a report or record was not written completely");
         }
-        // The reader may be gone.
+        // An error does not matter: the client may be gone.
         let _ = parts.blocking_send(ended.map(|()| Bytes::new()));
         drop(place);
     });
-    // A failure before the first part can still be reported.
+    // If writing fails before the first part, the client still gets an error answer.
     let first = match next(&mut written).await {
         Err(Failure::Unreadable(unreadable)) => return Err(unreadable.into()),
         Ok(part) if part.is_empty() => {
@@ -139,10 +140,11 @@ async fn send(
     Ok((StatusCode::OK, headers, body(first, written)).into_response())
 }
 
-/// A part of a file, empty at the end of the file, or why no more parts follow.
+/// A part of a file. An empty part marks the end of the file. An error says why no more parts follow.
 type FilePart = Result<Bytes, Failure>;
 
-/// Passes on the parts until the time is over. After that writing fails, and the reader finds no proper end.
+/// Passes on the parts until the time is over. After that, writing fails, and the client sees that the file is
+/// incomplete.
 async fn hand_on(mut written: mpsc::Receiver<FilePart>, to: mpsc::Sender<FilePart>) {
     let all = async {
         while let Some(part) = written.recv().await {
@@ -169,11 +171,11 @@ fn body(first: FilePart, written: mpsc::Receiver<FilePart>) -> Body {
         }
     });
     let parts = first.chain(further).map(|part| part.map_err(io::Error::other));
-    // Compression polls once more after the end of the stream.
+    // The compression layer polls once more after the end of the stream.
     Body::from_stream(parts.fuse())
 }
 
-/// The writing end of the parts. It fails when the reading end is gone, or the time is over.
+/// The writing end of the channel for parts. Writing fails when the reading end is gone, or when the time is over.
 struct Pipe(mpsc::Sender<FilePart>);
 
 impl Write for Pipe {
@@ -214,7 +216,7 @@ mod tests {
         }
     }
 
-    /// A download that is begun and does not end before the returned value is dropped.
+    /// Begins a download that does not end before the returned value is dropped.
     async fn begun(app: &TestApp) -> Result<(Sender<()>, Response), Problem> {
         let (end, ended) = channel::<()>();
         let write = move |_: &dyn Archive, _, out: &mut dyn Write| {
@@ -268,7 +270,7 @@ mod tests {
         assert_eq!(none.into_response().status(), 404);
     }
 
-    /// An incomplete file would be mistaken for the whole.
+    /// Without an error at the end, an incomplete file would be taken for a complete one.
     #[tokio::test]
     async fn what_was_not_written_to_its_end_does_not_end_well() {
         let app = app(searching());

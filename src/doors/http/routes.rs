@@ -1,7 +1,7 @@
-//! THE TABLE of this door: every route with its method, the right it needs, and its handler. The router is built from these
-//! rows and nothing else, and each row has its own gate. Paths that are not in the table are answered with 404, and wrong
-//! methods with 405, but only to senders who may look. For paths without a needed right, anybody is told the allowed methods. A
-//! test keeps the table in `docs/http.md` equal to this one.
+//! THE TABLE of this door: every route with its method, its required right, and its handler. The router is built from
+//! these rows only, and each row has its own gate. Senders who may look get status 404 for an unknown path, and 405
+//! for a wrong method. Everyone gets 405 and the allowed methods for a path that requires no right. A test keeps the
+//! table in `docs/http.md` equal to this one.
 
 use std::borrow::Cow;
 
@@ -27,22 +27,24 @@ use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
 
 pub(super) struct RouteRow {
-    /// A `GET` route answers `HEAD` too.
+    /// The method of the route. A `GET` route also answers `HEAD`.
     pub(super) method: Method,
-    /// The path in axum's notation.
+    /// The path, in the notation of axum.
     pub(super) path: Cow<'static, str>,
     pub(super) need: Need,
     answers: MethodRouter<HttpDoor>,
 }
 
-/// Every route. Anyone who is signed in may send STOP. A `move` may be a STOP; its other words need an operator.
+/// Returns all routes. Everyone who is signed in may send STOP. A `move` may be a STOP; all other moves require an
+/// operator.
 pub(super) fn table() -> Vec<RouteRow> {
     let seen = [for_anybody(), resources(), files_of_the_map(), changes_and_past()];
     let rows = seen.into_iter().chain([commands(), page(), laboratory(), simulator(), buttons(), old_console()]);
     rows.flatten().collect()
 }
 
-/// Routes for signing in, routes that tell nothing about the hall, and the route to a door that checks keys itself.
+/// Routes that require no right. They are for signing in, tell nothing about the hall, or lead to a door that checks
+/// keys itself.
 #[rustfmt::skip]
 fn for_anybody() -> Vec<RouteRow> {
     vec![
@@ -156,7 +158,7 @@ fn commands() -> Vec<RouteRow> {
             Methods::Put => (Method::PUT, MethodFilter::PUT),
         };
         let answers = match (kind, command.subject) {
-            // The handler reads no body: nothing wrong in a request may keep it from halting the robot.
+            // The handler reads no body: no fault in a request may prevent it from halting the robot.
             (CommandKind::Stop, _) => on(filter, command::stop),
             (_, Subject::None) => on(filter, move |sender, body| command::command(kind, sender, 0, body)),
             (_, Subject::Luggage | Subject::Alarm) => {
@@ -189,11 +191,11 @@ fn page() -> Vec<RouteRow> {
     ]
 }
 
-/// The forms of the page: the commands of the common table, with one route for each button of a command.
+/// The forms of the console's page. Each button of a command has one route. The commands come from the common table.
 fn buttons() -> Vec<RouteRow> {
     let row = |command: &'static commands::CommandRow, word: &str| {
         let path = format!("/console/{word}");
-        // The handler of STOP reads no form, either.
+        // The handler of STOP reads no form.
         if command.kind == CommandKind::Stop {
             post(path, command.need, console::stop)
         } else {
@@ -212,8 +214,8 @@ fn old_console() -> Vec<RouteRow> {
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);
-    // Routes with and without a needed right answer an unknown method differently. A row that answers unknown methods itself
-    // keeps its answer.
+    // Routes that require a right answer a wrong method differently from the other routes. A row that answers wrong
+    // methods itself keeps its own answer.
     let with = |router: Router<HttpDoor>, rows: Vec<RouteRow>, need| {
         let route = |router: Router<HttpDoor>, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))

@@ -1,4 +1,5 @@
-//! Walks the table: every route without a key, as a viewer and as an operator. The effects of the routes are tested beside them.
+//! Tries every route of the table without a key, as a viewer and as an operator. Other tests check the effects of the
+//! routes.
 
 use std::fmt::Write;
 
@@ -161,7 +162,8 @@ fn the_documentation_shows_the_resources_as_they_are() {
     documented::shows("http.md", "the table of resources", &shown);
 }
 
-/// The commands that the page can send; a verdict counts by its two words.
+/// Returns the commands that the page can send, each with its required right. A verdict has two buttons, so it counts
+/// twice.
 fn console_commands() -> Vec<(String, Need)> {
     let words =
         |row: &commands::CommandRow| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
@@ -186,7 +188,7 @@ fn every_form_of_the_page_sends_a_command_of_the_table_and_every_command_has_its
         entries.map(|path| if path.is_dir() { templates(&path) } else { std::fs::read_to_string(path).unwrap() }).collect()
     }
     let pages = templates(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("templates"));
-    // A button with a confirmation sends only from the confirmation page.
+    // A button with a confirmation sends its command only from the confirmation page.
     let named = |attribute: &str| pages.split(attribute).skip(1).filter_map(|rest| rest.split('"').next()).collect::<Vec<_>>();
     let sends = |to: &&str| to.starts_with("/console/") && !to.starts_with("/console/confirm/");
     let forms = [named("action=\""), named("data-confirm=\"")].concat();

@@ -1,5 +1,5 @@
-//! The accept loop on the hearing thread, and its end within two seconds. The caller binds the ports and decides when to end.
-//! Connections are handled in `hearing`.
+//! The accept loop on the hearing thread. It ends within two seconds after the signal to end. The caller opens the
+//! ports and decides when to end. `hearing` serves the connections.
 
 use std::future::{Future, poll_fn};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,35 +18,36 @@ use super::{Hosts, HttpDoor, router};
 use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections, SLOTS};
 use crate::doors::listeners::Listeners;
 
-/// Maximum wait for open requests at the end. Together with closing the streams, ending takes less than two seconds.
+/// Maximum wait for open requests when the program ends. Together with closing the streams, ending takes less than
+/// two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// Pause after a failed accept, as with too many open files.
+/// Pause after a failed accept, for example when too many files are open.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Pause after a failed accept for which connections were cut. Closing them takes this long.
+/// Pause after a failed accept if connections were evicted. Closing these connections takes this long.
 const RELIEF_PAUSE: Duration = Duration::from_millis(2);
 
-/// Maximum number of connections whose first head is not complete yet. A head takes a moment: its sender has until this many
-/// newcomers have arrived.
+/// Maximum number of connections whose first head is not complete yet. For each further connection, one of these is
+/// evicted. Sending a head takes only a moment.
 const WAITING: usize = 512;
 
-/// Maximum number of lingering connections.
+/// Maximum number of connections that are still read after their last answer.
 const LINGERING: usize = 64;
 
-/// Number of connections accepted before other tasks get a turn.
+/// Number of new connections accepted before other tasks get a turn.
 const NEWCOMERS: usize = 64;
 
 #[derive(Clone, Default)]
 pub struct Front {
-    /// Host names of the door, in addition to its addresses and this machine's own names.
+    /// Host names of the door. IP addresses and this machine's own names are accepted in addition.
     pub hosts: Vec<String>,
     pub tls: Option<Tls>,
     pub budget: ConnectionBudget,
 }
 
-/// Serves until `shutdown`, then ends every stream, waits briefly for open requests, and returns whatever clients do. Input is
-/// read on the runtime of the ports; requests are carried out on the caller's runtime.
+/// Serves until `shutdown`. Then ends all streams, waits briefly for open requests, and returns even if clients are
+/// still connected. Requests are read on the runtime of the ports, and carried out on the caller's runtime.
 pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
     serve_so_many(listeners, door, front, SLOTS, WAITING, shutdown).await;
 }
@@ -83,12 +84,12 @@ async fn serve_so_many(
     listening.spawn_on(listen(listeners, context, ended), &thread);
     shutdown.await;
     door.close();
-    // When the receiver is gone, all connections are gone too.
+    // If the receiver is gone, the accept loop and all connections have ended already.
     let _ = end.send(());
     while listening.join_next().await.is_some() {}
 }
 
-/// Accepts connections until the end, then waits briefly for open ones.
+/// Accepts connections until `ended`. Then waits briefly for open connections.
 async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended: oneshot::Receiver<()>) {
     let mut connections = JoinSet::new();
     let mut newcomers = 0;
@@ -121,12 +122,13 @@ async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended
     }
 }
 
-/// Reads at once what a newcomer has sent already, before older connections get a turn. Then the newcomer joins them.
+/// Reads at once what a new connection has already sent, before older connections get a turn. Then starts a task for
+/// the connection.
 async fn begin(connections: &mut JoinSet<()>, conversation: impl Future<Output = ()> + Send + 'static) {
-    // Boxed, because it is moved to a task of its own.
+    // Boxed, because it is moved to a separate task later.
     let mut conversation = Box::pin(conversation);
     let begun = poll_fn(|cx| {
-        // A panic in one connection ends only that one.
+        // A panic in one connection ends only that connection.
         let begun = catch_unwind(AssertUnwindSafe(|| conversation.as_mut().poll(cx)));
         Poll::Ready(begun.is_ok_and(|begun| begun.is_pending()))
     });

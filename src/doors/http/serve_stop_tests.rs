@@ -1,4 +1,4 @@
-//! STOP over real sockets: behind, before and with any fault on its connection.
+//! STOP over real sockets: after, before and together with faults on its connection.
 
 use std::io::BufRead;
 
@@ -47,7 +47,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
     for number in 0..40 {
         let (route, media, body) = bodies[number % 2];
         let headers = format!("Content-Type: {media}\r\nContent-Length: {}\r\n", body.len());
-        // The answers to earlier requests cannot be written any more when the STOP is reached.
+        // When the STOP is reached, the answers to earlier requests cannot be sent any more.
         let before = LOOK.repeat(number % 3);
         let client = client(address, &(before + &press(route, &headers, body)));
         if number % 4 < 2 {
@@ -57,7 +57,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
     stops(&app, 40).await;
 }
 
-/// Safety S8: the answer is that of a STOP.
+/// Safety S8: the answer is the one to a STOP.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     let (app, address) = open_app(SLOTS).await;
@@ -87,7 +87,8 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     stops(&app, cases.len() + 1).await;
 }
 
-/// Safety S8: a STOP stored for its request is forgotten when that request is answered without it.
+/// Safety S8: a STOP is stored for the handler of its request. If the request is answered without a handler, the STOP
+/// is forgotten.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
     let (app, address) = open_app(SLOTS).await;
@@ -111,7 +112,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
     stops(&app, 301).await;
 }
 
-/// Safety S8, A6: the refusal says that the robot was halted.
+/// Safety S8, A6: the refusal says that the STOP has halted the robot.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
     let (app, address) = open_app(SLOTS).await;
@@ -145,7 +146,7 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
     assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
 }
 
-/// Safety S8: nobody reads the answers, nor what waits for them.
+/// Safety S8: nobody reads the answers, and most requests before the STOP are never answered.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_more_than_is_ever_answered() {
     let (app, address) = open_app(SLOTS).await;
@@ -171,7 +172,7 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
     }
 }
 
-/// Safety S8, A5: the first requests are carried out, each complete and answered.
+/// Safety S8, A5: the first requests are complete; they are carried out and answered.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
     let mut app = app(searching());
@@ -230,12 +231,12 @@ async fn a_stop_halts_before_its_body_comes() {
     }
 }
 
-/// Safety S8: no more of the body comes, and the connection stays open.
+/// Safety S8: the rest of the body does not come, and the connection stays open.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
     let (app, address) = open_app(SLOTS).await;
     let mut open = Vec::new();
-    // The last two are refused by their heads, and still read.
+    // The last two requests are refused because of their heads, but their bodies are still searched.
     let cases = [
         ("Content-Length: 5000\r\nExpect: 100-continue\r\n", "", "100"),
         ("Transfer-Encoding: chunked\r\nExpect: 100-continue\r\n", "1000\r\n", "100"),
@@ -250,7 +251,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
             halted += 1;
             stops(&app, halted).await;
             let mut pieces = client(address, &beginning);
-            // The status tells that the body was read.
+            // This status shows that the body was read so far.
             assert_eq!(answered(&mut pieces), format!("HTTP/1.1 {status}"), "{headers}");
             pieces.write_all(br#"","move":"h""#).unwrap();
             halted += 1;
@@ -260,7 +261,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
     }
 }
 
-/// Safety S8: the word cannot be recognised before the body has ended.
+/// Safety S8: the word for STOP cannot be recognised before the body has ended.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
     let (app, address) = open_app(SLOTS).await;
@@ -272,7 +273,7 @@ async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_
     stops(&app, 1).await;
 }
 
-/// Safety S8: a head that hyper gives up on is read to its end.
+/// Safety S8: a head is read to its end even if hyper refuses it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_with_a_head_that_is_refused_halts() {
     let (keyring, tokens) = keys();
@@ -293,8 +294,8 @@ async fn a_stop_with_a_head_that_is_refused_halts() {
     }
 }
 
-/// RFC 9112, section 3.2, and safety S8: a fault in how a host is named neither turns our host into a foreign one nor the other
-/// way round.
+/// RFC 9112, section 3.2, and safety S8: a fault in naming the host does not turn our host into a foreign host. It
+/// does not turn a foreign host into ours either.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn who_names_no_host_or_several_is_told_so_and_a_stop_that_names_no_foreign_one_halts() {
     let (app, address) = open_app(SLOTS).await;

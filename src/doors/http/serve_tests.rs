@@ -1,4 +1,4 @@
-//! The accept loop with real sockets: its end, and who gets a place when there are more clients than places.
+//! The accept loop with real sockets: how it ends, and which clients get a slot when there are too many clients.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream as Client};
@@ -21,7 +21,7 @@ use crate::runtime::tests::within::within;
 use hallsweep_core::command::Door;
 use hallsweep_core::command::{Command, Issuer, Request};
 
-/// Serves the door of this app until `shutdown`.
+/// Serves the door of this app until `shutdown`. Returns its address and its task.
 async fn serve_until(
     app: &TestApp,
     slots: usize,
@@ -36,7 +36,7 @@ async fn serve_until(
     (address, serving)
 }
 
-/// Serves this app as long as the test runs; returns its address.
+/// Serves this app until the test ends. Returns its address.
 async fn served(app: &TestApp, slots: usize) -> SocketAddr {
     serve_until(app, slots, std::future::pending()).await.0
 }
@@ -54,7 +54,7 @@ fn client(address: SocketAddr, begins: &str) -> Client {
     client
 }
 
-/// The first line of the answer; empty when the connection was closed instead.
+/// Returns the beginning of the answer's first line. Empty if the connection was closed instead.
 fn answered(client: &mut Client) -> String {
     let mut first = [0; 12];
     match client.read_exact(&mut first) {
@@ -68,7 +68,7 @@ fn is_closed(client: &mut Client) -> bool {
         || client.read(&mut [0]).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionReset)
 }
 
-/// Waits until `expect` STOPs have reached the loop, and fails when there are more.
+/// Waits until `expect` STOPs have reached the loop. Fails if there are more.
 async fn stops(app: &TestApp, expect: usize) {
     let count = || app.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
     let come = async {
@@ -77,7 +77,7 @@ async fn stops(app: &TestApp, expect: usize) {
         }
     };
     timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
-    // Records pass through the loop's queue in order.
+    // Commands pass through the loop's queue in order. After this one, no earlier STOP is still in the queue.
     assert!(app.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
     assert_eq!(count(), expect, "one press is one STOP");
 }
@@ -154,7 +154,7 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
     stops(&app, 2).await;
     drop(watching.pop());
-    // The place is free as soon as the door has noticed that its client is gone.
+    // The slot becomes free when the door notices that its client is gone.
     let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
     assert!(tries.any(|answer| answer == "HTTP/1.1 200"));
     for client in &mut watching {
@@ -182,12 +182,12 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
     for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
         let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
         assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
-        // The same on a connection that has had an answer.
+        // The second request of a connection has the same limit.
         assert_eq!(answered(&mut client(address, &format!("{LOOK}{look}"))), "HTTP/1.1 200");
     }
 }
 
-/// Safety S8: whatever happened to a request that might have changed the protocol.
+/// Safety S8: it does not matter why the request to change the protocol failed.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
     let (app, address) = open_app(SLOTS).await;
@@ -201,7 +201,8 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
     }
 }
 
-/// Safety S8, S9: its bytes are not HTTP, whatever they look like, and it takes no part in giving way.
+/// Safety S8, S9: the bytes of such a connection are not HTTP, even if they look like it. The connection has no
+/// slot, and is not evicted for another one.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot() {
     let mut app = app(searching());
@@ -219,7 +220,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot()
     let stop = "POST /h HTTP/1.1\n\n";
     for _ in 0..3 {
         assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 200");
-        // A mask of zeros is a valid mask.
+        // A mask of zeros is valid.
         carried.write_all(&[&[0x82, 0x80 | stop.len() as u8, 0, 0, 0, 0], stop.as_bytes()].concat()).unwrap();
         let mut said = vec![0; stop.len()];
         within("what it says", visitor.stream.read_exact(&mut said)).await.unwrap();
@@ -228,7 +229,8 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot()
     stops(&app, 0).await;
 }
 
-/// Safety A5, S9: a bounded number of connections without further answers is still read, and the oldest makes room.
+/// Safety A5, S9: only a limited number of connections without further answers is still read. If there are more, the
+/// oldest is closed.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_lingers_makes_room_for_who_lingers_later() {
     let (app, address) = open_app(8).await;
@@ -238,14 +240,15 @@ async fn whoever_lingers_makes_room_for_who_lingers_later() {
         std::io::read_to_string(&mut client).expect("an answer in order");
         lingering.push(client);
     }
-    // A client has its answer before its connection counts as lingering, so the oldest makes room a moment later.
+    // A client gets its answer before its connection counts as lingering. The oldest connection is therefore closed a
+    // moment later.
     let (mut heard, mut gone) = (lingering, Vec::new());
     while heard.len() > 8 {
         tokio::time::sleep(Duration::from_millis(1)).await;
         gone.extend(heard.extract_if(.., |client| client.write_all(b"\r\n").is_err()));
     }
     for client in &mut gone {
-        // The connection may be gone.
+        // An error does not matter: the connection may be gone.
         let _ = client.write_all(press("/h", "", "").as_bytes());
     }
     heard.last_mut().expect("some are heard on").write_all(press("/h", "", "").as_bytes()).unwrap();

@@ -1,5 +1,5 @@
-//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts. A link alone signs nobody
-//! in: a token in the address only fills the field.
+//! Signing in and out with a browser: a page with one form, and a cookie. It works without scripts. Opening a link
+//! never signs anybody in: a token in the address only fills the field.
 
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
 
-/// Lifetime of the cookie in seconds: the maximum that browsers allow. A browser counts it by the wall clock of its machine;
-/// the end of the session is decided here.
+/// Lifetime of the cookie in seconds: the maximum that browsers allow. The browser measures it with the clock of its
+/// own machine. This program decides when the session ends.
 const KEPT_S: u64 = 400 * 24 * 60 * 60;
 
 #[derive(Debug, Default, Deserialize)]
@@ -34,7 +34,7 @@ pub(super) struct SignInQuery {
 }
 
 impl SignInQuery {
-    /// The address of the page with these parameters. A parameter with characters that `escaped` does not know is left out.
+    /// Returns the address of the sign-in page with these parameters. A parameter that cannot be escaped is left out.
     fn address(&self) -> String {
         let undone = self.undone.map(Undone::name);
         let parts = [("token", self.token.as_deref()), ("next", self.next.as_deref()), ("undone", undone)];
@@ -44,14 +44,14 @@ impl SignInQuery {
     }
 }
 
-/// A request of somebody who was not signed in any more. It was not carried out.
+/// A request that was not carried out, because its sender was not signed in any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) enum Undone {
-    /// STOP, by the page's word or by an old client's.
+    /// STOP, sent by the page or by an old client.
     Stop,
     Command,
-    /// No command: a page was open when its key was removed.
+    /// No command: a page was open when the key of its reader was removed.
     Watching,
 }
 
@@ -72,7 +72,7 @@ struct SignIn<'a> {
     here: String,
     undone: Option<Undone>,
     why: String,
-    /// The typed name, and why it is not accepted.
+    /// The typed name, and the reason if it is not accepted.
     name: &'a str,
     why_name: String,
     is_overheard: bool,
@@ -158,15 +158,15 @@ pub(super) fn sign_in_page(next: &str) -> String {
     }
 }
 
-/// Escapes a parameter. A token, or a path of this door with its query, has only a few kinds of characters; `None` for any
-/// other text.
+/// Escapes a parameter. Tokens, and paths of this door with their queries, have only a few kinds of characters.
+/// Returns `None` for any other text.
 fn escaped(text: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_?=&".contains(&byte);
     let escaped = || text.replace('?', "%3F").replace('=', "%3D").replace('&', "%26");
     text.bytes().all(is_plain).then(escaped)
 }
 
-/// What is shown when no token exists. Strangers are not told where the file is.
+/// Returns the text that is shown when no token exists. Strangers are not told where the file with the tokens is.
 fn unusable(language: Language) -> String {
     language.say("sign-in-unusable").to_string()
 }
@@ -178,8 +178,8 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
     (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
 }
 
-/// A cookie that no script and no other site can see. Its path is the folder of the sign-in page as the browser knows it,
-/// because another hall under the same host has its own cookie.
+/// Creates a cookie that no script can read and no other site can send. Its path is the folder of the sign-in page as
+/// the browser sees it. Another hall on the same host then has a cookie of its own.
 fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
     let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());

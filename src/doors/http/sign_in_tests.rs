@@ -1,4 +1,4 @@
-//! Signing in and out as a browser does it, and attempts to abuse it.
+//! Signing in and out as a browser does it, and attempts at abuse.
 
 use std::time::Duration;
 
@@ -40,7 +40,7 @@ async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
     assert_eq!(&*app.last().issuer.who, "operator");
 }
 
-/// The name changes no right.
+/// The typed name does not change any right.
 #[tokio::test]
 async fn whoever_gives_a_name_is_on_record_with_it_beside_the_key() {
     let (app, operator, viewer) = guarded();
@@ -106,7 +106,7 @@ async fn a_link_fills_the_field_and_signs_nobody_in() {
 #[tokio::test(start_paused = true)]
 async fn wrong_tokens_are_answered_later_and_later_and_right_ones_at_once() {
     let (app, operator, viewer) = guarded();
-    // The paused clock advances only when everybody waits for it, so an answer without delay takes no time.
+    // The paused clock advances only when all tasks wait for it. An answer without delay therefore takes no time.
     let within = async |ms: u64, token: &str, by_form: bool| {
         let bearer = format!("Bearer {token}");
         let answer = async {

@@ -1,5 +1,5 @@
-//! For tests of this door: a loop that answers commands from a script and publishes the snapshots it is given, and a client that
-//! calls the router without a socket. It knows no mission.
+//! For tests of this door. It has a loop that answers commands as the test says, and publishes the snapshots of the
+//! test. It also has a client that calls the router without a socket. There is no real mission.
 
 mod bilingual;
 mod past;
@@ -48,7 +48,7 @@ impl PartialArchive for Pictures {
         Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
 
-    /// From the second photo on, its bytes contain its number.
+    /// Returns a photo. From the second photo on, the bytes of a photo contain its number.
     fn take(&self, luggage: LuggageId, take: u32) -> Result<Option<Photo>, NoTake> {
         if take > 1 {
             Ok(Some(Photo { bytes: Arc::from(take.to_string().as_bytes()), media_type: "image/png" }))
@@ -99,7 +99,8 @@ pub(super) fn present_mission() -> MissionRecord {
     present
 }
 
-/// An app in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
+/// Creates an app in this state, with a door that requires no keys. Its loop accepts every command until the test
+/// makes it refuse. Must be called inside a tokio runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
     guarded_app(snapshot, Access::Open)
 }
@@ -115,7 +116,7 @@ pub(super) struct Tokens {
     pub(super) viewer: String,
 }
 
-/// Keys of an operator and of a viewer named `lobby`.
+/// Returns keys for an operator and for a viewer named `lobby`.
 pub(super) fn keys() -> (Keyring, Tokens) {
     let mut keys = Keys::first().unwrap();
     let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
@@ -142,7 +143,7 @@ impl TestApp {
         self.send("GET", path, &[], "").await
     }
 
-    /// A page that must exist.
+    /// Returns a page. Fails if the page does not exist.
     pub(super) async fn page(&self, path: &str) -> String {
         let response = self.get(path).await;
         assert_eq!(response.status(), 200, "{path}");

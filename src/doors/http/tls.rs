@@ -1,4 +1,4 @@
-//! Encrypted connections by rustls: certificate and key are read from files, which the settings name. The time limit of a
+//! Encrypted connections with rustls. The settings name the files of the certificate and the key. The time limit of a
 //! handshake is in `hearing::connection`.
 
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::TlsAcceptor;
 
-/// What a door needs to speak TLS 1.2 and 1.3. Cheap to clone.
+/// What a door needs for TLS 1.2 and 1.3. Cheap to clone.
 #[derive(Clone)]
 pub struct Tls(pub(super) TlsAcceptor);
 
@@ -18,7 +18,7 @@ pub struct Tls(pub(super) TlsAcceptor);
 pub enum TlsError {
     #[error("setting {setting} = {:?}: {problem}; {advice}", .path.display().to_string())]
     File { setting: &'static str, path: PathBuf, problem: String, advice: &'static str },
-    /// Certificate and key do not belong together, or are of an unknown kind.
+    /// The certificate and the key do not belong together, or their kind is unknown.
     #[error(
         "the certificate in {} and the key in {} cannot be used together: {problem}; name the key of this certificate, and \
          put the certificate first in its file", .certificate.display(), .key.display()
@@ -27,7 +27,7 @@ pub enum TlsError {
 }
 
 impl Tls {
-    /// Reads certificate and key, both in PEM.
+    /// Reads the certificate and the key. Both files must be PEM.
     pub fn load(certificate: &Path, key: &Path) -> Result<Tls, TlsError> {
         let chain = CertificateDer::pem_file_iter(certificate).and_then(Iterator::collect::<Result<Vec<_>, _>>);
         let chain = chain.and_then(|chain| if chain.is_empty() { Err(pem::Error::NoItemsFound) } else { Ok(chain) });
@@ -60,7 +60,7 @@ fn config(chain: Vec<CertificateDer<'static>>, key: PrivateKeyDer<'static>) -> R
     Ok(config)
 }
 
-/// The fault of a file, without quotes from the file, because the file may be the key.
+/// Returns what is wrong with a file. The text never quotes the file, because the file may be the secret key.
 fn in_words(error: &pem::Error, empty: &str) -> String {
     if let pem::Error::Io(error) = error {
         return format!("the file cannot be read: {error}");

@@ -1,5 +1,5 @@
-//! The state as one open stream sees it: the newest snapshot, never a queue. A slow reader skips the states that it missed. The
-//! end of the program ends every stream at once. `events` and the console's `live` decide what is sent.
+//! The state as one open stream sees it: always the newest snapshot, never a queue. A slow reader misses the states
+//! between. When the program ends, all streams end at once. `events` and the console's `live` decide what is sent.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,10 +12,10 @@ use crate::access::Caller;
 use crate::doors::connection_limits::OpenStream;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Interval at which the reader's right is checked again.
+/// Interval at which the reader's right to read is checked again.
 const STILL_KNOWN: Duration = Duration::from_millis(250);
 
-/// An open stream. Its permit is returned when this value is dropped.
+/// An open stream. Its place among the streams is freed when this value is dropped.
 pub(super) struct Watcher {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     closing: watch::Receiver<bool>,
@@ -27,7 +27,7 @@ pub(super) struct Watcher {
 pub(super) enum Wake {
     Changed(Arc<Snapshot>),
     Quiet,
-    /// The program is ending, or the reader is not admitted any more.
+    /// The program is ending, or the reader is no longer admitted.
     Closed,
 }
 
@@ -40,15 +40,15 @@ impl Watcher {
         Ok((watcher, first))
     }
 
-    /// The next newer state, or `Quiet` after `quiet`. It waits at least `pause`, so that a fast robot does not flood its
-    /// reader.
+    /// Waits for the next newer state and returns it. Returns `Quiet` if no state comes within `quiet`. It waits at
+    /// least `pause`, so that a fast robot does not flood the reader.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
         let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {
             tokio::time::sleep(pause).await;
             snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
         };
-        // The reader is not admitted any more when the key was replaced or removed, or the session is over.
+        // The reader is no longer admitted when the key was replaced or removed, or when the session has ended.
         let shut_out = async {
             while door.still_knows(caller) {
                 tokio::time::sleep(STILL_KNOWN).await;

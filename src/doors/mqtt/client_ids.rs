@@ -1,5 +1,5 @@
-//! Client ids. When two clients have one id, the later one stays. A client that asks for it is remembered while it is away, for
-//! the time that it asks for, if there is room. The gate decides what is remembered.
+//! Client ids. When two clients use the same id, the older one is disconnected. A client can ask to be remembered for
+//! some time after it has left; this is done if there is room. The gate decides what is remembered about a client.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -11,14 +11,15 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Maximum number of clients that are remembered, or will be when they leave. Beyond it an absent client is forgotten: of the
-/// owner with the most such clients, the one that connected first.
+/// Maximum number of clients that are remembered now or have a reserved place for later. Beyond it an absent client
+/// is forgotten. Of the owner with the most remembered clients, the one that connected first is forgotten.
 const REMEMBERED: usize = 128;
 
-/// Maximum time that a newcomer waits for another client with its name to leave.
+/// Maximum time that a new client waits until an older client with the same name has left.
 const LEAVE_TIME: Duration = Duration::from_secs(2);
 
-/// Owner and id of a client. The owner is part of the name, so nobody replaces somebody else's client.
+/// Owner and id of a client. The owner is part of the name, so that a client cannot replace a client of another
+/// owner.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
     pub(super) who: Arc<str>,
@@ -28,9 +29,9 @@ pub(super) struct Name {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Memory {
-    /// The CONNECT does not ask for a clean start.
+    /// Whether the client wants to continue its remembered session: its CONNECT does not ask for a clean start.
     pub(super) resumes: bool,
-    /// The CONNECT asks that the client is remembered after it has left: a session expiry above 0 s.
+    /// Whether the client asks to be remembered after it has left: its CONNECT has a session expiry above 0 s.
     pub(super) wants: bool,
 }
 
@@ -40,7 +41,7 @@ pub(super) struct ClientIds(Arc<Ids>);
 #[derive(Debug, Default)]
 struct Ids {
     registry: Mutex<Registry>,
-    /// Wakes `keep`, because a session was remembered that may expire before the others.
+    /// Wakes `keep` when a session was remembered, because that session may be the next to expire.
     has_gone: Notify,
     clock: Clock,
 }
@@ -59,7 +60,7 @@ pub(super) struct ClientId {
 
 #[derive(Debug, Default)]
 struct Registry {
-    /// A counter of arrivals, which tells clients with the same name apart.
+    /// Number of arrivals so far. The number of an arrival tells clients with the same name apart.
     moments: u64,
     present: HashMap<Name, Present>,
     remembered: HashMap<Name, RememberedSession>,
@@ -80,7 +81,8 @@ struct RememberedSession {
 }
 
 impl ClientIds {
-    /// Takes the id for a client, with the remembered session. An older client with the same id is disconnected first.
+    /// Takes the id for a client; returns the id and the client's remembered session. An older client with the same
+    /// name is disconnected first.
     pub(super) async fn take(&self, name: Name, memory: Memory) -> (ClientId, Option<Session>) {
         let came = {
             let mut registry = self.registry();
@@ -92,8 +94,8 @@ impl ClientIds {
                 Ok(taken) => return taken,
                 Err(present) => present,
             };
-            // The wait ends when the other client drops its id, which closes this channel. A client that hangs is given up: it
-            // is no longer waited for, and keeps its resources until it leaves.
+            // The wait ends when the older client drops its id, which closes this channel. If the older client hangs,
+            // the wait ends after `LEAVE_TIME`. The hanging client keeps its resources until it leaves.
             if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
                 let mut registry = self.registry();
                 registry.present.retain(|known, present| *known != name || present.moment != moment);
@@ -102,8 +104,9 @@ impl ClientIds {
         }
     }
 
-    /// Takes the id if no client with this name is connected. Otherwise asks that client to leave, and returns its arrival
-    /// number and a channel that closes when it has left.
+    /// Takes the id if no earlier client with this name is connected. Otherwise asks the earlier client to leave, and
+    /// returns an error. The error has that client's arrival number, and a channel that closes when that client has
+    /// left.
     fn enter(&self, name: &Name, memory: Memory, came: u64) -> Result<(ClientId, Option<Session>), (u64, watch::Receiver<()>)> {
         let mut registry = self.registry();
         let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
@@ -112,7 +115,8 @@ impl ClientIds {
             return Err((present.moment, present.gone.clone()));
         }
         let moment = came;
-        // A client that came later has the name. Messages that this one sent before it left are still processed.
+        // If `is_overtaken`, a later client has the name already. This client still gets a `ClientId`, which is not
+        // registered, because the messages that it sent before leaving are still processed.
         let is_named = !name.client.is_empty() && !is_overtaken;
         let mut had = if is_named { registry.remembered.remove(name) } else { None };
         let session = had.as_mut().filter(|_| memory.resumes).and_then(|had| had.session.take());
@@ -131,7 +135,7 @@ impl ClientIds {
         Ok((ClientId { ids: self.clone(), name: name.clone(), moment, leave: asked, is_remembered, _gone: gone }, session))
     }
 
-    /// Forgets clients whose time is over, and publishes their wills. Never returns.
+    /// Forgets clients whose remembered time is over, and publishes their last wills. Never returns.
     pub(super) async fn keep(&self) {
         let clock = self.0.clock;
         loop {
@@ -154,7 +158,7 @@ impl ClientIds {
             is_over
         };
         let over: Vec<_> = self.registry().remembered.extract_if(|_, remembered| is_over(remembered)).collect();
-        // Published without holding the registry's lock, which newcomers need.
+        // Publishes the wills after releasing the registry's lock, because newcomers need that lock.
         wills.into_iter().for_each(|will| will.publish(now));
         self.end(over.into_iter().map(|(_, remembered)| remembered));
     }
@@ -170,7 +174,8 @@ impl ClientIds {
 }
 
 impl Registry {
-    /// Whether one more client can be remembered. A client that is forgotten for it is put into `gives_way`.
+    /// Whether one more client can be remembered. If another client must be forgotten for that, its session is put
+    /// into `gives_way`.
     fn has_memory(&mut self, gives_way: &mut Option<RememberedSession>) -> bool {
         if self.remembered.len() < REMEMBERED {
             return true;
@@ -193,15 +198,16 @@ impl ClientId {
         }
     }
 
-    /// Remembers the client's session for its return; `None` if the client wants nothing remembered.
+    /// Remembers the client's session until the client returns. Pass `None` if the client does not want to be
+    /// remembered.
     pub(super) fn remember(&self, session: Option<Session>) {
         let mut registry = self.ids.registry();
         let is_ours = |remembered: &RememberedSession| remembered.moment == self.moment;
         let forgotten = match registry.remembered.get_mut(&self.name).filter(|remembered| is_ours(remembered)) {
             Some(remembered) if session.is_some() => std::mem::replace(&mut remembered.session, session),
             Some(_) => registry.remembered.remove(&self.name).and_then(|remembered| remembered.session),
-            // Nobody remembers this session. If a later client with the same name resumes, it continues this session, however
-            // late this client leaves.
+            // The registry has no entry for this session. If a later client with the same name resumes, this
+            // session's will is not published.
             None => {
                 let later = registry.present.get(&self.name).filter(|present| present.moment > self.moment);
                 session.map(|mut session| {
@@ -263,7 +269,7 @@ mod tests {
         assert!(ids.registry().present.is_empty());
     }
 
-    /// A client that has left already, and only waits to pass on what it sent, does not disconnect a newer one.
+    /// An older client that still waits for the id, although it has already left, does not disconnect a newer client.
     #[tokio::test(start_paused = true)]
     async fn whoever_came_before_takes_the_place_of_nobody_who_came_later() {
         let ids = ClientIds::default();

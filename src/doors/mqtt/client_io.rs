@@ -1,6 +1,7 @@
-//! Moves bytes between a client and the gate until either side ends. It interprets no bytes: the gate decides what is passed
-//! on, and how much may wait. The client's input was searched for a STOP before it comes here, so nothing here is urgent. It
-//! works in short turns, and yields to other clients in between. `client_service` decides who polls it.
+//! Moves bytes between a client and the gate until one of them ends the connection. The bytes are not interpreted
+//! here: the gate decides what is passed on, and how much may wait. Nothing here is urgent, because the input was
+//! searched for a STOP before. The work is done in short turns, between which other clients are served.
+//! `client_service` decides which thread polls.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -24,22 +25,23 @@ use crate::runtime::clock::Clock;
 use mqtt_gate::limits::ANSWER_ROOM;
 use mqtt_gate::{ClientConnection, Ended, Outbox, Subscriber};
 
-/// Maximum time for one client's packets before other clients get their turns.
+/// Maximum time spent on one client before other clients get their turns.
 const TURN: Duration = Duration::from_millis(1);
 
-/// Maximum number of bytes that a thread with other duties takes from a client at once.
+/// Maximum number of waiting bytes with which the hearing thread serves a client itself. With more bytes, the
+/// client's own task serves.
 const LITTLE: usize = 2 * 1024;
 
-/// Interval at which a client's right is checked again. A removed key stays valid no longer than this.
+/// Interval at which a client's key is checked again. A removed key stays usable no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// Maximum time for the last bytes to reach a client.
+/// Maximum time for sending the last bytes to a client.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// When the program ends: interval at which it is checked whether a client has received everything.
+/// While the program ends: interval for checking whether a client has received everything.
 const BREATH: Duration = Duration::from_millis(2);
 
-/// Number of bytes that a client must take to count as reading.
+/// Number of bytes that a client must accept to count as reading.
 const MUCH: usize = 64 * 1024;
 
 /// Changes or closes when the program ends.
@@ -50,7 +52,7 @@ pub(super) struct ClientEnds {
     pub(super) ahead: Taker,
     pub(super) permit: Arc<SessionPermit>,
     pub(super) id: ClientId,
-    /// Limits the number of closing connections.
+    /// Limits the number of closing connections of all clients.
     pub(super) leaving: PendingConnections,
     pub(super) from: IpAddr,
 }
@@ -63,14 +65,14 @@ pub(super) struct ClientIo {
     permit: Arc<SessionPermit>,
     clock: Clock,
     from_client: BytesMut,
-    /// Whether the last turn may have left complete packets.
+    /// Whether complete packets may be left over from the last turn.
     is_cut: bool,
-    /// Whether there is more to do after other clients had their turns.
+    /// Whether there is more work, to be done after other clients had their turns.
     wants_turn: bool,
-    /// When the client last took `MUCH` bytes, or all bytes that waited; and the number of bytes taken since then.
+    /// When the client last accepted `MUCH` bytes, or everything that waited.
     read_at: Duration,
     taken: usize,
-    /// Set while nothing is taken from the client, because subscribers to its messages lag behind.
+    /// Set while no input is taken from the client, because subscribers to its messages lag behind.
     waiting: Option<LagWait>,
     ended: Option<Ended>,
 }
@@ -80,7 +82,7 @@ struct LagWait {
     until: Duration,
 }
 
-/// Closes the service when it is no longer served: its own wakers would keep it alive.
+/// Closes the service when this value is dropped. Without that, the service's own wakers would keep it alive.
 struct OpenService(Arc<ClientService>);
 
 impl Drop for OpenService {
@@ -97,8 +99,8 @@ pub(super) enum TurnLength {
 
 type Did = Result<bool, Ended>;
 
-/// Serves a client to its end. Returns when the session is remembered and the last bytes are sent, for which `FAREWELL` is the
-/// maximum.
+/// Serves a client until its connection ends, and returns the reason. Before that, the session is remembered and the
+/// last bytes are sent, for at most `FAREWELL`.
 pub(super) async fn run(
     connection: ClientConnection,
     ends: ClientEnds,
@@ -123,14 +125,14 @@ pub(super) async fn run(
     connection.handle_end(ended, clock.since_start());
     let to_client = std::mem::take(connection.to_client());
     id.remember(connection.into_session());
-    // The id is free now, so the next client with this name need not wait for the last bytes.
+    // Frees the id now, so that the next client with this name need not wait for the last bytes.
     drop(id);
     send_farewell(ended, client, to_client, ahead, leaving, from).await;
     ended
 }
 
-/// The program ends: serves until the client has received everything published for it, such as the program's last message. The
-/// caller limits the time (`embedded::LAST_WORDS`).
+/// While the program ends: serves until the client has received everything published for it, such as the program's
+/// last message. The caller limits the time (`embedded::LAST_WORDS`).
 async fn drain(service: &Arc<ClientService>, subscriber: &Subscriber, clock: Clock) -> Ended {
     let settled = async {
         while !subscriber.is_empty() {
@@ -152,7 +154,7 @@ async fn send_farewell(
     from: IpAddr,
 ) {
     let told = async {
-        // The client may be gone.
+        // Errors are ignored: the client may have left.
         let _ = client.write_all_buf(&mut to_client).await;
         let _ = client.shutdown().await;
     };
@@ -161,8 +163,8 @@ async fn send_farewell(
             return leaving.linger(from, told).await;
         }
         told.await;
-        // The program goes on ending when this connection is closed. The client has received the last bytes for certain only
-        // when it has closed the connection too.
+        // The program may exit once this function returns. So it waits until the client closes the connection,
+        // because only that proves that the last bytes arrived.
         ahead.ended().await;
     };
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
@@ -187,7 +189,8 @@ impl ClientIo {
         }
     }
 
-    /// Works for one turn: one step if `Short`, up to `TURN` if `Long`. Ready with the reason when the connection ends.
+    /// Works for one turn: a single step if `Short`, at most `TURN` if `Long`. Returns `Ready` with the reason when
+    /// the connection ends.
     pub(super) fn poll(&mut self, length: TurnLength, cx: &mut Context<'_>) -> Poll<Ended> {
         let began = self.clock.since_start();
         self.wants_turn = false;
@@ -202,17 +205,19 @@ impl ClientIo {
         self.ended.map_or(Poll::Pending, Poll::Ready)
     }
 
-    /// Whether there is more to do, although nothing will wake whoever serves.
+    /// Whether there is more work although no waker will report it. The caller must poll again.
     pub(super) const fn wants_turn(&self) -> bool {
         self.wants_turn
     }
 
-    /// Whether a task must serve: there is too much to do for a thread with other duties, or something to wait for.
+    /// Whether the client's own task must serve. This is so if there is too much work for the hearing thread, or if
+    /// the service has to wait for something.
     pub(super) fn wants_task(&self) -> bool {
         self.waiting.is_some() || self.ended.is_some() || self.is_cut || self.ahead.bytes() > LITTLE
     }
 
-    /// Latest time of the next poll: then the client has been silent for too long, or was held up for long enough.
+    /// Returns the latest time for the next poll. At that time the client has been silent for too long, or the wait
+    /// for lagging subscribers is over.
     pub(super) fn due(&self) -> Duration {
         let silent_until = self.connection.poll_timeout();
         self.waiting.as_ref().map_or(silent_until, |waiting| waiting.until.min(silent_until))
@@ -226,7 +231,7 @@ impl ClientIo {
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
-        // Messages to other clients are passed on before they are acknowledged.
+        // Messages to other clients are passed on before the client gets their acknowledgements.
         let told = !(heard && length == TurnLength::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)
@@ -236,7 +241,7 @@ impl ClientIo {
         if self.connection.to_client().is_empty() {
             return Ok(false);
         }
-        // Outside of tokio's own budget, because a turn here is bounded in time.
+        // Does not use tokio's own task budget, because a turn here is limited in time already.
         let written = match pin!(unconstrained(self.client.write_buf(self.connection.to_client()))).poll(cx) {
             Poll::Pending => return Ok(false),
             Poll::Ready(Ok(written @ 1..)) => written,
@@ -267,7 +272,7 @@ impl ClientIo {
             }
             let connection = &mut self.connection;
             self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
-            // A client with much input lets other clients have their turns first.
+            // If a client sends much input, other clients get their turns before the next input is taken.
             self.wants_turn |= self.from_client.len() - before >= READ / 2;
         }
         self.is_cut = self.connection.handle_turn(&mut self.from_client, self.clock.since_start())?;
@@ -275,7 +280,7 @@ impl ClientIo {
         Ok(true)
     }
 
-    /// Whether nothing is taken from the client, because subscribers to its messages lag behind.
+    /// Whether no input is taken from the client at present, because subscribers to its messages lag behind.
     fn is_held_up(&mut self, cx: &Context<'_>) -> bool {
         let now = self.clock.since_start();
         if let Some(LagWait { behind, until }) = &self.waiting {
@@ -294,14 +299,14 @@ impl ClientIo {
             return false;
         }
         let until = self.connection.waits_until(now);
-        // This also notices subscribers that have just caught up.
+        // A subscriber may have caught up since `poll_behind`.
         let is_over = behind.iter().all(|subscriber| subscriber.poll_relieved(cx).is_ready());
         self.waiting = (!is_over).then_some(LagWait { behind, until });
         !is_over
     }
 
-    /// Reports the bytes that wait here. They reduce the room for reading ahead, and a session with many of them may be
-    /// evicted.
+    /// Reports how many bytes wait for this client. These bytes reduce its room for reading ahead. If there are many,
+    /// its session may be evicted.
     fn note_held(&mut self) {
         let here = self.connection.held() + self.from_client.len();
         self.ahead.hold(here, self.connection.reads());
@@ -327,7 +332,8 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Waits until an admitted client has to go: its key is not valid any more, or its session was evicted for another one.
+/// Waits until an admitted client must be disconnected. This happens when its key becomes invalid, or when its
+/// session is evicted for another one.
 async fn shut_out(identity: &Identity, access: &Access, clock: Clock, permit: &SessionPermit) -> Ended {
     let unknown = async {
         while identity.is_known(access, clock.now()) {

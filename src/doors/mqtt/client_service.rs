@@ -1,6 +1,6 @@
-//! Serves one client: with a task of its own on the gate's thread, or, while there is little traffic, on the hearing thread.
-//! Waking another thread takes longer than passing on a short message. Whoever serves has exclusive access to `client_io`,
-//! which works the same for both.
+//! Serves one client. While there is little traffic, the hearing thread serves it, because waking another thread
+//! takes longer than passing on a short message. Otherwise a task of its own serves it, on the gate's thread. Only
+//! one of the two has access to `client_io` at a time, which works the same for both.
 //!
 //! ```text
 //!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► ClientIo ─► Subscriber::put wakes a reader's ─► ClientIo ─► its socket
@@ -24,17 +24,18 @@ use super::client_io::{ClientIo, TurnLength};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Ended;
 
-/// Share of the hearing thread's time that may be spent on serving (safety S7): one part in this many.
+/// Share of the hearing thread's time that may be spent on serving clients (safety S7): 1 / `SHARE`.
 const SHARE: u32 = 8;
 
-/// Longest uninterrupted serving turn, if that much time was saved up. The step under way is finished even beyond it.
+/// Longest uninterrupted turn of serving, if that much time was saved up. A step that has begun is finished even if
+/// this limit passes.
 const LONGEST_TURN: Duration = Duration::from_micros(500);
 
-/// Minimum saved time for a serving turn.
+/// Minimum saved time for beginning a turn of serving.
 const SHORTEST_TURN: Duration = Duration::from_micros(100);
 
 thread_local! {
-    /// Woken services that this thread is going to run; `None` when it is not serving.
+    /// Woken services that this thread will run; `None` while this thread does not serve.
     static QUEUE: RefCell<Option<VecDeque<Arc<ClientService>>>> = const { RefCell::new(None) };
     static ALLOWANCE: RefCell<Allowance> = const { RefCell::new(Allowance { saved: LONGEST_TURN, at: Duration::ZERO }) };
 }
@@ -45,7 +46,7 @@ pub(super) struct ClientService {
     task: AtomicWaker,
 }
 
-/// Time that a thread with other duties may spend on serving. It grows by one `SHARE`th of the elapsed time, up to
+/// Time that the hearing thread may spend on serving clients. It grows by elapsed time / `SHARE`, up to
 /// `LONGEST_TURN`.
 #[derive(Debug)]
 struct Allowance {
@@ -53,7 +54,8 @@ struct Allowance {
     at: Duration,
 }
 
-/// Makes this thread run the services that it wakes. When this value is dropped, the tasks of the services not run are woken.
+/// While this value exists, services that this thread wakes are run on this thread. When it is dropped, the remaining
+/// services are run by their own tasks.
 struct ServiceQueue;
 
 impl ClientService {
@@ -72,8 +74,8 @@ impl ClientService {
                 return Poll::Ready(ended);
             }
             if io.wants_turn() {
-                // Yields to all other tasks, even to those woken by another thread. A task that only wakes itself again would
-                // block the other tasks.
+                // `yield_now` lets all other tasks run first, including tasks woken by another thread. If the task
+                // only woke itself, it would block them.
                 let _ = pin!(yield_now()).poll(cx);
             }
             alarm.set(io.due(), clock, cx);
@@ -86,7 +88,7 @@ impl ClientService {
         self.io().take()
     }
 
-    /// Does one short turn, in place of the task.
+    /// Serves for one short turn on the calling thread. If the service needs its own task, that task is woken.
     fn serve_here(self: Arc<ClientService>) {
         let waker = Waker::from(Arc::clone(&self));
         let (wants_task, wants_turn) = match self.io.try_lock() {
@@ -99,7 +101,7 @@ impl ClientService {
         if wants_task {
             self.task.wake();
         } else if wants_turn {
-            // Queued after the services that this step has woken.
+            // This service runs again after the services that it has just woken.
             waker.wake();
         }
     }
@@ -124,8 +126,8 @@ impl Wake for ClientService {
     }
 }
 
-/// Runs `ring`, which may wake services, and runs these services on this thread until the allowance is used up. The rest are
-/// served by their tasks.
+/// Runs `ring`, which may wake services. Then runs these services on this thread until the allowed time is used up.
+/// The remaining services are run by their own tasks.
 pub(super) fn serving_here(clock: Clock, ring: impl FnOnce()) {
     let began = clock.since_start();
     let Some(allowed) = ALLOWANCE.with_borrow_mut(|allowance| allowance.begin(began)) else { return ring() };
@@ -155,7 +157,7 @@ impl Drop for ServiceQueue {
 }
 
 impl Allowance {
-    /// Time for a serving turn now; `None` below `SHORTEST_TURN`, which is too short to be worth while.
+    /// Returns the time allowed for a turn of serving now, or `None` if it is below `SHORTEST_TURN`.
     fn begin(&mut self, now: Duration) -> Option<Duration> {
         self.saved = (self.saved + now.saturating_sub(self.at) / SHARE).min(LONGEST_TURN);
         self.at = now;
@@ -168,11 +170,12 @@ impl Allowance {
     }
 }
 
-/// A timer that is not reset for each message. If it fires too early, it is set again.
+/// A timer that is not reset at each message. It may fire too early; then it is set again.
 struct Alarm(Option<(Duration, Pin<Box<Sleep>>)>);
 
 impl Alarm {
-    /// Sets the timer. It may wake the task too early, because an earlier time is kept.
+    /// Sets the timer to wake the task at `due`. An earlier time set before is kept, so the task may be woken too
+    /// early.
     fn set(&mut self, due: Duration, clock: Clock, cx: &mut Context<'_>) {
         if self.0.as_ref().is_none_or(|(at, _)| *at > due) {
             self.0 = Some((due, Box::pin(sleep_until(clock.instant(due)))));
@@ -208,7 +211,7 @@ mod tests {
         assert!(spent <= Duration::from_secs(10) / SHARE + LONGEST_TURN && spent > Duration::from_secs(1), "{spent:?}");
     }
 
-    /// A turn that takes longer than allowed uses up later savings.
+    /// If a turn takes longer than allowed, later turns must wait until that time is saved again.
     #[test]
     fn what_is_saved_has_an_end_and_what_took_too_long_is_made_up_for() {
         let mut allowance = Allowance { saved: Duration::ZERO, at: Duration::ZERO };

@@ -1,6 +1,6 @@
-//! From a new connection to a client. On the hearing thread, the client introduces itself, and its input is searched for a STOP
-//! before anything else is decided. On other threads, the client is admitted or told why not, and is served by `client_io`. The
-//! gate decides what a client may do.
+//! Turns a new connection into a client. On the hearing thread, the client introduces itself, and its input is
+//! searched for a STOP before anything else is decided. On other threads, the client is admitted and served by
+//! `client_io`, or is told why it is refused. The gate decides what a client may do.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::net::IpAddr;
@@ -53,7 +53,7 @@ struct Rooms {
     pool: Pool,
     ids: ClientIds,
     attempts: Attempts,
-    /// Limits the log lines about wrong passwords.
+    /// Limits how often wrong passwords are logged.
     wrong: LogThrottle,
     clock: Clock,
 }
@@ -85,22 +85,24 @@ impl Clients {
         }))
     }
 
-    /// Counts a connection from this address as pending until it has introduced itself; another one may be evicted for it.
+    /// Counts a connection from this address as pending until the client is admitted or refused. Another pending
+    /// connection may be evicted for it.
     pub(super) fn admit_pending(&self, from: IpAddr) -> PendingConnection {
         self.0.pending.admit(from, Arc::default())
     }
 
-    /// Evicts some pending connections when the system has no more descriptors, and returns how many.
+    /// Evicts some pending connections when the system has no more descriptors. Returns how many were evicted.
     pub(super) fn evict_some(&self) -> usize {
         self.0.pending.evict_some()
     }
 
-    /// Looks after absent clients: how long each is remembered, and its will. Never returns.
+    /// Forgets absent clients when their remembered time is over, and publishes their last wills. Never returns.
     pub(super) async fn keep(&self) {
         self.0.ids.keep().await;
     }
 
-    /// Reads from a newcomer on the hearing thread until the connection ends. On `work` it is served meanwhile.
+    /// Reads from a new client on the hearing thread until the connection ends. Meanwhile the client is served on
+    /// `work`.
     pub(super) async fn attend(self, incoming: IncomingConnection, waiting: PendingConnection, running: Running, work: Handle) {
         let from = incoming.origin.from;
         let sent = self.converse(incoming, waiting, running, work).await;
@@ -118,7 +120,7 @@ impl Clients {
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
-            // Received bytes are read before this connection can be evicted.
+            // `biased`: bytes that have arrived already are read before the connection can be evicted.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
             () = waiting.evicted() => Err(SentAway::GaveWay),
         };
@@ -140,7 +142,8 @@ impl Clients {
         hearing.begin(&heard).await;
         drop(heard);
         let greeted = self.greet(&mut writer, &known);
-        // Other faults are checked only now, after a STOP has halted. Until they are checked, the connection counts as pending.
+        // A STOP in the bytes so far has halted the robot by now. Only now are other faults checked. Until then the
+        // connection counts as pending.
         let (admitted, is_admitted) = oneshot::channel();
         let served = work.spawn(self.clone().serve(writer, taker, known, greeted, listener, admitted, running));
         let aborted = served.abort_handle();
@@ -157,11 +160,12 @@ impl Clients {
         sent.await
     }
 
-    /// Greets a client that will certainly be admitted, whatever is remembered about it; returns the number of bytes sent. The
-    /// greeting is sent from here, because many clients may be ahead of this one on the other threads, and most clients send
+    /// Sends the greeting now if the client will certainly be admitted; returns the number of bytes sent. The
+    /// greeting does not wait for the other threads, where many clients may be ahead of this one. Most clients send
     /// nothing before the greeting, not even STOP (safety S7).
     fn greet(&self, writer: &mut Writer, known: &IdentifiedClient) -> usize {
-        // A client of MQTT 5 that wants to be remembered must be told whether there is room, so it cannot be greeted yet.
+        // The greeting depends on what is remembered if the client resumes a session, or wants to be remembered over
+        // MQTT 5. Such a client cannot be greeted yet.
         let is_known =
             known.connect.clean_start && (known.connect.version() == Version::Three || known.connect.session_expiry_s == 0);
         if !is_known || self.refusal(known).is_some() {
@@ -170,13 +174,13 @@ impl Clients {
         let mut cx = Context::from_waker(Waker::noop());
         match Pin::new(writer).poll_write(&mut cx, &known.greeting(false, true)) {
             Poll::Ready(Ok(told)) => told,
-            // The greeting is sent later, or the client turns out to be gone.
+            // The greeting is sent later, unless the client has left.
             Poll::Ready(Err(_)) | Poll::Pending => 0,
         }
     }
 
-    /// Tells a newcomer why it is refused. If the newcomer may stop, its input is read before that, and for a while afterwards
-    /// (safety S8).
+    /// Tells a new client why it is refused. If the client has the right to stop, its input is searched for a STOP
+    /// before and for a while afterwards (safety S8).
     async fn send_away(
         &self,
         incoming: IncomingConnection,
@@ -190,7 +194,7 @@ impl Clients {
         let stranger = tokio::select! {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
-            // A connection with a wrong password may be evicted while it waits for its answer.
+            // A client that waits for the answer to a wrong password may be evicted.
             () = waiting.evicted() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, version)) = stranger else {
@@ -209,8 +213,8 @@ impl Clients {
         told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
 
-    /// Identity and protocol version of a sender whose CONNECT cannot be accepted; `None` if the sender would not be admitted
-    /// anyway.
+    /// Returns the identity and protocol version of a sender whose CONNECT cannot be accepted. Returns `None` if the
+    /// credentials are not valid either, or if the refusal has another reason.
     async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, Version)> {
         let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
         let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == PacketKind::Connect);
@@ -218,7 +222,8 @@ impl Clients {
         self.identity(&credentials, origin).await.ok().map(|identity| (identity, credentials.version))
     }
 
-    /// The identity that a newcomer claims, if it is valid. After a wrong password the refusal is delayed, longer each time.
+    /// Reads the CONNECT of a new client; returns it with the identity if the credentials are valid. After a wrong
+    /// password the refusal is delayed, each time longer.
     async fn introduced(
         &self,
         reader: &mut ClientReader,
@@ -257,8 +262,8 @@ impl Clients {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client until it ends, and returns the reason. `greeted` bytes of its greeting were sent already. `admitted`
-    /// closes when the client has a session.
+    /// Serves a client until its connection ends, and returns the reason. `greeted` is the number of bytes of the
+    /// greeting that were sent already. `admitted` is dropped when the client has a session.
     async fn serve(
         self,
         writer: Writer,
@@ -279,7 +284,7 @@ impl Clients {
         drop(admitted);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
-        // The greeting says whether the session will be remembered.
+        // The greeting must say whether the session will be remembered, so the id is taken first.
         let (id, session) = tokio::select! {
             biased;
             taken = self.0.ids.take(name.clone(), memory) => taken,
@@ -303,7 +308,7 @@ impl Clients {
         SentAway::Ended(client_io::run(connection, ends, running, &identity, &origin.access, self.0.clock).await)
     }
 
-    /// Tells a client why it is refused. Waits for `FAREWELL` at most, because the client may not read.
+    /// Tells a client why it is refused. Sending takes at most `FAREWELL`, because the client may not read.
     async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
             SentAway::Refused(Version::Three, welcome) => write::connack(*welcome, false).to_vec(),
@@ -328,8 +333,8 @@ impl Clients {
 }
 
 impl IdentifiedClient {
-    /// The greeting of an admitted client. If the client wants to be remembered after it has left, `is_remembered` says whether
-    /// it will be.
+    /// Returns the greeting of an admitted client. `is_remembered` says whether the client will be remembered after
+    /// it has left; it matters only for a client that asked for that.
     fn greeting(&self, session_present: bool, is_remembered: bool) -> Vec<u8> {
         let Connect { client_id, reception, session_expiry_s, .. } = &self.connect;
         if self.connect.version() == Version::Three {
@@ -345,7 +350,8 @@ impl IdentifiedClient {
         connack.written(reception.largest)
     }
 
-    /// The keep alive in seconds imposed on a client of MQTT 5 that asks for none, or for more than `KEEP_ALIVE_S`.
+    /// Returns the keep alive in seconds that is imposed on a client of MQTT 5. It is imposed if the client asks for
+    /// no keep alive, or for more than `KEEP_ALIVE_S`.
     const fn keep_alive_s(&self) -> Option<u16> {
         let keep_alive_s = self.connect.keep_alive_s;
         match self.connect.version() {

@@ -1,4 +1,4 @@
-//! Tests of `clients`: a client before it is served.
+//! Tests of `clients`: what happens to a client before it is served.
 
 use tokio::io::AsyncReadExt;
 use tokio::sync::{mpsc, watch};
@@ -24,7 +24,7 @@ fn from_here(access: Access) -> Origin {
     Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access }
 }
 
-/// Safety A5, S9: however many come with one name, no more of them wait than there are sessions.
+/// Safety A5, S9: clients that wait for the same id take no more places than there are sessions.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let (clients, _script) = clients();
@@ -50,7 +50,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
 }
 
-/// The number of STOPs in these bytes of a newcomer, and the answer to it.
+/// Sends these bytes as a new client. Returns how many STOPs reached the loop, and the answer.
 async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (clients, script) = clients();
     let (_runs, running) = watch::channel(());
@@ -58,9 +58,9 @@ async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
     let waiting = clients.admit_pending(origin.from);
     let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, running, Handle::current()));
-    // The introduction comes before the rest.
+    // The bytes are sent in pieces, so that the CONNECT arrives before the rest.
     for piece in bytes.chunks(40) {
-        // A stranger may have been disconnected already.
+        // The program may have disconnected the client already, so errors are ignored.
         let _ = client.write_all(piece).await;
         tokio::task::yield_now().await;
     }
@@ -81,8 +81,7 @@ fn packet(first: u8, body: &[u8]) -> Vec<u8> {
     [&[first, u8::try_from(body.len()).ok().filter(|length| *length < 128).expect("it is short")], body].concat()
 }
 
-/// A CONNECT of this protocol and level, with these flags, this name and password; with level 5 it asks for another way of
-/// authentication.
+/// Builds a CONNECT packet from these fields. With level 5 it also asks for an unknown authentication method.
 fn hello(protocol: &str, level: u8, flags: u8, name: &str, password: &str) -> Vec<u8> {
     let properties = if level == 5 { &[4, 0x15, 0, 1, b'S'][..] } else { &[] };
     let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
@@ -90,7 +89,7 @@ fn hello(protocol: &str, level: u8, flags: u8, name: &str, password: &str) -> Ve
 }
 
 const VERSION: [u8; 4] = [0x20, 2, 0, 1];
-/// Safety S8: sender and command are known; that the sender cannot be admitted comes second.
+/// Safety S8: sender and command are known, so the STOP counts although the sender cannot be admitted.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
     let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
@@ -115,7 +114,7 @@ async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybod
     assert_eq!(says(Access::Open, &hello("MQIsdp", 3, 0xC2, "anna", "x")).await, (0, VERSION.to_vec()));
 }
 
-/// Safety S8, the other side of it: no key, or a wrong one, never halts.
+/// Safety S8: without a valid key, a STOP never halts.
 #[tokio::test(start_paused = true)]
 async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     let token = || Token::draw().expect("the system gives chance");
@@ -145,7 +144,7 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     }
 }
 
-/// A client that is remembered, or does not want to be, is not told so.
+/// A client that will be remembered gets no such notice. Neither does a client that does not want to be remembered.
 #[test]
 fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
     let told = |session_expiry_s, is_remembered| {
@@ -159,7 +158,7 @@ fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
     assert_eq!([told(60, false), told(60, true), told(0, false)], [true, false, false]);
 }
 
-/// Safety A5: however many send a wrong password, no more of them wait for their answer than may wait.
+/// Safety A5: clients that wait for the answer to a wrong password take at most `WAITING` places.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
     let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
@@ -184,12 +183,13 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
     }
 }
 
-/// Safety S7: most clients send STOP only after the greeting. A client with a remembered session is told so.
+/// Safety S7: most clients send STOP only after the greeting. A client that resumes a session is greeted later, but
+/// its STOP halts too.
 #[tokio::test]
 async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
     let (clients, script) = clients();
     let (_runs, running) = watch::channel(());
-    // A runtime for the other work that nobody runs.
+    // The other work is given to a runtime that never runs.
     let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
         let origin = from_here(Access::Open);

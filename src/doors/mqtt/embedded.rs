@@ -1,5 +1,5 @@
-//! Our own broker, from start to end. Clients connect over TCP and WebSocket, and are passed to the gate, which decides what
-//! they may do.
+//! Our own broker, from its start to its end. It accepts clients over TCP and WebSocket and passes them to the gate,
+//! which decides what they may do.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -17,24 +17,26 @@ use crate::doors::listeners::Listeners;
 use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::clock::Clock;
 
-/// Pause after a failed accept, as with too many open files.
+/// Pause after a connection could not be accepted, for example because too many files are open.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Maximum time for the last messages to reach the clients when the program ends: it must end in less than two seconds.
+/// Maximum time for sending the last messages to clients when the program ends. The program must end in less than two
+/// seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
 pub struct Ways {
     pub listeners: Listeners,
-    /// For clients over TCP only: a web client comes with an `Access` of its own.
+    /// Access rules for clients over TCP. Each web client has an `Access` of its own.
     pub access: Access,
     pub web_clients: mpsc::Receiver<IncomingConnection>,
-    /// The runtime that reads input, and runs nothing else except short turns of `client_service` (safety S7). The listeners
-    /// are polled there, too.
+    /// The runtime that reads input and polls the listeners. Apart from short turns of `client_service` it runs
+    /// nothing else (safety S7).
     pub hearing: Handle,
 }
 
-/// Serves clients until `shutdown`. Then every connection ends when everything sent before has reached its client. Input is
-/// read on `hearing`; the rest runs on the caller's runtime, apart from short turns of `client_service`.
+/// Serves clients until `shutdown`. Then each connection is closed once its client has received everything that was
+/// published before. Input is read on `hearing`. Everything else runs on the caller's runtime, apart from short turns
+/// of `client_service`.
 pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = ()>) {
     let Ways { listeners, access, web_clients, hearing } = ways;
     let (runs, running) = watch::channel(());
@@ -45,7 +47,7 @@ pub async fn serve(clients: Clients, ways: Ways, shutdown: impl Future<Output = 
         () = shutdown => {}
         () = keeper.keep() => {}
     }
-    // Tells every connection to end.
+    // Dropping `runs` tells every connection to end.
     drop(runs);
     if reception.await.is_err() {
         tracing::error!("an internal error has ended the task that accepts MQTT clients");
@@ -56,13 +58,13 @@ struct Reception {
     clients: Clients,
     access: Access,
     running: Running,
-    /// The runtime for everything but input (safety S7).
+    /// The runtime for everything except reading input (safety S7).
     work: Handle,
 }
 
 impl Reception {
-    /// Accepts clients until the program ends, then waits until they have left, for `LAST_WORDS` at most. Slow clients are cut
-    /// off.
+    /// Accepts clients until the program ends. Then waits at most `LAST_WORDS` until they have left, and disconnects
+    /// the rest.
     async fn receive(self, mut listeners: Listeners, mut web_clients: mpsc::Receiver<IncomingConnection>) {
         let mut clients = JoinSet::new();
         let mut running = self.running.clone();
@@ -73,15 +75,16 @@ impl Reception {
                 listeners.accept().await
             };
             tokio::select! {
-                // `select` polls in random order, so that neither a flood of connections nor one of web clients keeps the
-                // others out.
+                // `select` polls its branches in random order. So a flood of TCP connections does not block web
+                // clients, nor a flood of web clients TCP connections.
                 _ = running.changed() => break,
                 Some(_) = clients.join_next() => {}
                 accepted = next_connection => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.clients.evict_some(), "an MQTT connection could not be accepted");
-                        // During the pause, clients whose connections are open already are still accepted.
+                        // After the pause the next TCP client is accepted. Web clients are accepted during the pause
+                        // too.
                         accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
                 },

@@ -1,4 +1,4 @@
-//! Tests of `embedded`: clients at our own broker, and the messages of our own session there.
+//! Tests of `embedded`: clients at our own broker, and the messages that the program publishes there.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -107,7 +107,7 @@ async fn home_assistant_is_told_of_the_robot_again_when_it_has_started() {
     assert!(client.hears_message().await.payload.starts_with(b"{"));
 }
 
-/// Acknowledged messages are passed on, even when their sender leaves at once.
+/// The messages of a client reach their readers, even when the client leaves at once.
 #[tokio::test]
 async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
     let broker = TestBroker::start().await;
@@ -123,7 +123,7 @@ async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
     }
 }
 
-/// Safety S8: sender and command are known; that the rest of the CONNECT is refused comes second.
+/// Safety S8: sender and command are known, so the STOP counts although the CONNECT is refused.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_refused_halts() {
     let broker = TestBroker::start().await;
@@ -133,7 +133,8 @@ async fn a_stop_behind_a_connect_that_is_refused_halts() {
     broker.halts(1).await;
 }
 
-/// Safety S9: as when the system has no more descriptors.
+/// Safety S9: a port that cannot accept connections does not block web clients. The system may have no more
+/// descriptors, for example.
 #[tokio::test]
 async fn a_port_that_lets_nobody_in_keeps_no_web_client_waiting() {
     let port = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");

@@ -1,5 +1,6 @@
-//! Runs on the hearing thread (safety S7): reads a client's input in turns, searches it for a STOP, which halts at once, and
-//! passes it on. Other threads do everything else for a client, apart from short turns of `client_service`.
+//! Runs on the hearing thread (safety S7). It reads a client's input in turns, searches it for a STOP, which halts at
+//! once, and passes it on. All other work for a client is done on other threads, apart from short turns of
+//! `client_service`.
 
 use std::cell::RefCell;
 use std::io;
@@ -19,17 +20,17 @@ use mqtt_gate::Listener;
 use mqtt_gate::UrgentSearch;
 use mqtt_gate::packet::Version;
 
-/// Maximum time of a turn, before other clients get their turns.
+/// Maximum time for one client before other clients get their turns.
 const TURN: Duration = Duration::from_millis(2);
 
-/// Maximum number of bytes searched that were received from a client that is about to end: more than the system buffers for it.
+/// Maximum number of bytes searched after the end of a session: more than the system buffers for one client.
 const REST: usize = 8 * 1024 * 1024;
 
-/// Maximum time for a client to close a connection that has ended.
+/// Maximum time for a client to close its connection after the session has ended.
 const FAREWELL: Duration = Duration::from_secs(1);
 
 thread_local! {
-    /// Shared read buffer of this thread, so that a silent client costs no memory for reading.
+    /// The read buffer that all clients of this thread share, so that a silent client costs no memory for reading.
     static READ_BUFFER: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
 }
 
@@ -38,13 +39,13 @@ pub(super) struct Hearing {
     listener: Arc<dyn Listener>,
     feeder: Feeder,
     clock: Clock,
-    /// The runtime on which the result of a STOP is awaited.
+    /// The runtime on which the program waits for the result of a STOP.
     work: Handle,
 }
 
 struct Read {
     bytes: usize,
-    /// The part that was not searched yet, because the turn was over.
+    /// The bytes that were not searched yet, because the turn was over.
     rest: Vec<u8>,
 }
 
@@ -53,13 +54,13 @@ impl Hearing {
         Hearing { search: UrgentSearch::new(version), listener, feeder, clock, work }
     }
 
-    /// Takes the bytes that came together with the CONNECT, because a STOP may be among them.
+    /// Searches the bytes that arrived after the CONNECT and before `run`, because a STOP may be among them.
     pub(super) async fn begin(&mut self, first: &[u8]) {
         let rest = self.hear(first);
         self.finish(rest).await;
     }
 
-    /// Reads until the client ends, or until nobody takes its input any more.
+    /// Reads until the client closes the connection, or until its input is no longer wanted.
     pub(super) async fn run(mut self, mut reader: ClientReader) {
         let left = loop {
             let room = match self.feeder.room().await {
@@ -76,13 +77,13 @@ impl Hearing {
             Left::Deaf => {}
             Left::HearsRest => self.hear_rest(&mut reader).await,
             Left::HearsOn => {
-                // A client that does not close the connection is cut off.
+                // A client that does not close the connection within `FAREWELL` is disconnected.
                 let _ = tokio::time::timeout(FAREWELL, self.hear_on(&mut reader)).await;
             }
         }
     }
 
-    /// Reads once, then lets other clients read; `None` when nobody takes the input any more.
+    /// Reads once, then lets other clients read. Returns `None` when the client's input is no longer wanted.
     async fn read(&mut self, reader: &mut ClientReader, room: usize) -> Option<io::Result<Read>> {
         let Hearing { search, listener, feeder, clock, work } = self;
         let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, *clock, work, bytes);
@@ -97,7 +98,7 @@ impl Hearing {
         Some(read)
     }
 
-    /// Searches the bytes already received from a client that is about to end (safety S8), about `REST` bytes at most.
+    /// Searches the bytes that were received before the session ended (safety S8), at most about `REST` bytes.
     async fn hear_rest(&mut self, reader: &mut ClientReader) {
         let mut heard = 0;
         while heard < REST {
@@ -132,7 +133,8 @@ impl Hearing {
     }
 }
 
-/// Searches the input, and passes it on; returns the part that was not searched when the turn was over.
+/// Searches the input for a STOP and passes the searched part on. Returns the rest if the turn was over before
+/// everything was searched.
 fn hear(
     search: &mut UrgentSearch,
     listener: &dyn Listener,
@@ -154,10 +156,10 @@ fn hear(
     rest.to_vec()
 }
 
-/// Reads at most this many bytes, if there are any, and searches them at once.
+/// Reads at most `room` bytes and searches them at once.
 ///
 /// # Errors
-/// The client sends nothing more.
+/// The client has closed the connection, or reading failed.
 fn poll_read(
     reader: &mut ClientReader,
     room: usize,

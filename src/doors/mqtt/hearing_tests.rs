@@ -1,4 +1,4 @@
-//! Tests of `hearing`: what halts, whatever is wrong with it, and what is passed on.
+//! Tests of `hearing`: a STOP halts whatever else is wrong with it. All input is passed on.
 
 use bytes::BytesMut;
 use proptest::prelude::*;
@@ -41,7 +41,7 @@ impl Scene {
         Scene { hearing: Hearing::new(Version::Three, listener, feeder, Clock::default(), Handle::current()), taker, script }
     }
 
-    /// The number of STOPs that reached the loop, which has received nothing else.
+    /// Returns the number of STOPs that reached the loop. Fails if the loop has received anything else.
     async fn halted(&self) -> usize {
         for _ in 0..8 {
             tokio::task::yield_now().await;
@@ -91,16 +91,17 @@ fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
         let (topic, plain) = (topic.as_bytes(), raw(0x30, topic.as_bytes(), None, payload));
         let padded = |with: &[u8]| [payload, &with.repeat(5000)].concat();
         match fault {
-            // Any flags: DUP at QoS 0, QoS 3 with and without an id, retain; any id, 0 too.
+            // Any combination of flags: DUP with QoS 0, QoS 3 with or without a packet id, retain. The packet id is
+            // any number, or 0.
             0 | 1 => raw(0x30 | flags, topic, (flags & 6 != 0).then_some(if fault == 0 { id } else { 0 }), payload),
             2 => raw(0x36, topic, None, payload),
-            // Payloads that are no text, no JSON, no term, or too long.
+            // The payload is not valid text, JSON or term, or it is too long.
             3 => raw(0x30, topic, None, &[payload, junk].concat()),
             4 => raw(0x30, topic, None, &padded(junk)),
-            // Topics on which nobody may publish.
+            // Topics on which no client may publish.
             5 => raw(0x30, &[topic, junk_of_topics(id)].concat(), None, payload),
             6 => raw(0x30, &[b"/", topic].concat(), None, payload),
-            // It is followed by bytes that are no packet, or by a packet that no client sends.
+            // The STOP is followed by bytes that are not a packet, or stands between packets that no client sends.
             7 => [plain, vec![0x30, 0x80, 0x80, 0x80, 0x80]].concat(),
             _ => [vec![0xF7, 1, 7], plain, vec![0x20, 0]].concat(),
         }
@@ -112,7 +113,7 @@ fn junk_of_topics(id: u16) -> &'static [u8] {
 }
 
 proptest! {
-    /// Safety S8: any single fault added to a STOP leaves it halting, for anybody who may look, in whatever pieces it comes.
+    /// Safety S8: a STOP with any single fault still halts. Its sender is a viewer, and it may arrive in two pieces.
     #[test]
     fn a_stop_halts_whatever_else_is_wrong_with_it(stop in wrong_stop(), cut in any::<prop::sample::Index>()) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
@@ -128,7 +129,7 @@ proptest! {
     }
 }
 
-/// Safety S8, the other side of it: other messages do not halt.
+/// Safety S8: other messages do not halt.
 #[tokio::test]
 async fn nothing_else_halts() {
     let mut scene = Scene::of(&Identity(Caller::Here));
@@ -146,7 +147,7 @@ async fn nothing_else_halts() {
     ] {
         scene.hearing.begin(&raw(0x30, topic.as_bytes(), None, payload)).await;
     }
-    // An acknowledgement, or any other packet than PUBLISH, does not halt.
+    // Acknowledgements and all other packets except PUBLISH do not halt.
     let stop = publish(STOPS[0].0.as_bytes(), b"");
     for first in [0x40, 0x50, 0x82, 0xE0] {
         scene.hearing.begin(&[&[first], &stop[1..]].concat()).await;
@@ -154,8 +155,8 @@ async fn nothing_else_halts() {
     assert_eq!(scene.halted().await, 0);
 }
 
-/// Safety S1: a STOP behind many bytes that nobody takes, repeated while it waits, and among the bytes received when the
-/// connection ends.
+/// Safety S1: each STOP halts although the input is not taken. The first is behind many bytes, the second is sent
+/// while the first still waits. The third was received before the connection ends.
 #[tokio::test]
 async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_is_taken() {
     let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);
@@ -183,7 +184,7 @@ async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_
     given(3).await;
 }
 
-/// The key was removed, so its owner stops nobody.
+/// After its key was removed, a client can no longer stop the robot.
 #[tokio::test]
 async fn whoever_is_not_known_any_more_is_not_heard() {
     let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);

@@ -1,5 +1,5 @@
-//! The identity of a client, by its CONNECT: somebody on this machine if the door requires no key, or the owner of a key, with
-//! the key's name as user name and the token as password.
+//! Determines the identity of a client from its CONNECT. If the door requires no key, the client only has to be on
+//! this machine. Otherwise the user name must be the name of a key, and the password must be the token of that key.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(super) struct Identity(pub(super) Caller);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
-    /// The client sends no credentials, but they are required.
+    /// The client sent no credentials, although the door requires them.
     Nothing,
     Wrong,
 }

@@ -1,4 +1,4 @@
-//! A client that has connected to our own broker and has sent nothing yet.
+//! A client that has connected to our own broker, but has not sent anything yet.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -22,7 +22,7 @@ pub struct IncomingConnection {
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub from: IpAddr,
-    /// Set if the connection itself tells who the client is. Then the CONNECT need not tell it.
+    /// The sender, if the connection itself proves who it is. Then the CONNECT needs no credentials.
     pub caller: Option<Caller>,
     pub access: Access,
 }

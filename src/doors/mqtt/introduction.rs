@@ -1,4 +1,4 @@
-//! The first packet of a newcomer, and why a client is disconnected.
+//! Reads the first packet of a new client, and names the reasons for refusing or disconnecting a client.
 
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
@@ -31,11 +31,12 @@ pub(super) enum SentAway {
     Ended(Ended),
 }
 
-/// The first packet of a client must be its CONNECT (MQTT 5, section 3.1).
+/// Reads the first packet of a client, which must be its CONNECT (MQTT 5, section 3.1).
 pub(super) async fn introduction(reader: &mut ClientReader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     let mut wrong = None;
     loop {
-        // Wrong flags are reported only when the whole packet has come, because a STOP of its sender may follow it.
+        // Wrong flags are corrected here and reported after the whole packet has arrived. A STOP may follow the
+        // packet, and its sender must be known first.
         if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == PacketKind::Connect as u8 && **first & 15 != 0) {
             wrong = Some(Malformed::Kind(std::mem::replace(first, PacketKind::Connect.first_byte())));
         }

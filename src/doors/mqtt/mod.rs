@@ -1,5 +1,6 @@
-//! The MQTT door: the old topics, the JSON topics, and our own broker behind a gate, or a connection to another broker. It
-//! turns messages into commands and snapshots into messages, and decides nothing about the mission.
+//! The MQTT door: the topics of the original system, and our own topics with JSON. It runs our own broker behind a
+//! gate, or connects to another broker. It turns messages into commands and snapshots into messages, and decides
+//! nothing about the mission.
 
 pub mod change_feed;
 mod client_ids;

@@ -6,14 +6,14 @@ use bytes::Bytes;
 
 use mqtt_gate::packet::properties::Property;
 
-/// Maximum size of a message in bytes, in either direction: a photo with some room. With rumqttc's default of 10 KiB the first
-/// map would end the connection.
+/// Maximum size of a sent or received message in bytes: a photo and some room. rumqttc's default is 10 KiB, with
+/// which the first map would end the connection.
 pub(super) const LARGEST: usize = 2 << 20;
 
 /// Maximum size of a publication's headers in bytes, not counting its topic and properties.
 const HEADERS: usize = 16;
 
-/// Content type of every payload that is neither a photo nor a word.
+/// Content type of the payloads that are marked as JSON.
 const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,12 +57,12 @@ impl Beside {
 }
 
 impl Publication {
-    /// A state. The broker retains it, so that a new subscriber gets it at once.
+    /// Creates a publication of a state. The broker retains it, so that a new subscriber gets the state at once.
     pub fn kept(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: true, beside: Beside::default() }
     }
 
-    /// An event. Only the present subscribers get it.
+    /// Creates a publication of an event. Only clients that are subscribed already get it.
     pub fn passing(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: false, beside: Beside::default() }
     }
@@ -71,8 +71,8 @@ impl Publication {
         Publication { beside: Beside { is_json: true, revision: Some(revision), ..Beside::default() }, ..self }
     }
 
-    /// Whether a broker that accepts packets of at most `largest` bytes accepts this one. A packet that is too large would end
-    /// every new connection.
+    /// Whether this publication fits into a packet of at most `largest` bytes, the broker's maximum. Without this
+    /// check, a packet that is too large would end every new connection.
     pub(super) fn fits(&self, largest: Option<u32>) -> bool {
         let size = self.topic.len() + self.payload.len() + HEADERS + self.beside.length();
         size <= largest.map_or(LARGEST, |largest| LARGEST.min(largest as usize))

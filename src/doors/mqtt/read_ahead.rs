@@ -1,6 +1,6 @@
-//! A client's input that waits for its turn. The hearing thread puts it here after searching it for a STOP, and the
-//! connection's own task takes it. The queue has an end for each of them. Its size is limited for each connection, and for all
-//! connections together.
+//! A queue for a client's input that waits to be handled. The hearing thread puts input into it after searching the
+//! input for a STOP. The connection's service takes it out. Each of the two has its own end of the queue. The size is
+//! limited for each connection, and for all connections together.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -17,13 +17,13 @@ use mqtt_gate::{Epoch, Mark};
 /// Maximum number of bytes read at once.
 pub(super) const READ: usize = 64 * 1024;
 
-/// Minimum size of a new piece in bytes, so that small inputs share a piece while they wait.
+/// Minimum size of a newly allocated piece in bytes, so that several small inputs share one piece.
 const PIECE: usize = 4 * 1024;
 
-/// Number of bytes that a STOP costs here: its position is remembered.
+/// Number of bytes counted for each remembered position of a STOP.
 const STOP_COST: usize = size_of::<Mark>();
 
-/// Number of bytes waiting in all connections together. Cheap to clone.
+/// Number of bytes waiting in the queues of all connections. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool(Arc<AtomicUsize>);
 
@@ -33,49 +33,52 @@ impl Pool {
     }
 }
 
-/// The end of the queue for the hearing thread.
+/// The hearing thread's end of the queue.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<ReadAhead>);
 
-/// The end of the queue for the connection's own task.
+/// The end of the queue from which the connection's service takes input.
 #[derive(Debug)]
 pub(super) struct Taker(Arc<ReadAhead>);
 
 #[derive(Debug)]
 struct ReadAhead {
     state: Mutex<State>,
-    /// Signals that there is room, or that nobody takes the input any more.
+    /// Wakes the feeder when there is room, or when the input is no longer wanted.
     room: Notify,
     pool: Pool,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// Pieces of at most `READ` bytes with little unused capacity. Taking a piece frees its memory here.
+    /// Pieces of at most `READ` bytes with little unused capacity. The memory of a piece is free when the piece is
+    /// taken.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
-    /// Positions of packets that have halted already, and of packets that came in another epoch than the ones before them.
+    /// Positions of packets that have halted the robot already. Also positions at which the epoch differs from that
+    /// of the bytes before.
     marks: Vec<Mark>,
-    /// Number of bytes put in so far, and the epoch of the last byte.
+    /// Number of bytes put in so far. `epoch` is the epoch of the last of them.
     total: u64,
     epoch: Option<Epoch>,
-    /// Number of the client's bytes that wait elsewhere. They reduce the room here.
+    /// Number of the client's bytes that wait outside this queue. They reduce the room in it.
     held: usize,
-    /// Whether the feeder waits for room. Only then is it woken: to wake its thread for each packet would delay every message.
+    /// Whether the feeder waits for room. It is woken only then, because waking its thread for each packet would
+    /// delay every message.
     wants_room: bool,
     taker: Option<Waker>,
     has_ended: bool,
     left: Option<Left>,
 }
 
-/// What the hearing thread does when nobody takes the input any more.
+/// What the hearing thread still does when the input is no longer wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Left {
-    /// It searches the bytes received already, and ends.
+    /// The hearing thread searches the bytes that were received already, and then ends.
     HearsRest,
-    /// It reads until the client closes the connection, for `hearing::FAREWELL` at most.
+    /// The hearing thread reads until the client closes the connection, for `hearing::FAREWELL` at most.
     HearsOn,
-    /// It stops reading: the client's key is not valid any more, so even its STOP does not count.
+    /// The hearing thread stops reading. The client's key is no longer valid, so even its STOP does not count.
     Deaf,
 }
 
@@ -86,10 +89,10 @@ pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
 }
 
 impl Feeder {
-    /// Waits until there is room; returns how much, at most `READ` bytes.
+    /// Waits until there is room; returns the number of bytes that fit, at most `READ`.
     ///
     /// # Errors
-    /// Nobody takes the input any more.
+    /// The input is no longer wanted.
     pub(super) async fn room(&self) -> Result<usize, Left> {
         loop {
             {
@@ -107,7 +110,7 @@ impl Feeder {
         }
     }
 
-    /// Waits until nobody takes the input any more.
+    /// Waits until the input is no longer wanted.
     pub(super) async fn left(&self) -> Left {
         loop {
             if let Some(left) = self.0.state().left {
@@ -117,8 +120,8 @@ impl Feeder {
         }
     }
 
-    /// Puts in bytes that came in the epoch `came`. The packets at the positions in `halted` have halted the robot; each has
-    /// raised the epoch to the one beside its position.
+    /// Puts in bytes that arrived in the epoch `came`. `halted` has the positions of packets that have halted the
+    /// robot. Beside each position is the epoch that the halt began.
     pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
         let mut state = self.0.state();
         if state.left.is_some() {
@@ -135,7 +138,8 @@ impl Feeder {
         }
         state.bytes += bytes.len();
         let begins = state.total;
-        // If the beginning of this STOP came earlier, the bytes after it belong to the epoch that the STOP has raised.
+        // The beginning of this STOP may have come with earlier bytes. Then the bytes after the STOP belong to the
+        // epoch that it began.
         let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
         if state.epoch != Some(came) && !is_cut {
             state.marks.push(Mark { begins, epoch: came, heard_ahead: false });
@@ -143,7 +147,7 @@ impl Feeder {
         state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, heard_ahead: true }));
         state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
         state.total += bytes.len() as u64;
-        // Added before anybody can take the bytes, so that the sum never becomes negative.
+        // Counted before the lock is released. So the bytes cannot be taken, and subtracted, before they are added.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
         wake(state);
     }
@@ -157,7 +161,7 @@ impl Drop for Feeder {
     }
 }
 
-/// Wakes the waiting task after the lock is released, so that the task need not wait for the lock.
+/// Releases the lock and then wakes the taker, so that the taker need not wait for the lock.
 fn wake(mut state: MutexGuard<'_, State>) {
     let taker = state.taker.take();
     drop(state);
@@ -167,7 +171,7 @@ fn wake(mut state: MutexGuard<'_, State>) {
 }
 
 impl Taker {
-    /// Appends the next piece to `into`, and passes all marks to `marked`; false when there is no piece.
+    /// Appends the next piece to `into`, and passes all marks to `marked`. Returns false when there is no piece.
     pub(super) fn take(&self, into: &mut BytesMut, marked: impl FnMut(Mark)) -> bool {
         let mut state = self.0.state();
         state.marks.drain(..).for_each(marked);
@@ -179,7 +183,7 @@ impl Taker {
             *into = piece;
         } else {
             if into.len() < READ {
-                // The bytes left from before are few, but their buffer may be large.
+                // Few bytes are left in `into`, but its buffer may be large. Copying them frees that buffer.
                 let mut rest = BytesMut::with_capacity(into.len() + piece.len());
                 rest.extend_from_slice(into);
                 *into = rest;
@@ -189,7 +193,7 @@ impl Taker {
         true
     }
 
-    /// Ready with false when there are bytes, with true at the end of the input.
+    /// Ready with false when bytes can be taken, ready with true at the end of the input.
     pub(super) fn poll_come(&self, cx: &Context<'_>) -> Poll<bool> {
         self.poll(cx, |state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true)))
     }
@@ -202,8 +206,8 @@ impl Taker {
         self.0.state().bytes
     }
 
-    /// Reports the bytes of this client that wait elsewhere, and whether the client reads. The room here shrinks by the bytes
-    /// that wait, or may have to wait, elsewhere.
+    /// Reports how many bytes of this client wait outside this queue, and whether the client reads its output. These
+    /// bytes reduce the room here. If the client does not read, `UNREAD_PART` is reserved in addition.
     pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
         state.held = if reads { held } else { held + UNREAD_PART };
@@ -273,7 +277,7 @@ mod tests {
         (bytes.to_vec(), halted)
     }
 
-    /// Puts in as much as there is room for; returns the number of bytes.
+    /// Puts in as many bytes as there is room for; returns their number.
     async fn fill(feeder: &Feeder) -> usize {
         let mut put = 0;
         loop {
@@ -301,7 +305,7 @@ mod tests {
         assert!(poll_fn(|cx| taker.poll_come(cx)).await);
     }
 
-    /// Safety S4: others may press STOP between the two halves of one.
+    /// Safety S4: the epoch may change between the two halves of a STOP, because other clients press STOP too.
     #[test]
     fn a_stop_in_two_pieces_is_marked_before_what_follows_it() {
         let (feeder, taker) = read_ahead(&Pool::default());
@@ -351,7 +355,7 @@ mod tests {
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - MESSAGES_PART);
     }
 
-    /// Safety A5: whatever the sizes of the inputs are.
+    /// Safety A5: the unused memory is small, whatever the sizes of the inputs are.
     #[test]
     fn what_waits_has_little_room_for_nothing() {
         for step in [1, 30, 1_000, 5_000, 33_000] {
@@ -363,7 +367,7 @@ mod tests {
         }
     }
 
-    /// Safety A5: a STOP costs more here than its bytes.
+    /// Safety A5: a STOP counts more than its bytes, because its position is remembered.
     #[tokio::test]
     async fn what_is_remembered_of_stops_counts() {
         let (feeder, _taker) = read_ahead(&Pool::default());

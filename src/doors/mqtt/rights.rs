@@ -1,4 +1,5 @@
-//! Which clients may publish on which topics, and leave a will there. Commands in the messages are judged by their listener.
+//! Decides which clients may publish on which topics, or leave a last will there. Commands in messages are judged by
+//! the listener of the connection.
 
 use super::topics::{TopicKind, Topics};
 use crate::access::Role;
@@ -24,13 +25,13 @@ impl Rights for Topics {
         may_publish(who, self.kind_of(topic))
     }
 
-    /// A will on a command topic is refused, because nobody is there when it is published.
+    /// A will on a command topic is refused, because its sender is absent when it is published.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         self.kind_of(topic) == TopicKind::Elsewhere && who == Tier::Full
     }
 
-    /// Subscriptions to the program's own topics may not be shared, because each reader must get all messages. And viewers may
-    /// not take messages of others away from other readers.
+    /// Subscriptions to the program's own topics may not be shared, because each reader must get all messages.
+    /// Viewers may share no subscription at all, because they would take messages away from other readers.
     fn may_share(&self, who: Tier, filter: &str) -> bool {
         who == Tier::Full && !self.ours().iter().any(|ours| overlap(filter, ours))
     }

@@ -1,7 +1,7 @@
-//! rumqttd as the router of our own broker, if the settings choose it. It is used through its links in this process, without a
-//! port. It is fast, but trusts everybody, so it learns nothing about a client: it sees only topics and filters with a prefix
-//! of ours, and the numbers of messages. The messages themselves stay here. If its thread panics or hangs, another rumqttd
-//! replaces it, and every message under way is delivered directly.
+//! rumqttd as the router of our own broker, if the settings choose it. It runs in this process without a port, and is
+//! used through its links. rumqttd is fast, but checks no rights. So it gets only topics and filters, with a prefix
+//! of ours, and the numbers of messages. The messages themselves stay here. If its thread panics or hangs, a new
+//! rumqttd replaces it, and every message under way is delivered directly.
 //!
 //! ```text
 //!   carry ─► transit: number, RoutedDelivery         orders ─► a thread that may be kept waiting ─► links ─► rumqttd
@@ -24,27 +24,27 @@ use crate::doors::connection_limits::CONNECTIONS;
 use crate::runtime::clock::Clock;
 use mqtt_gate::{RoutedDelivery, Router, Subscriber};
 
-/// Maximum number of clients with a link to rumqttd: connected, remembered and leaving ones.
+/// Maximum number of clients with a link to rumqttd. Connected, remembered and leaving clients count.
 const LINKS: usize = 2 * CONNECTIONS;
 
-/// Maximum number of topics and filters passed to one rumqttd, which forgets none of them. Beyond it another rumqttd replaces
-/// it.
+/// Maximum number of topics and filters passed to one rumqttd. rumqttd never forgets any of them, so beyond this
+/// number a new one replaces it.
 const SHOWN: usize = 16 * 1024;
 
-/// Maximum number of messages under way through rumqttd. Beyond it the oldest message is delivered directly.
+/// Maximum number of messages under way through rumqttd. Beyond this number the oldest message is delivered directly.
 const TRANSIT: usize = 4096;
 
-/// Interval at which the program looks for late messages.
+/// Interval at which the program checks for late messages.
 const GLANCE: Duration = Duration::from_millis(25);
 
-/// Age at which a message is late. On a machine that is not busy rumqttd takes less than a millisecond, and people may notice a
-/// pause of 200 ms.
+/// Age at which a message counts as late. rumqttd takes less than a millisecond on a machine that is not busy. People
+/// may notice a pause of 200 ms.
 const LATE: Duration = Duration::from_millis(150);
 
-/// Number of segments in which rumqttd stores messages for each filter.
+/// Number of segments per filter in which rumqttd stores messages.
 const SEGMENTS: usize = 3;
 
-/// Size of a segment in bytes: more than is under way to a subscriber that the publisher waits for.
+/// Size of a segment in bytes. Less than this is under way to a subscriber that the publisher waits for.
 const SEGMENT_BYTES: usize = 256 * 1024;
 
 /// Number of messages that rumqttd passes to one link before it serves the others.
@@ -59,12 +59,12 @@ pub struct RumqttdRouter(Arc<Mutex<State>>);
 #[derive(Debug)]
 struct State {
     engine: Engine,
-    /// All subscriptions, which the next engine needs.
+    /// All subscriptions. The next engine needs them.
     subscribers: HashMap<usize, RouterReader>,
     /// Messages under way, oldest first. The first one has the number `first`.
     transit: VecDeque<(RoutedDelivery, Duration)>,
     first: u64,
-    /// Hashes of the topics and filters passed to the engine, which never forgets them.
+    /// Hashes of the topics and filters passed to the engine. The engine never forgets a topic or filter.
     shown: HashSet<u64>,
     hasher: RandomState,
     work: Handle,
@@ -77,7 +77,8 @@ struct RouterReader {
     filters: BTreeSet<String>,
 }
 
-/// One rumqttd, and the queue of its orders. Dropping it ends its tasks at once, and its threads when they notice.
+/// One rumqttd with the queue of its orders. When this value is dropped, its tasks end at once, and its threads end
+/// when they notice.
 #[derive(Debug)]
 struct Engine {
     orders: mpsc::SyncSender<Order>,
@@ -131,7 +132,7 @@ impl Router for RumqttdRouter {
 
     fn unsubscribe(&self, filter: &str, subscriber: &Arc<Subscriber>) {
         let mut state = self.state();
-        // Messages under way may not reach this subscriber any more, so it gets them now.
+        // rumqttd may no longer deliver messages under way to this subscriber, so they are delivered now.
         state.transit.iter_mut().for_each(|(delivery, _)| delivery.arrive(subscriber));
         let key = Arc::as_ptr(subscriber).addr();
         if let Some(reading) = state.subscribers.get_mut(&key) {
@@ -149,8 +150,8 @@ impl Router for RumqttdRouter {
         let topic = delivery.topic().to_owned();
         state.transit.push_back((delivery, now));
         state.order(Order::Publish(topic, number), &self.0);
-        // The publisher does not wait for subscribers that do not read, and rumqttd may lag behind. Beyond the maximum the
-        // oldest message is therefore delivered directly.
+        // The number of messages under way is limited. rumqttd may lag behind, while the publisher does not wait for
+        // subscribers that do not read. Beyond the limit the oldest message is delivered directly.
         if state.transit.len() > TRANSIT {
             state.pass_first();
         }
@@ -168,13 +169,13 @@ impl State {
         let is_worn_out = self.shown.len() > SHOWN;
         match self.engine.orders.try_send(order) {
             Ok(()) if !is_worn_out => {}
-            // rumqttd has too much to do: this message, and all before it, are delivered directly.
+            // rumqttd has too much to do. This message and all earlier ones are delivered directly.
             Err(mpsc::TrySendError::Full(Order::Publish(..))) => self.pass_all(),
             Ok(()) | Err(_) => self.renew(itself),
         }
     }
 
-    /// Replaces the engine, and delivers everything under way directly, because the old engine may never do so.
+    /// Replaces the engine. Everything under way is delivered directly, because the old engine may never deliver it.
     fn renew(&mut self, itself: &Arc<Mutex<State>>) {
         self.pass_all();
         self.shown.clear();
@@ -194,7 +195,7 @@ impl State {
         }
     }
 
-    /// Drops the oldest delivery. Dropping it delivers it to every subscriber that has not got it.
+    /// Drops the oldest delivery, which delivers it to every subscriber that has not received it yet.
     fn pass_first(&mut self) {
         if self.transit.pop_front().is_some() {
             self.first += 1;
@@ -230,7 +231,7 @@ impl Engine {
         let (orders, ordered) = mpsc::sync_channel(TRANSIT + 2 * SHOWN);
         let carrier = Carrier { state: Weak::clone(state), work: work.clone(), ordered };
         let thread = std::thread::Builder::new().name("mqtt-rumqttd".to_owned());
-        // If there is no thread, no order is carried out. A late message then shows that.
+        // Without this thread no order is carried out. The first late message then replaces the engine.
         if let Err(error) = thread.spawn(move || carrier.run(number)) {
             tracing::error!(%error, "rumqttd cannot be started");
         }
@@ -238,7 +239,7 @@ impl Engine {
     }
 }
 
-/// Passes orders to one rumqttd, on a thread of its own, because some orders wait for rumqttd's answer.
+/// Passes orders to one rumqttd. It has a thread of its own, because some orders wait for rumqttd's answer.
 struct Carrier {
     state: Weak<Mutex<State>>,
     work: Handle,
@@ -254,8 +255,8 @@ struct RouterLink {
 impl Carrier {
     fn run(self, number: u64) {
         let requests = rumqttd::Router::new(usize::try_from(number).unwrap_or(0), config()).spawn();
-        // rumqttd offers no way to end its router's thread, which would keep all its memory. But a request for an unknown
-        // connection makes that thread panic.
+        // rumqttd has no function that ends its router's thread, and the thread would keep all its memory. A request
+        // for an unknown connection makes the thread panic, which ends it.
         let end = || LinkTx::new(rumqttd::ConnectionId::MAX, requests.clone(), Arc::default()).shadow("").is_ok();
         let link = |name: String| LinkBuilder::new(&name, requests.clone()).build().ok().map(|(to, from, _)| (to, from));
         let Some((mut publisher, _unread)) = link("publisher".to_owned()) else { return };
@@ -419,7 +420,7 @@ mod tests {
         }
     }
 
-    /// rumqttd forgets no topic that it was ever passed.
+    /// rumqttd never forgets a topic, so it is replaced after too many topics.
     #[tokio::test]
     async fn one_that_was_shown_too_much_is_replaced_and_nobody_notices() {
         let (broker, router) = broker();
@@ -435,7 +436,7 @@ mod tests {
         assert!(router.state().engine.number >= 1 && router.state().shown.len() < SHOWN);
     }
 
-    /// A link is used again, and messages for its previous subscriber reach nobody else.
+    /// A link is used again for the next subscriber. Messages for the previous subscriber do not reach the next one.
     #[tokio::test]
     async fn whoever_lets_go_gets_nothing_more_and_his_link_serves_the_next() {
         let (broker, _router) = broker();

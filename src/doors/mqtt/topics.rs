@@ -1,4 +1,4 @@
-//! The names of all topics, and who may use each. The messages on each topic are written elsewhere.
+//! The names of all topics, and who may publish on them. The messages are made elsewhere.
 
 use crate::api::resources::ResourceKind;
 use hallsweep_core::world::resource::Resource;
@@ -13,28 +13,29 @@ pub const HOME_ASSISTANT_STATUS: &str = "homeassistant/status";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topics {
-    /// Such as `hallsweep/discovery`.
+    /// The beginning of our own topics, such as `hallsweep/discovery`.
     base: String,
-    /// Such as `unibo/qak`.
+    /// The beginning of the original system's topics, such as `unibo/qak`.
     old: String,
-    /// Such as `discovery`.
+    /// The id of the robot, such as `discovery`.
     id: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopicKind<'a> {
-    /// `…/command/NAME`: a command of this name, in JSON.
+    /// `…/command/NAME`: a command with this name. The payload is JSON.
     Command(&'a str),
-    /// `…/command`: the bare name of a command without arguments.
+    /// `…/command`: the payload is the bare name of a command without arguments.
     Word,
     Old,
-    /// Everything else under our prefix, and the messages for Home Assistant: only the program itself publishes there.
+    /// Topics on which only the program itself publishes: everything else under our prefix, and the description for
+    /// Home Assistant.
     Ours,
     Elsewhere,
 }
 
 impl Topics {
-    /// The topics under `PREFIX/ID`, and those of the original system under `old`.
+    /// Creates the names of the topics under `PREFIX/ID`, and of the original system's topics under `old`.
     pub fn new(prefix: &str, id: &str, old: &str) -> Topics {
         Topics { base: format!("{prefix}/{id}"), old: old.to_owned(), id: id.to_owned() }
     }
@@ -71,7 +72,7 @@ impl Topics {
         format!("{}/homeassistant", self.base)
     }
 
-    /// The last photo, for Home Assistant.
+    /// The topic of the last photo, for Home Assistant.
     pub fn photo(&self) -> String {
         format!("{}/photo", self.base)
     }
@@ -84,12 +85,13 @@ impl Topics {
         format!("{}/{EVENTS}", self.old)
     }
 
-    /// Filters that match all commands, for the subscription at another broker. They match no answers.
+    /// Returns filters for the subscription at another broker. They match all commands, but no results.
     pub fn commands(&self) -> [String; 3] {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
-    /// Filters that match all topics on which only the program itself publishes, and all command topics.
+    /// Returns filters that match all topics on which only the program itself publishes. They match all command
+    /// topics too.
     pub fn ours(&self) -> [String; 3] {
         [format!("{}/#", self.base), format!("{}/+", self.old), self.discovery()]
     }

@@ -6,7 +6,7 @@ use hallsweep_core::command::{Carries, Command, Door, Issuer, LuggageRef, Move, 
 use hallsweep_core::units::{Celsius, LuggageId};
 
 impl Language {
-    /// A request, with the piece `meant` by a verdict without a number.
+    /// Words for a request. If a verdict has no number, `meant` is the piece that it was about.
     pub fn asked(self, asked: &Asked, meant: Option<LuggageId>) -> String {
         match asked {
             Asked::Command(command) => self.command(command, meant),
@@ -23,7 +23,7 @@ impl Language {
         }
     }
 
-    /// A sender, as `operator (console, 192.0.2.7)`.
+    /// Words for a sender, as `operator (console, 192.0.2.7)`.
     pub fn issuer(self, Issuer { door, who, from }: &Issuer) -> String {
         let said = self.say(if *door == Door::LOCAL { "issuer-local" } else { "issuer" }).with("who", who).with("door", door.0);
         if *door == Door::LOCAL { said.to_string() } else { said.with("from", from).to_string() }
@@ -68,7 +68,7 @@ impl Language {
     }
 }
 
-/// Letter of a move, as old clients send it.
+/// The letter that old clients send for a move.
 const fn letter(step: Move) -> &'static str {
     match step {
         Move::Forward => "w",

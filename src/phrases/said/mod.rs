@@ -1,6 +1,6 @@
-//! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records use, and tests
-//! compare them. One phrase differs: the piece of a verdict without a number stands before the note here. Words from outside,
-//! such as those of a robot or a disk, stay as they are.
+//! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records use;
+//! tests compare the two. One phrase differs: in a verdict without a number, the piece stands before the note here.
+//! Words from outside, such as those of a robot or a disk, stay as they are.
 
 mod asked;
 mod fact;
@@ -39,12 +39,13 @@ impl Language {
         }
     }
 
-    /// Result of an unfinished mission: the phase in which it is, or was when it was put away.
+    /// The result of an unfinished mission: its present phase, or its last phase if the mission was archived.
     pub fn ended_while(self, phase: impl Display, is_put_away: bool) -> Phrase<'static> {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }
 
-    /// Result of a mission, qualified by the parts that were not searched and by the kind of the searching robot.
+    /// The result of a mission. It also says how many places were not searched, and of which kind the searching robot
+    /// was.
     pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
         let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
         let unsearched = match state.map.unsearched() {
@@ -63,7 +64,7 @@ impl Language {
         }
     }
 
-    /// Robots that took part, each with its kind and its address, and the seed of a simulated hall.
+    /// The robots that took part, each with its kind and its address. In a simulated hall, the seed follows.
     pub fn team(self, conditions: Option<&Conditions>) -> String {
         let Some(venue) = conditions.map(|conditions| &conditions.venue).filter(|venue| !venue.robots.is_empty()) else {
             return self.say("robots-not-on-record").to_string();
@@ -95,12 +96,12 @@ impl Language {
         self.say_of("heading", heading.name())
     }
 
-    /// `name` is `safe`, `danger` or `pending`.
+    /// The word for a verdict. `name` is `safe`, `danger` or `pending`.
     pub fn verdict(self, name: &str) -> Phrase<'_> {
         self.say_of("verdict", name)
     }
 
-    /// `21.5 °C`, with the decimal mark of the language.
+    /// A temperature such as `21.5 °C`, with the decimal mark of the language.
     pub fn celsius(self, celsius: Celsius) -> String {
         self.number(&celsius.to_string())
     }

@@ -1,10 +1,11 @@
-//! Words for refusals, including refusals of the simulator, which all look the same to the core.
+//! Words for refusals. The core does not distinguish the simulator's refusals, but here each has a phrase of its own.
 
 use crate::phrases::Language;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
 
-/// Codes of the simulator's refusals, which the core knows only as words and the pages as phrases.
+/// Codes of the simulator's refusals. The core has these refusals only in words; the pages have a phrase for each
+/// code.
 const OF_THE_SIMULATOR: [&str; 9] = [
     "notPaused",
     "nothingUnderWay",
@@ -18,7 +19,7 @@ const OF_THE_SIMULATOR: [&str; 9] = [
 ];
 
 impl Language {
-    /// Reason of a refusal, without a full stop. A door's own words stay as they are.
+    /// The reason of a refusal, without a full stop. If a door refused in its own words, these stay as they are.
     pub fn refused(self, refused: &Refused) -> String {
         let say = || self.say_of("refused", refused.code());
         let said = match refused {
@@ -58,7 +59,7 @@ impl Language {
         said.to_string()
     }
 
-    /// Joins the holds. The reason of the store comes first, because other holds may follow from it.
+    /// Joins the words for the holds. The store's reason comes first, because it may be the cause of other holds.
     fn holds(self, holds: &[Hold], store_failure: Option<&str>) -> String {
         let store = store_failure.map(|why| self.say("refused-held-store").with("why", why).to_string());
         let others =

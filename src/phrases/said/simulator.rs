@@ -1,4 +1,4 @@
-//! The simulator's words, and the changes made to the simulator.
+//! Words for what the simulator says, and for the changes made to the simulator.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Cell;
 
 impl Language {
-    /// A robot's words: a phrase for the words of the simulator, other words unchanged.
+    /// Words that a robot sent. The words of the simulator become a phrase; other words are unchanged.
     pub fn robot_said(self, words: &str) -> Cow<'_, str> {
         let said = match words {
             "the simulator keeps it lost" => self.say("simulated-lost"),

@@ -1,4 +1,5 @@
-//! Tests that the English phrases are the core's sentences, and that all of them are translated into Italian.
+//! Tests that the English phrases are the same as the core's sentences, and that all of them are translated into
+//! Italian.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,7 +33,7 @@ fn issuer() -> Issuer {
     Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() }
 }
 
-/// Compares the English phrase with `core`. The Italian one must differ, unless `alike` has the sentence.
+/// Checks that the English phrase is `core`. The Italian phrase must differ, unless `alike` contains `core`.
 #[track_caller]
 fn check(core: &str, say: impl Fn(Language) -> String, alike: &[&str]) {
     assert_eq!(say(Language::English), core);

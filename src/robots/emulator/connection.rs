@@ -1,5 +1,5 @@
-//! One program at the other end of the wire. Input is read while output is still being written, so that a halt is obeyed in the
-//! middle of a photo. The faults of the wire are applied here.
+//! The connection to one program. Input is read while output is still being written, so that a halt is obeyed while a
+//! photo is sent. The simulated faults of the wire are applied here.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,7 +14,8 @@ use hallsweep_core::rng::RandomStream;
 /// Photos are written in pieces of this many bytes.
 const PIECE: usize = 16 << 10;
 
-/// Number of waiting pieces at which reading or reporting pauses; one photo may exceed it.
+/// Maximum number of waiting pieces, of input or of output; then reading or reporting pauses. A single photo may have
+/// more pieces.
 const WAITING: usize = 64;
 
 pub(super) struct Connection {
@@ -50,7 +51,8 @@ impl Connection {
         }
     }
 
-    /// The next piece received; `None` when the connection has ended. Cancelling it loses nothing.
+    /// Receives the next piece; returns `None` when the connection has ended. Nothing is lost if the caller stops
+    /// waiting.
     pub(super) async fn hear(&mut self) -> Option<Vec<u8>> {
         let mut bytes = [0; 1024];
         loop {

@@ -7,9 +7,9 @@ use hallsweep_core::rng::RandomStream;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// Probability that a byte is lost, 0–1, in each line or in each 16 kB of a photo.
+    /// Probability from 0 to 1 that a byte is lost, in each line or in each 16 kB of a photo.
     pub lose: f64,
-    /// Probability that a byte is changed, 0–1, in the same pieces.
+    /// Probability from 0 to 1 that a byte is changed, in each line or in each 16 kB of a photo.
     pub garble: f64,
     pub delay: Duration,
     pub cut_after: Option<Duration>,
@@ -29,7 +29,7 @@ impl Faults {
     }
 }
 
-/// The piece must not be empty.
+/// A random place in the piece, which must not be empty.
 fn place(piece: &[u8], chance: &mut RandomStream) -> usize {
     usize::try_from(chance.below(piece.len() as u64)).expect("it is less than a length")
 }

@@ -1,5 +1,6 @@
-//! A self-built robot, played by the simulated one: the robot's end of the line protocol, joined to the simulator by the same
-//! kind of link as the program's loop. So the simulated robot draws, waits and halts here as it does there.
+//! A self-built robot, played by the simulated robot. The robot's end of the line protocol is joined to the simulator
+//! by the same kind of link that the program uses. So the simulated robot draws photos, waits and halts as it does in
+//! the program.
 //!
 //! ```text
 //!   program ◄── wire, with its faults ──► LineRobot ── orders, halts, the LED ──► simulated robot
@@ -40,7 +41,8 @@ pub struct Emulation {
     pub faults: Faults,
 }
 
-/// Plays the robot for one program at a time, until it is dropped. Calls `announce` with the address, including the real port.
+/// Plays the robot for one program at a time, until the returned future is dropped. Calls `announce` with the robot's
+/// address, including the real port.
 pub async fn play(
     hall: Arc<Hall>,
     settings: &RobotSettings,
@@ -52,7 +54,7 @@ pub async fn play(
     let halter = Halter::new(Epoch(0));
     let (link, side) = link(halter.watch());
     let robot = SimRobot::new(RobotId::discovery(), hall, settings, false);
-    // Nobody else lifts anything in this robot's hall.
+    // No other robot is in this robot's hall, so nobody else lifts a piece.
     tokio::spawn(robot.adapter(clock, watch::channel(Default::default()).1, Remote::untouched())(side));
     announce(&place);
     let chance = RandomStream::new(settings.seed, "wire");
@@ -100,7 +102,7 @@ impl Emulator {
                 BodyRequest::Halt => self.halter.halt(),
                 BodyRequest::Led(blinks) => drop(self.link.led.send_replace(blinks)),
                 BodyRequest::Order(order) => {
-                    // One order is open at a time, so there is room for it.
+                    // Only one order is open at a time, so the channel has room for it.
                     let stamped = Stamped { order, halts: self.link.halts.now().count };
                     let _ = self.link.orders.try_send(stamped);
                 }
@@ -124,7 +126,7 @@ impl Emulator {
         }
     }
 
-    /// A report with its photo padded to the requested size. Programs that read pictures ignore the padding.
+    /// Pads the photo in a report to the requested size. Programs that read pictures ignore the padding.
     fn padded(&self, report: RobotEvent) -> RobotEvent {
         let RobotEvent::Photo(id, photo) = report else { return report };
         let mut bytes = photo.bytes.to_vec();

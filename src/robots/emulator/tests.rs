@@ -115,7 +115,7 @@ async fn one_whose_connection_is_gone_halts_and_says_so_to_the_next() {
     client.say("hello").await;
     assert!(client.hears("hello").await.unwrap().contains("off last=2"), "it moves");
     drop(client);
-    // Time in which the step would have ended; connecting halts the robot as well.
+    // Waits until the step would have ended. A new connection halts the robot too, so it is made only after this.
     tokio::time::sleep(Duration::from_secs(2)).await;
     let hello = test.connect().await.begin(3).await;
     assert!(hello.contains("at=0,0,south off last=3"), "{hello}");
@@ -139,7 +139,7 @@ async fn a_connection_is_cut_when_that_was_asked_for() {
     test.connect().await.begin(1).await;
 }
 
-/// The order arrives in the middle of a photo that nobody reads, and is obeyed all the same.
+/// An order arrives while a photo is being sent, and nobody reads the photo. The robot still obeys the order.
 #[tokio::test]
 async fn it_listens_while_a_photo_is_on_its_way() {
     let test = Test::begin(&CORRIDOR, Speed::Max, Faults::default(), MOST_BYTES as usize).await;
@@ -149,7 +149,7 @@ async fn it_listens_while_a_photo_is_on_its_way() {
     client.hears("photo 2 4194304").await.expect("the photo begins");
     client.say("w 3 60000").await;
     client.say("hello").await;
-    // There is room for its answers only after these bytes.
+    // The robot's answers come after these bytes.
     let mut bytes = vec![0; MOST_BYTES as usize];
     within("the photo", client.stream.read_exact(&mut bytes)).await.unwrap();
     assert!(bytes.starts_with(b"\x89PNG"));
@@ -196,7 +196,7 @@ impl<'t> Program<'t> {
         program
     }
 
-    /// Repeats the order until it is done; recentres the robot first when it is off centre, as the core would.
+    /// Repeats the order until it is done. If the robot is off centre, recentres it first, as the core would.
     async fn until_done(&mut self, id: OrderId, action: Action) {
         let mut wanted = action;
         loop {

@@ -1,5 +1,5 @@
-//! Where programs come from: a port, where each new program replaces the last, or a serial device, which is opened again after it
-//! was unplugged.
+//! Accepts programs, at a port or at a serial device. At a port each new program replaces the last one. A serial
+//! device is opened again after it was unplugged.
 
 use std::future;
 use std::io;
@@ -11,18 +11,18 @@ use tokio::net::TcpListener;
 
 use crate::runtime::clock::Clock;
 
-/// Pause before a port that cannot accept, or a device that cannot be opened, is tried again.
+/// Pause before the next attempt, when a port cannot accept or a device cannot be opened.
 const AGAIN: Duration = Duration::from_millis(500);
 
 #[derive(Clone, Debug)]
 pub enum End {
-    /// The address where programs connect, such as `127.0.0.1:8300`; port 0 takes a free one.
+    /// The address where programs connect, such as `127.0.0.1:8300`; port 0 means any free port.
     Port(String),
-    /// A serial device, and its bits a second.
+    /// A serial device, and its speed in bits per second.
     Device(String, u32),
 }
 
-/// `Display` is the message for whoever started the emulator.
+/// `Display` is the message for the person who started the emulator.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
     #[error(
@@ -69,7 +69,7 @@ impl Wire {
         }
     }
 
-    /// The next program. At a serial device the next program comes only after the last one has gone.
+    /// Waits for the next program. At a serial device the next program comes only after the last one has gone.
     pub(super) async fn next(&mut self, clock: &Clock, is_connected: bool) -> Stream {
         loop {
             match self {
@@ -77,7 +77,7 @@ impl Wire {
                     clock.reach(Some(*again_at)).await;
                     match listener.accept().await {
                         Ok((stream, _)) => {
-                            // Without this option answers are late, but the robot still works.
+                            // Without this option answers arrive later, but the robot still works.
                             let _ = stream.set_nodelay(true);
                             return Box::new(stream);
                         }

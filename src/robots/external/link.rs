@@ -1,5 +1,6 @@
-//! Joins a driver to the loop and to the wire: channels, timers, reconnecting, and the threads on which drawings are made and
-//! the small file is written. The driver decides what is sent to the robot.
+//! Joins a driver to the core's loop and to the robot's connection. This file has the channels, the timers, the
+//! reconnecting, and the threads that make drawings and write the small file. The driver decides what is sent to the
+//! robot.
 
 use std::io;
 use std::pin::Pin;
@@ -19,26 +20,27 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::units::OrderId;
 use hallsweep_drivers::{Driver, Output};
 
-/// Pause after a connection was lost or could not be made; it grows when connections end right after they are made.
+/// Pause before a new connection is made. It grows when connections end right after they are made.
 const AGAIN: Duration = Duration::from_millis(500);
 
-/// A shorter connection counts as one that ended right after it was made.
+/// A connection that lasts less than this time counts as ended right after it was made.
 const BRIEF: Duration = Duration::from_secs(2);
 
-/// Time after which a failed write of the file is retried, when nothing new happens before.
+/// A failed write of the file is retried after this time, or earlier if there is something new to write.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Number of times that the pause doubles: up to eight seconds.
+/// The pause doubles at most this number of times, up to eight seconds.
 const DOUBLED: u32 = 4;
 
-/// Number of brief connections after which the error asks whether another program has the robot.
+/// Number of brief connections after which the error asks whether another program uses the robot.
 const OFTEN: u32 = 3;
 
-/// Longest timer; after it the state is checked again.
+/// Maximum length of a timer. When it ends, the link checks its state again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// Runs an external robot until the loop's end of the channels is gone. If there is a file, everything that the next program
-/// must know is written to it before the robot or anybody else learns of the consequences.
+/// Runs an external robot until the core's loop has dropped its end of the channels. If there is a file, it has
+/// everything that the next program must know. The file is written before the robot or anybody else learns of the
+/// consequences.
 pub(super) async fn run(
     robot: RobotId,
     driver: Box<dyn Driver>,
@@ -72,24 +74,26 @@ pub(super) async fn run(
 struct ExternalLink {
     robot: RobotId,
     driver: Box<dyn Driver>,
-    /// Whether the link was up when last logged: the driver may repeat the report that it is up.
+    /// Whether the log says that the link is up. The driver may report this several times, and only the first report
+    /// is logged.
     is_up: bool,
     address: Address,
     side: RobotSide,
     clock: Clock,
     connection: Connection,
-    /// When the last connection was made, and the number of brief connections in a row.
+    /// When the last connection was made. `brief` is the number of brief connections in a row.
     connected: Duration,
     brief: u32,
-    /// A report that the loop has not taken yet. Until then only halts are received, so that reports cannot pile up.
+    /// A report that the core's loop has not taken yet. While it waits, only halts are received, so that reports
+    /// cannot pile up.
     report: Option<RobotEvent>,
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The number of halts known to the last order that was begun.
+    /// The core knew of this number of halts when it sent the order that was begun last.
     obeyed: u64,
     is_led_told: bool,
     /// The file, while it is not being written.
     file: Option<MemoryFile>,
-    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt.
+    /// The write in progress. It runs on a separate thread, so that a disk that hangs does not delay a halt.
     writing: Option<JoinHandle<MemoryFile>>,
     write_again: Option<Duration>,
 }
@@ -105,7 +109,7 @@ enum Happening {
     Due,
     Called(io::Result<Wire>),
     Received(io::Result<Vec<u8>>),
-    /// Whether the other side closed too, or only ours.
+    /// The connection is closed; says whether the other side closed it too.
     Closed(bool),
 }
 
@@ -115,7 +119,7 @@ impl ExternalLink {
             self.keep();
             if self.writing.is_none() {
                 self.perform().await;
-                // The next program must also know what has just been sent.
+                // The next program must also know what was just sent.
                 self.keep();
             }
             if self.report.is_none() && self.writing.is_none() {
@@ -125,7 +129,7 @@ impl ExternalLink {
             let free = self.report.is_none() && self.writing.is_none();
             let wake = self.wake();
             if free && wake <= self.clock.instant(self.clock.now().since_start) {
-                // A robot that never stops talking would otherwise starve the timers.
+                // Without this call, a robot that sends all the time would keep the timers from running.
                 self.driver.handle_timeout(self.clock.now());
             }
             tokio::select! {
@@ -138,19 +142,19 @@ impl ExternalLink {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                // Without a drawing, the order fails at its deadline.
+                // If no drawing comes, the order fails at its deadline.
                 (order, drawn) = done_for(&mut self.drawing), if free => if let Some(drawing) = drawn {
                     self.driver.handle_drawing(order, drawing, self.clock.now());
                 },
-                // Input is read during a write too, since the time at which it arrives matters.
+                // Input is read during a write too, because the driver needs the time at which it arrives.
                 happening = self.connection.happening(), if self.report.is_none() => self.happened(happening),
                 () = tokio::time::sleep_until(wake), if free => self.driver.handle_timeout(self.clock.now()),
             }
         }
     }
 
-    /// Logs the link for operators without a console. The driver may repeat the report that the link is up, when it knows the
-    /// robot better.
+    /// Logs changes of the link, for operators without a console. The driver may report again that the link is up,
+    /// when it knows more about the robot.
     fn log(&mut self) {
         let at = &self.address;
         match &self.report {
@@ -223,14 +227,15 @@ impl ExternalLink {
         }
     }
 
-    /// Does nothing while there is no connection, since a new connection is being made then.
+    /// Closes the connection and makes a new one. Does nothing without a connection, since a new one is already being
+    /// made.
     fn reconnect(&mut self) {
         if matches!(self.connection, Connection::Stands(_)) {
             let call = Connection::Calling(self.address.call());
             if let Connection::Stands(wire) = std::mem::replace(&mut self.connection, call) {
                 self.connection = Connection::Closing(wire.close());
             }
-            // The driver ended it on purpose, so the connection was good.
+            // The driver ended the connection on purpose, so it does not count as brief.
             self.brief = 0;
         }
     }
@@ -273,8 +278,8 @@ impl ExternalLink {
         }
     }
 
-    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first. The driver's answer to a
-    /// halt is sent even during a write.
+    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
+    /// may arrive before the halt. The driver's answer to a halt is sent even during a write.
     async fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.driver.handle_halt(self.clock.now());
@@ -297,7 +302,7 @@ impl ExternalLink {
 }
 
 impl Connection {
-    /// The next event of the connection. Cancelling it loses nothing.
+    /// Waits for the next event of the connection. Nothing is lost if the caller stops waiting.
     async fn happening(&mut self) -> Happening {
         match self {
             Connection::Waiting(until) => {
@@ -323,7 +328,7 @@ mod tests {
     use hallsweep_core::units::{Epoch, Now, Pose, WallTime};
     use hallsweep_drivers::line::LineDriver;
 
-    /// The report about an order that was sent before a halt, to a robot that has not introduced itself.
+    /// Sends an order and then a halt to a robot that has not introduced itself; returns the report about the order.
     async fn sent_before_a_halt(action: Action) -> RobotEvent {
         let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = Address::Tcp(silent.local_addr().unwrap().to_string(), None);
@@ -384,7 +389,7 @@ mod tests {
         }
     }
 
-    /// Safety R2, and the rule of a search: the LED blinks before its first order.
+    /// Safety R2. The test also checks that the LED blinks before the first order of a search.
     #[tokio::test]
     async fn whoever_hears_of_an_answer_finds_in_the_file_what_it_follows_from_the_led_before_the_first_order() {
         let folder = Scratch::new();

@@ -1,7 +1,8 @@
-//! Stores what the next program must know about a robot that does not know its own position, in one small file of the data
-//! folder. The file is replaced as a whole and not flushed: that outlives `kill -9`. The driver decides its contents.
+//! Stores what the next program must know about a robot that does not know its own position. Each such robot has one
+//! small file in the data folder. The file is replaced as a whole and not flushed, which is enough to survive
+//! `kill -9`. The driver decides the contents of the file.
 //!
-//! If the file could not be replaced, it names a position that the robot has left. Then the file is renamed, and the new name
+//! After a failed write, the file has a position that the robot has left. Then the file is renamed, and the new name
 //! says that it is out of date.
 
 use std::fs;
@@ -13,7 +14,7 @@ use crate::storage::names;
 use crate::storage::small_file::{SmallFile, checksum};
 use hallsweep_core::robot::RobotId;
 
-/// Maximum size in bytes, more than a driver ever writes.
+/// Maximum size in bytes. No driver writes more.
 const MOST: usize = 4 << 20;
 
 #[derive(Debug, thiserror::Error)]
@@ -44,24 +45,25 @@ pub(super) struct MemoryFile {
     /// Name that the file gets after a failed write, since its contents are out of date then.
     out_of_date: PathBuf,
     mark: Mark,
-    /// The memory that could not be written, to be tried again.
+    /// The memory that could not be written. Writing it is retried.
     owed: Option<String>,
     /// Kind and address of the robot.
     whose: String,
 }
 
-/// The mark that the position of the robot is not known.
+/// Whether a file marks the position of the robot as unknown, and to which robot the mark belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mark {
     No,
-    /// The mark of a robot that this one replaces.
+    /// The mark belongs to a robot that this one replaces.
     OfAnother,
     Own,
 }
 
 impl MemoryFile {
-    /// Opens the file of this robot in the folder `dir`, and reads it; `None` when there is no file yet, or when it belongs to
-    /// another robot than `whose`. Writes nothing, and leaves a file that cannot be read as it is.
+    /// Opens the file of this robot in the folder `dir` and reads it. Returns `None` when there is no file, or when
+    /// the file belongs to another robot than `whose`. Writes nothing, and does not change a file that cannot be
+    /// read.
     pub(super) fn open(dir: &Path, robot: &RobotId, whose: &str) -> Result<(MemoryFile, Option<String>), MemoryFileError> {
         let file = SmallFile::of(dir, names::ROBOT, robot.name());
         let out_of_date = names::ROBOT_OUT_OF_DATE.of(dir, robot.name());
@@ -91,7 +93,7 @@ impl MemoryFile {
         MemoryFileError::Damaged { path: self.file.path().to_owned(), fault }
     }
 
-    /// Writes the memory, which is one line. After a failure the robot goes on, and the log says so once.
+    /// Writes the memory, which is one line. After a failure the robot continues, and the failure is logged once.
     pub(super) fn keep(&mut self, memory: String) {
         let written = self.write(&memory);
         let failing = "cannot store the position of the robot: free disk space, or make the folder writable";
@@ -120,8 +122,8 @@ impl MemoryFile {
         self.owed.clone()
     }
 
-    /// Marks the file as out of date, which needs no free space. In a read-only folder the file itself may still be writable:
-    /// then it is emptied, and an empty file is not used.
+    /// Marks the file as out of date, which needs no free space. If the folder is read-only, the file itself may
+    /// still be writable. Then the file is emptied, and an empty file is not used.
     fn mark_out_of_date(&self) -> io::Result<()> {
         let anybodys = || files::create(&self.out_of_date).map(drop);
         let marked = if self.is_own { fs::rename(self.file.path(), &self.out_of_date) } else { anybodys() };
@@ -131,7 +133,7 @@ impl MemoryFile {
     }
 }
 
-/// The robot to which a mark belongs. An empty or unreadable mark counts for any robot.
+/// Reads the mark. An empty or unreadable mark counts as the mark of this robot.
 fn mark(out_of_date: &Path, whose: &str) -> Mark {
     match files::read_if_there(out_of_date, MOST) {
         Ok(None) => Mark::No,
@@ -199,7 +201,7 @@ mod tests {
         assert!(!mark.exists(), "what is kept since is in date");
     }
 
-    /// The robot replaces another one, whose file or mark is still there.
+    /// The robot replaces another robot, of which a file or a mark is still in the folder.
     #[test]
     fn one_whose_first_writing_fails_is_out_of_date_itself() {
         for other in ["robot-discovery.txt", "robot-discovery.out-of-date"] {

@@ -1,5 +1,5 @@
-//! Robots outside this program: a driver that knows the robot's protocol (`hallsweep_drivers`), the wire to it, and the small
-//! file that tells the next program the position of a robot that does not report it.
+//! Robots outside this program. Each has a driver for its protocol (`hallsweep_drivers`) and a connection. For a
+//! robot that does not report its position, a small file tells the position to the next program.
 
 mod drawing;
 mod link;

@@ -36,12 +36,12 @@ enum ExternalMemory {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
-    /// The robot may be anywhere, for this reason.
+    /// The position of the robot is unknown, for this reason.
     Lost(String),
 }
 
 impl ExternalRobot {
-    /// `None` for a kind that is part of this program.
+    /// Returns `None` for a kind of robot that is part of this program.
     pub(in crate::robots) fn new(id: &RobotId, settings: &RobotSettings) -> Result<Option<ExternalRobot>, UnusableScene> {
         let at = settings.address.to_string();
         let (kind, address) = match (settings.kind, &settings.address) {
@@ -61,12 +61,13 @@ impl ExternalRobot {
         Ok(Some(ExternalRobot { id: id.clone(), kind, address, place, step, room, remembered: ExternalMemory::Nothing }))
     }
 
-    /// The address in words, shown where a simulated robot has the name of its hall.
+    /// The address in words. For a simulated robot, the name of its hall is shown instead.
     pub(in crate::robots) fn place(&self) -> String {
         format!("robot at {}", self.address)
     }
 
-    /// Whether the robot measures its path by time, without a scene file that tells the positions of things.
+    /// Whether the robot's position is computed from the time that it drives, because no scene file tells where
+    /// things are.
     pub(in crate::robots) fn reckons(&self) -> bool {
         matches!(self.kind, ProtocolKind::Virtual(_)) && self.room.is_none()
     }
@@ -89,7 +90,8 @@ impl ExternalRobot {
         if let ExternalMemory::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
-    /// The link to a robot that may be anywhere stays down, and its adapter counts as running.
+    /// Makes the adapter. If the position of the robot is unknown, the link stays down, but the adapter counts as
+    /// running.
     pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
         let ExternalRobot { id, kind, address, step, room, remembered, .. } = self;
         let (file, known) = match remembered {

@@ -1,4 +1,4 @@
-//! The positions of everything in the scene file of a virtual robot's page, as its driver needs them.
+//! Reads from the scene file of a virtual robot's page where everything is, in the form that the driver needs.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_drivers::{Extent, Room, Thing};
 use hallsweep_sim::{HallError, PLAYER, Scene};
 
-/// `Display` is the message for whoever started the program.
+/// `Display` is the message for the person who started the program.
 #[derive(Debug, thiserror::Error)]
 #[error("the scene file {path:?} of {robot} cannot be used: {error}")]
 pub struct UnusableScene {
@@ -17,7 +17,7 @@ pub struct UnusableScene {
     pub error: HallError,
 }
 
-/// The room and the time for a cell at the page's nominal speed.
+/// The room, and the time for one cell at the page's nominal speed.
 pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), UnusableScene> {
     let file = path.to_string_lossy();
     let read = Scene::open(&file).and_then(|scene| {
@@ -27,7 +27,8 @@ pub(super) fn room(robot: &RobotId, path: &Path) -> Result<(Room, Duration), Unu
     read.map_err(|error| UnusableScene { robot: robot.clone(), path: path.to_owned(), error })
 }
 
-/// The room in cells from the player's start, with obstacles where they stop the robot's centre.
+/// The room in cells, measured from the player's start. Obstacles are enlarged, so that their edge is where the
+/// robot's centre stops.
 fn told(scene: &Scene) -> Room {
     let (player, half) = (&scene.player, PLAYER / 2.0);
     let extent = |(min_x, max_x): (f64, f64), (min_z, max_z): (f64, f64), grown: f64| Extent {

@@ -1,5 +1,5 @@
-//! The wires to robots outside this program: TCP, WebSocket, a serial device. The driver decides what is sent, `link` when to
-//! reconnect.
+//! The connections to robots outside this program: TCP, WebSocket, or a serial device. The driver decides what is
+//! sent; `link` decides when to reconnect.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -18,13 +18,13 @@ use hallsweep_core::robot::RobotId;
 /// Maximum time to connect.
 const CALL: Duration = Duration::from_secs(3);
 
-/// Maximum time to send a few bytes: a robot that does not accept them in this time is gone.
+/// Maximum time to send a few bytes. A robot that does not accept them in this time counts as disconnected.
 const SENDING: Duration = Duration::from_millis(500);
 
 /// Maximum time for the other side to close.
 const CLOSING: Duration = Duration::from_millis(500);
 
-/// Bytes read at once.
+/// Maximum number of bytes to read at once.
 const PIECE: usize = 16 * 1024;
 
 /// Maximum size in bytes of a message over WebSocket.
@@ -32,11 +32,11 @@ const MESSAGE: usize = 64 * 1024;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Address {
-    /// `HOST:PORT`; with the local address to call from, for a robot on this machine.
+    /// `HOST:PORT`. For a robot on this machine there is also the local address from which to connect.
     Tcp(String, Option<Ipv4Addr>),
     /// `HOST:PORT`, over WebSocket.
     WebSocket(String),
-    /// A serial device, and its bits a second.
+    /// A serial device, and its speed in bits per second.
     Serial(String, u32),
 }
 
@@ -53,7 +53,7 @@ impl Address {
     pub(super) fn call(&self) -> Calling {
         let address = self.clone();
         if let Address::Serial(..) = address {
-            // The device is opened on this thread, because no second thread may wait for a device that hangs.
+            // The device is opened on this thread, so that a device that hangs keeps no second thread waiting.
             return Box::pin(address.called());
         }
         Box::pin(async move {
@@ -75,7 +75,7 @@ impl Address {
             }
             Address::WebSocket(at) => {
                 let bounds = WebSocketConfig::default().max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE));
-                // Pongs that the robot does not accept are not buffered.
+                // Pongs (WebSocket's answers to pings) are not buffered when the robot does not accept them.
                 let bounds = bounds.write_buffer_size(0).max_write_buffer_size(MESSAGE);
                 let connected = tokio_tungstenite::connect_async_with_config(format!("ws://{at}/"), Some(bounds), true);
                 let (stream, _) = connected.await.map_err(io::Error::other)?;
@@ -100,7 +100,8 @@ impl std::fmt::Display for Address {
 }
 
 impl Wire {
-    /// The next bytes, or the next message; the end of the connection is an error. Cancelling it loses nothing.
+    /// Receives the next bytes, or the next message. Returns an error when the connection has ended. Nothing is lost
+    /// if the caller stops waiting.
     pub(super) async fn receive(&mut self) -> io::Result<Vec<u8>> {
         match self {
             Wire::Tcp(stream) => loop {
@@ -145,15 +146,16 @@ impl Wire {
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
     }
 
-    /// Drops the connection. The system may wait for unsent bytes of a serial device, so not on this thread.
+    /// Drops the connection. A serial device is dropped on another thread, because the system may wait for unsent
+    /// bytes.
     pub(super) fn abandon(self) {
         if let Wire::Serial(port) = self {
             tokio::task::spawn_blocking(move || drop(port));
         }
     }
 
-    /// Closes the connection, and waits until the other side has closed too, so that late actions of the other side do not
-    /// affect the next connection. The result says whether the other side has closed.
+    /// Closes the connection, and waits until the other side has closed it too. So late actions of the other side do
+    /// not affect the next connection. The result says whether the other side has closed.
     pub(super) fn close(self) -> Closing {
         Box::pin(async move {
             let Wire::Tcp(mut stream) = self else { return false };
@@ -175,15 +177,15 @@ impl Wire {
     }
 }
 
-/// A loopback address for one robot of this program: the virtual robot's server tells its clients apart by their addresses, and
-/// sends its messages to the newest client of each.
+/// A loopback address for each robot of this program. The virtual robot's server distinguishes its clients by their
+/// addresses. It sends its messages to the newest client of each address.
 pub(super) fn own_address(robot: &RobotId) -> Ipv4Addr {
     let [high, low] = u16::try_from(std::process::id() % 65_536).unwrap_or_default().to_be_bytes();
     let sum = robot.name().bytes().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(byte));
     Ipv4Addr::new(127, 64 + sum % 128, high, low)
 }
 
-/// `None` when the robot is on another machine, or the system has no such address.
+/// Connects from the address `own`. Returns `None` when the robot is on another machine, or when this fails.
 async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     let own = own?;
     let is_here = |address: &SocketAddr| matches!(address.ip(), IpAddr::V4(ip) if ip.is_loopback());
@@ -193,8 +195,8 @@ async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     socket.connect(robot).await.ok()
 }
 
-/// Sends a message in one write if the system accepts that, as it does for a few bytes: some robots cannot handle a message in
-/// two pieces.
+/// Sends a message in one write if the system accepts all of it, as it does for a few bytes. Some robots cannot
+/// handle a message in two pieces.
 async fn write_whole(stream: &TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         stream.writable().await?;

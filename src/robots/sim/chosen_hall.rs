@@ -1,5 +1,6 @@
-//! The hall that somebody has chosen in the simulator, stored in the data folder so that a restart continues in it: a hall file
-//! after two lines of its own. It applies while the settings name the same hall as when it was chosen.
+//! The hall that a user has chosen in the simulator. It is stored in the data folder, so that a restart continues in
+//! this hall. The file has two lines of its own, followed by a hall file. The chosen hall applies while the settings
+//! name the same hall as when it was chosen.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -67,7 +68,7 @@ impl ChosenHall {
         Ok(Some(SimulatedHall { hall: hall.into(), seed }))
     }
 
-    /// Stores the chosen hall, whole or not at all.
+    /// Stores the chosen hall completely, or not at all.
     pub(super) fn keep(&self, ground: &SimulatedHall) -> io::Result<()> {
         let hall = file_of(&ground.hall);
         let text = format!("{INSTEAD}{}\n{SEED}{}\n{hall}", written(&self.usual), ground.seed);

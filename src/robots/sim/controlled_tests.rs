@@ -1,4 +1,5 @@
-//! A simulated robot whose time is stopped, whose faults change, and which is moved to another hall, as the loop sees it.
+//! Tests of a simulated robot as the core's loop sees it: its time is stopped, its faults change, and it is moved to
+//! another hall.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -72,7 +73,7 @@ impl Controlled {
         self.controls.send_modify(change);
     }
 
-    /// Whether no report comes for longer than any order takes; one that comes is dropped.
+    /// Whether no report comes in a time that is longer than any order takes. A report that comes is dropped.
     async fn is_silent(&mut self) -> bool {
         tokio::time::timeout(Duration::from_secs(60), self.next()).await.is_err()
     }

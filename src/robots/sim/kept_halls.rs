@@ -1,5 +1,5 @@
-//! Halls that somebody stored under names, to choose and to edit them again: hall files in a folder of the data folder, each
-//! named after its hall. A file can also be put there by hand before the start.
+//! Halls that users have stored under names, to choose or edit them again. Each hall is a file in a folder of the
+//! data folder, and the file is named after the hall. A file can also be added by hand before the start.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,10 +13,10 @@ use crate::storage::small_file::SmallFile;
 use crate::storage::{files, names};
 use hallsweep_sim::Hall;
 
-/// Maximum number of stored halls; files beyond it are not offered.
+/// Maximum number of stored halls. Further files are not offered.
 const MOST: usize = 100;
 
-/// Maximum size of a file in bytes: halls stored here are far smaller.
+/// Maximum size of a file in bytes. Halls that are stored here are far smaller.
 const MOST_BYTES: usize = 1 << 20;
 
 #[derive(Debug)]
@@ -26,8 +26,8 @@ pub(super) struct KeptHalls {
 }
 
 impl KeptHalls {
-    /// Finds the existing files; the log names the files beyond the maximum. A file that cannot be used is listed too, so that
-    /// a request for it is answered with the reason.
+    /// Finds the existing files. The log names the files that exceed the maximum number. A file that cannot be used
+    /// is listed too, so that a request for it is answered with the reason.
     pub(super) fn within(data: Option<&Path>) -> KeptHalls {
         let names = data.map(|data| found(&names::HALLS.within(data))).unwrap_or_default();
         KeptHalls { data: data.map(Path::to_owned), names: Mutex::new(names) }
@@ -37,7 +37,7 @@ impl KeptHalls {
         self.lock().iter().cloned().collect()
     }
 
-    /// `None` when no hall is stored under this name.
+    /// Reads a stored hall; returns `None` when no hall has this name.
     pub(super) fn read(&self, name: &str) -> Option<Result<Hall, NotSimulated>> {
         let file = file(self.data.as_deref().filter(|_| self.lock().contains(name))?, name);
         let unusable = |words: String| {
@@ -58,11 +58,11 @@ impl KeptHalls {
         )
     }
 
-    /// Stores a hall, whole or not at all; replaces a hall of the same name only if `may_replace`. A lock makes storing and
-    /// deleting exclude each other.
+    /// Stores a hall completely, or not at all. Replaces a hall of the same name only if `may_replace` is set. A lock
+    /// keeps storing and deleting from running at the same time.
     pub(super) fn keep(&self, name: &str, hall: &Hall, may_replace: bool) -> Result<(), NotSimulated> {
         let data = self.data.as_deref().ok_or(NotSimulated::NoDataFolder)?;
-        // Somebody may have put a file there since the start.
+        // A file may have been added by hand since the start.
         if file(data, name).path().symlink_metadata().is_ok() {
             self.lock().insert(name.to_owned());
         }
@@ -111,7 +111,7 @@ fn found(folder: &Path) -> BTreeSet<String> {
     offered
 }
 
-/// Why the folder of stored halls cannot be read, with the advice what to do; `None` when it can be read, or does not exist.
+/// Why the folder of stored halls cannot be read, and what to do; `None` when it can be read or does not exist.
 pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     let folder = names::HALLS.within(data);
     let error = files::check_folder(&folder).err()?;
@@ -119,7 +119,7 @@ pub(in crate::robots) fn unreadable(data: &Path) -> Option<String> {
     Some(format!("{} cannot be used ({error}), so {what}", folder.display()))
 }
 
-/// The file and its name are durable when this returns.
+/// Writes the file. When this returns, the file and its name are on disk.
 fn write(data: &Path, name: &str, hall: &Hall) -> io::Result<()> {
     let folder = names::HALLS.within(data);
     files::make_folder_within(&folder)?;
@@ -139,7 +139,7 @@ pub(super) fn fitting(hall: Hall) -> Result<Hall, NotSimulated> {
     NotSimulated::too_large(width, height).map_or(Ok(hall), Err)
 }
 
-/// Columns and rows.
+/// The number of columns and the number of rows.
 pub(super) fn size(hall: &Hall) -> (u32, u32) {
     (hall.bounds().width().unsigned_abs(), hall.bounds().height().unsigned_abs())
 }

@@ -1,6 +1,6 @@
-//! Joins the simulated robot to the loop: channels, timers, the speed of time, the simulator's controls, and the threads on which
-//! photos are drawn and the state file is written. `hallsweep_sim` decides what the robot does; this is the only file of the
-//! simulated robot that waits.
+//! Joins the simulated robot to the core's loop. This file has the channels, the timers, the speed of time and the
+//! simulator's controls. It also has the threads that draw photos and write the state file. `hallsweep_sim` decides
+//! what the robot does. No other file of the simulated robot waits for anything.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -23,23 +23,23 @@ use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId};
 use hallsweep_sim::{Faults, Hall, Sim, SimSettings};
 
-/// Real time allowed for drawing a photo at any speed; the core knows this time. Drawing takes some hundredths of a second, but
-/// the machine may be busy, and a late photo counts as a failed one.
+/// Maximum real time for drawing a photo, at any speed of simulated time; the core knows this maximum. Drawing takes
+/// some hundredths of a second, but the machine may be busy. A late photo counts as a failed photo.
 const DEVELOPING: Duration = Duration::from_secs(3);
 
-/// Time after which a failed write of the state file is retried, when nothing new happens before.
+/// A failed write of the state file is retried after this time, or earlier if there is something new to write.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Longest time between two readings of the thermometer: without a limit a missing thermometer would look like a hall of constant
-/// temperature.
+/// Maximum time between two readings of the thermometer. Without this limit, a missing thermometer would look like a
+/// constant temperature.
 const READ_AGAIN: Duration = Duration::from_secs(10);
 
 pub(super) struct Begin {
     pub(super) sim: Sim,
-    /// Used to make a new simulation in another hall.
+    /// The settings of the robot, for a new simulation in another hall.
     pub(super) settings: SimSettings,
     pub(super) speed: Speed,
-    /// Receives every state that must not be forgotten, before anybody learns of it.
+    /// Every state that must not be forgotten is written here before anybody learns of it.
     pub(super) state_file: Option<SimStateFile>,
     pub(super) floor: Floor,
     pub(super) remote: Remote,
@@ -47,7 +47,7 @@ pub(super) struct Begin {
     pub(super) has_faults: bool,
 }
 
-/// Runs a simulated robot until the loop's end of the channels is gone.
+/// Runs a simulated robot until the core's loop has dropped its end of the channels.
 pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     let Begin { sim, settings, speed, state_file, floor, remote, has_faults } = begin;
     let link = SimLink {
@@ -72,7 +72,7 @@ pub(super) async fn run(begin: Begin, side: RobotSide, clock: Clock) {
     link.run().await;
 }
 
-/// The hall as it was loaded, with the pieces that other robots have lifted since, and with the added obstacles.
+/// The hall as it was loaded, with two changes: other robots have lifted pieces, and obstacles were added.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub(super) hall: Arc<Hall>,
@@ -93,17 +93,18 @@ struct SimLink {
     side: RobotSide,
     clock: Clock,
     time: SimTime,
-    /// A report that the loop has not taken yet. Until then only halts are received, so that reports cannot pile up.
+    /// A report that the core's loop has not taken yet. While it waits, no orders are received, so that reports
+    /// cannot pile up.
     report: Option<RobotEvent>,
     /// Reports of the link itself, sent before the robot's next report.
     said: VecDeque<RobotEvent>,
     developing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The number of halts known to the last order that was begun.
+    /// The core knew of this number of halts when it sent the order that was begun last.
     obeyed: u64,
     /// The state file, while it is not being written.
     state_file: Option<SimStateFile>,
-    /// The write in progress: on a thread of its own, so that a disk that hangs delays no halt. Nothing else goes on until the
-    /// write is done.
+    /// The write in progress. It runs on a separate thread, so that a disk that hangs does not delay a halt. No order
+    /// is taken until the write is done.
     writing: Option<JoinHandle<SimStateFile>>,
     /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
@@ -112,7 +113,7 @@ struct SimLink {
     floor: Floor,
     remote: Remote,
     has_faults: bool,
-    /// The controls applied so far; `remote` has the requested ones.
+    /// The controls that are applied now. `remote` has the controls that were requested.
     controls: Controls,
 }
 
@@ -147,7 +148,7 @@ impl SimLink {
                     Some(stamped) => self.order(stamped),
                     None => return,
                 },
-                // Without a photo, the order fails at its deadline.
+                // If no photo comes, the order fails at its deadline.
                 (order, developed) = done_for(&mut self.developing), if free => if let Some(photo) = developed {
                     self.sim.handle_photo(order, photo, self.now());
                 },
@@ -162,14 +163,15 @@ impl SimLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// The next time to wake, by the real clock, whatever the speed of simulated time.
+    /// The real time at which the link must wake next, at any speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.sim.poll_timeout(), self.clock.now().since_start);
         let again = [self.write_again, self.reading.map(|(_, again)| again)];
         self.clock.instant(again.into_iter().flatten().fold(at, Duration::min))
     }
 
-    /// At speed `max` and in a single step simulated time jumps, but not while a photo is drawn, which takes real time.
+    /// Whether simulated time jumps. It jumps at speed `max` and in a single step, but not while a photo is drawn,
+    /// which takes real time.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.sim.is_busy() && !self.sim.is_developing()
     }
@@ -187,8 +189,8 @@ impl SimLink {
         }));
     }
 
-    /// Takes the robot's next report, unless one is waiting already or the memory it follows from is not written yet. Reports of
-    /// a robot whose link is lost are dropped.
+    /// Takes the robot's next report. Does nothing while another report waits, or while the memory from which the
+    /// report follows is not written yet. No report of the robot is taken while its link is lost.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
@@ -253,7 +255,7 @@ impl SimLink {
         self.sim.handle_hall(Arc::new(hall));
     }
 
-    /// Places the requested obstacles, except in the robot's cell: there the obstacle appears once the robot has left.
+    /// Places the requested obstacles. In the robot's own cell an obstacle appears only after the robot has left.
     fn put_obstacles(&mut self) {
         let wanted = &self.controls.blocked;
         if wanted.is_empty() && self.floor.blocked.is_empty() {
@@ -278,7 +280,7 @@ impl SimLink {
             state_file.move_to(&hall);
         }
         if self.floor.moved.has_changed().is_err() {
-            // Pieces lifted before belong to the previous hall, and nothing is lifted any more.
+            // Pieces that were lifted before belong to the previous hall, and no more pieces will be lifted.
             self.floor.moved = watch::channel(Moved::new()).1;
         }
         self.floor = Floor::new(hall, self.floor.moved.clone());
@@ -292,7 +294,8 @@ impl SimLink {
         self.sim.handle_led(blinks);
     }
 
-    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first.
+    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
+    /// may arrive before the halt.
     fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());

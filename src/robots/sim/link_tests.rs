@@ -1,5 +1,5 @@
-//! The simulated robot's link: orders, halts, photos, and what the next program knows. The simulator's controls are tested in
-//! `controlled_tests`.
+//! Tests of the simulated robot's link: orders, halts, photos, and what the next program knows. The simulator's
+//! controls are tested in `controlled_tests`.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -123,7 +123,8 @@ async fn an_order_from_before_a_halt_is_not_begun_and_one_from_after_it_is() {
 #[tokio::test]
 async fn a_halt_gets_through_while_nobody_takes_the_reports() {
     let mut test = Test::begin(&["S", "."], Speed::Max).await;
-    // Each turn produces an answer and a sonar reading at most: this many fill the channel, and the robot waits with the next.
+    // Each turn produces at most one answer and one sonar reading. This number of turns fills the channel, and the
+    // robot has to wait with its next report.
     let orders = REPORTS as u64 + 8;
     let mut given = 0;
     while given < orders && tokio::time::timeout(Duration::from_millis(200), test.give(given, LEFT, 0)).await.is_ok() {
@@ -219,7 +220,7 @@ async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_
 /// Safety S1.
 #[test]
 fn a_disk_that_hangs_delays_no_halt() {
-    // The only thread that may wait for a disk is kept busy, so the state file has to wait.
+    // The only thread that may wait for a disk is kept busy, so the write of the state file has to wait.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(1).build().unwrap();
     runtime.block_on(async {
         let folder = Scratch::new();
@@ -245,7 +246,7 @@ async fn it_ends_when_the_loop_is_gone() {
     within("its end", task).await.unwrap();
 }
 
-/// Otherwise a missing thermometer would look like a hall of constant temperature.
+/// Without repeated readings, a missing thermometer would look like a constant temperature.
 #[tokio::test(start_paused = true)]
 async fn a_thermometer_says_again_what_it_reads_while_that_stays_the_same() {
     let hall = Hall::parse("test.toml", "drawing = \"\"\"\nS.\n..\n\"\"\"\n[[temperature]]\nat_s = 0\ncelsius = 20\n").unwrap();

@@ -1,5 +1,5 @@
-//! The simulated robot: `hallsweep_sim` decides what the robot does. Here are its settings, the link that joins it to the
-//! loop, and the state file from which it is restored.
+//! The simulated robot. `hallsweep_sim` decides what the robot does. This folder has its settings, the link that
+//! joins it to the core's loop, and the state file from which it is restored.
 
 mod chosen_hall;
 mod kept_halls;

@@ -1,4 +1,4 @@
-//! The halls offered by name: the robots can be put into them, and the editor can start from them.
+//! The halls that are offered by name. The robots can be moved into these halls, and the editor can start from them.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ impl Offered {
         };
         let mut halls: Vec<_> = Hall::builtin_names().map(built_in).collect();
         let stem = Path::new(usual).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        // The name appears in addresses.
+        // The name is part of web addresses.
         let is_plain = |name: &String| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
         let is_known = |name: &str| halls.iter().any(|known| known.name == name);
         if !is_known(usual) {
@@ -74,7 +74,7 @@ impl Offered {
     }
 
     pub(super) fn discard(&self, name: &str) -> Result<(), NotSimulated> {
-        // A stored hall whose name is taken by another hall is hidden, and stays.
+        // If another hall has the same name, the stored hall is hidden and is not deleted.
         if self.is_always(name) {
             return Err(NotSimulated::NotThere(name.to_owned()));
         }

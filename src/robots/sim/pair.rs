@@ -1,5 +1,5 @@
-//! The simulated pair before it is started: the place where it was left, and what to do if that place is at another hall or is
-//! not known.
+//! The simulated pair before it is started: the place where it was left, and what to do if this place is in another
+//! hall or unknown.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,16 +33,16 @@ enum PairRecollection {
     /// Nothing is known, and nothing will be written.
     Nothing,
     Here(PairStateFile, Option<Box<PairMemory>>),
-    /// The pair was left at another hall, as the state file in this folder says.
+    /// The pair was left in another hall, as the state file in this folder says.
     Elsewhere(PathBuf),
-    /// The pair may be anywhere, for this reason.
+    /// The position of the pair is unknown, for this reason.
     Lost(String),
 }
 
 impl SimPair {
     /// A pair with the speed and the seed of the searching robot.
     pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings, mishaps: PairMishaps) -> SimPair {
-        // All slips concern the first piece, each one step later than the one before.
+        // All slips happen with the first piece, each one step later than the previous slip.
         let slips = (1..=mishaps.slips).map(|after_steps| Slip { parcel: 1, after_steps }).collect();
         let unrecognised = (0..mishaps.unrecognised).map(|_| 1).collect();
         let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
@@ -55,7 +55,7 @@ impl SimPair {
         Which::ALL.map(Which::robot)
     }
 
-    /// The pieces that the pair has lifted, for robots that would otherwise meet them.
+    /// The pieces that the pair has lifted. Other robots must not meet these pieces any more.
     pub(in crate::robots) fn moved(&self) -> watch::Receiver<Moved> {
         self.moved.subscribe()
     }
@@ -97,7 +97,7 @@ impl SimPair {
         }
     }
 
-    /// The links to a pair that may be anywhere stay down.
+    /// Makes the two adapters. If the position of the pair is unknown, its links stay down.
     pub(in crate::robots) fn adapters(self, clock: Clock, remote: Remote) -> [Adapter; 2] {
         let SimPair { hall, settings, speed, remembered, moved } = self;
         let (memory, state_file) = match remembered {

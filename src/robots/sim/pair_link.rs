@@ -1,6 +1,6 @@
-//! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the
-//! thread on which the state file is written. `hallsweep_sim::pair` decides what the pair does; this is the only file of the
-//! pair that waits.
+//! Joins the simulated pair to the core's loop. This file has the links of both robots, the timers, the speed of
+//! time, and the thread that writes the state file. One file has both links, because the robots carry a parcel
+//! together. `hallsweep_sim::pair` decides what the pair does. No other file of the pair waits for anything.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{Cell, Now, Piece, Pose};
 use hallsweep_sim::pair::{Pair, PairSettings};
 
-/// Time after which a failed write of the state file is retried, when nothing new happens before.
+/// A failed write of the state file is retried after this time, or earlier if there is something new to write.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
 /// Every piece that was lifted, and where it is now.
@@ -33,7 +33,7 @@ pub(in crate::robots) type Moved = BTreeMap<Piece, Option<Cell>>;
 
 pub(super) struct Begin<P> {
     pub(super) pair: P,
-    /// Used to make a new pair at another hall.
+    /// The settings of the pair, for a new pair in another hall.
     pub(super) settings: PairSettings,
     pub(super) speed: Speed,
     pub(super) state_file: Option<PairStateFile>,
@@ -41,7 +41,8 @@ pub(super) struct Begin<P> {
     pub(super) remote: Remote,
 }
 
-/// The adapters of SRM1 and SRM2: the second passes its link to the first, which drives both.
+/// The adapters of the two robots SRM1 and SRM2. The adapter of SRM2 passes its link to the adapter of SRM1, which
+/// drives both robots.
 pub(super) fn adapters(begin: Begin<impl FnOnce(Now) -> Pair + Send + 'static>, clock: Clock) -> [Adapter; 2] {
     let Begin { pair, settings, speed, state_file, moved, remote } = begin;
     let (hand_over, other) = oneshot::channel::<RobotSide>();
@@ -87,22 +88,23 @@ struct PairLink {
     sides: [RobotSide; 2],
     clock: Clock,
     time: SimTime,
-    /// A report that the loop has not taken yet, and whose it is. Until then only halts are received.
+    /// A report that the core's loop has not taken yet, and the robot that it is about. While it waits, no orders are
+    /// received.
     report: Option<(Which, RobotEvent)>,
     /// Reports of the link itself, sent before the pair's next report.
     said: VecDeque<(Which, RobotEvent)>,
-    /// For each robot, the number of halts known to the last order that was begun.
+    /// For each robot, the core knew of this number of halts when it sent the order that was begun last.
     obeyed: [u64; 2],
     /// The state file, while it is not being written.
     state_file: Option<PairStateFile>,
-    /// The write in progress; nothing else goes on until it is done.
+    /// The write in progress. No order is taken until it is done.
     writing: Option<JoinHandle<PairStateFile>>,
     /// Time of the real clock at which a failed write is retried.
     write_again: Option<Duration>,
     /// Pieces that the searching robot no longer meets.
     moved: watch::Sender<Moved>,
     remote: Remote,
-    /// The controls applied so far; `remote` has the requested ones.
+    /// The controls that are applied now. `remote` has the controls that were requested.
     controls: Controls,
     is_all_blocked: bool,
 }
@@ -158,7 +160,7 @@ impl PairLink {
         Now { since_start: self.time.at(since_start), wall }
     }
 
-    /// The next time to wake, by the real clock, whatever the speed of simulated time.
+    /// The real time at which the link must wake next, at any speed of simulated time.
     fn wake(&self) -> Instant {
         let at = self.time.comes(self.pair.poll_timeout(), self.clock.now().since_start);
         self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
@@ -168,7 +170,8 @@ impl PairLink {
         Which::ALL.into_iter().any(|which| self.pair.is_busy(which))
     }
 
-    /// At speed `max` and in a single step simulated time jumps, unless one robot awaits the other.
+    /// Whether simulated time jumps. It jumps at speed `max` and in a single step, unless one robot waits for the
+    /// other.
     fn jumps(&self) -> bool {
         self.time.jumps() && self.is_busy() && !self.pair.awaits_the_other()
     }
@@ -237,7 +240,8 @@ impl PairLink {
         }));
     }
 
-    /// Takes the pair's next report, unless one is waiting already or the memory it follows from is not written yet.
+    /// Takes the pair's next report. Does nothing while another report waits, or while the memory from which the
+    /// report follows is not written yet.
     fn next_report(&mut self) {
         if self.report.is_some() || self.writing.is_some() {
             return;
@@ -252,7 +256,8 @@ impl PairLink {
         }
     }
 
-    /// A halt concerns only actions begun before it: an order sent after the halt may arrive first.
+    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
+    /// may arrive before the halt.
     fn halt(&mut self, which: Which, count: u64) {
         if self.obeyed[which.index()] < count {
             let now = self.now();
@@ -291,7 +296,8 @@ pub(super) fn outside() -> [BasePose; 2] {
     [BasePose { place: Place::ENTRANCE, heading: Pose::START.heading }; 2]
 }
 
-/// Sends the report to its robot's end as soon as there is room; false when nobody receives any more.
+/// Sends the report over the link of its robot as soon as there is room. Returns false when nobody receives reports
+/// any more.
 async fn hand_over(ends: [&mpsc::Sender<RobotEvent>; 2], report: &mut Option<(Which, RobotEvent)>) -> bool {
     let Some(which) = report.as_ref().map(|(which, _)| *which) else { return true };
     let Ok(room) = ends[which.index()].reserve().await else { return false };

@@ -1,6 +1,6 @@
-//! Stores what the simulated pair and its floor must not forget in one small file of the data folder, as `state_file` does for
-//! the searching robot. The file is replaced as a whole and not flushed: that outlives `kill -9`. Its format is in
-//! `hallsweep_sim::pair::page`.
+//! Stores what the simulated pair and its hall must not forget, in one small file of the data folder. `state_file`
+//! does the same for the searching robot. The file is replaced as a whole and not flushed, which is enough to survive
+//! `kill -9`. Its format is in `hallsweep_sim::pair::page`.
 
 use std::path::Path;
 
@@ -20,8 +20,8 @@ pub(super) struct PairStateFile {
 }
 
 impl PairStateFile {
-    /// Opens the pair's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no file
-    /// yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is.
+    /// Opens the pair's state file in the folder `dir`, and reads the memory of this hall; `None` when there is no
+    /// file yet. Writes nothing, and does not change a file that cannot be read or belongs to another hall.
     pub(super) fn open(dir: &Path, hall: &Hall) -> Result<(PairStateFile, Option<PairMemory>), StateFileError> {
         let state_file = PairStateFile::begin_anew(dir, hall);
         let path = || state_file.file.path().to_owned();
@@ -50,8 +50,8 @@ impl PairStateFile {
         (self.whose, self.owed) = (Whose::of(hall), None);
     }
 
-    /// Writes a memory. After a failure the simulation goes on: the log says so once, and the memory is retried until it, or a
-    /// later one, is written.
+    /// Writes a memory. After a failure the simulation continues, and the failure is logged once. Writing is retried
+    /// until this memory or a later one is written.
     pub(super) fn keep(&mut self, memory: PairMemory) {
         let written = self.file.swap(&page::written(&self.whose, &memory));
         let failing = "cannot store the position of the simulated pair: free disk space, or make the folder writable; hallsweep \

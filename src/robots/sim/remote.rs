@@ -1,11 +1,12 @@
-//! How the links of simulated robots learn of the simulator's controls. The controls are a latest state, which each link
-//! applies when it can. Another hall is passed to each link in turn, once the link is ready and the core has agreed.
+//! Passes the simulator's controls to the links of simulated robots. Only the latest state of the controls
+//! counts, and each link applies it when it can. A move to another hall is passed to each link in turn. It takes
+//! place when the links are ready and the core has agreed.
 //!
 //! ```text
 //!   controls ── speed, pause, faults ─────────► every link      (latest state)
-//!            ── another hall comes ───────────► a link          it hands over what it has to report, begins nothing more,
+//!            ── another hall comes ───────────► a link          it delivers its reports, begins nothing more,
 //!            ◄─ ready ────────────────────────                  and still obeys halts
-//!            ── this one, or none after all ──►                 it puts its robot down there, or goes on
+//!            ── the new hall, or no move ─────►                 it puts its robot into the new hall, or continues
 //!            ◄─ put down ─────────────────────
 //! ```
 
@@ -59,20 +60,20 @@ impl Remote {
         Remote::new(watch::channel(Controls::default()).1).0
     }
 
-    /// Whether the robot may begin nothing, because it may be moved to another hall.
+    /// Whether the robot must not begin anything, because it may be moved to another hall.
     pub(super) const fn is_moving(&self) -> bool {
         self.under_way.is_some()
     }
 
     pub(super) fn say_ready(&mut self) {
         if let Some(ready) = self.under_way.as_mut().and_then(|under_way| under_way.ready.take()) {
-            // The requester may have given up; then there is no decision, either.
+            // The requester may have given up. Then it sends no decision either.
             let _ = ready.send(());
         }
     }
 
-    /// Waits for the next change, only while the link has nothing under way. Of several changes of the controls only the last is
-    /// applied, so that the resulting reports cannot pile up.
+    /// Waits for the next change. Takes no change unless the link has nothing under way (`has_settled`). If the
+    /// controls change several times, only the last change is applied, so that the resulting reports cannot pile up.
     pub(super) async fn news(&mut self, has_settled: bool) -> News {
         let Remote { controls, moves, under_way } = self;
         let is_moving = under_way.is_some();
@@ -97,9 +98,9 @@ impl Remote {
 #[derive(Debug)]
 pub(super) enum News {
     Controls,
-    /// A move to another hall may follow: nothing more may be begun.
+    /// A move to another hall may follow, so the link must begin nothing more.
     Asked,
-    /// The new hall, and whom to tell; or `None` when there is no move.
+    /// The new hall, and the channel on which to report the move as done; `None` when there is no move.
     Decided(Option<(SimulatedHall, oneshot::Sender<()>)>),
 }
 

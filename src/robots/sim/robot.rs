@@ -1,5 +1,5 @@
-//! One simulated robot before it is started: the place where it was left, and what to do if that place is in another hall or is
-//! not known.
+//! One simulated robot before it is started: the place where it was left, and what to do if this place is in another
+//! hall or unknown.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,20 +33,20 @@ enum SimRecollection {
     Here(Box<SimStateFile>, Option<Box<SimMemory>>),
     /// The robot was left in another hall, as the state file in this folder says.
     Elsewhere(PathBuf, String),
-    /// The robot was left in another hall and is put into this hall; the state file is begun anew.
+    /// The robot was left in another hall and is put into this hall. A new state file replaces the old one.
     PutDown(Box<SimStateFile>),
-    /// The robot may be anywhere, for this reason.
+    /// The position of the robot is unknown, for this reason.
     Lost(String),
 }
 
 impl SimRobot {
-    /// A robot that fetches pieces by itself has a hook.
+    /// Makes a robot. A robot that fetches pieces by itself has a hook.
     pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
         let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
         SimRobot { id, hall, settings, speed: robot.speed, remembered: SimRecollection::Nothing }
     }
 
-    /// `floor` is the hall in the state in which other robots have left it.
+    /// Reads what is stored about the robot. `floor` is the hall as other robots have left it.
     pub(in crate::robots) fn recall(&mut self, folder: &Path, floor: &Hall) {
         self.remembered = match SimStateFile::open(folder, &self.id, &self.hall, floor) {
             Ok((state_file, memory)) => SimRecollection::Here(Box::new(state_file), memory.map(Box::new)),
@@ -79,8 +79,8 @@ impl SimRobot {
         }
     }
 
-    /// The link to a robot that may be anywhere stays down, and its adapter counts as running. `moved` has the pieces that
-    /// other robots have lifted.
+    /// Makes the adapter. If the position of the robot is unknown, the link stays down, but the adapter counts as
+    /// running. `moved` has the pieces that other robots have lifted.
     pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>, remote: Remote) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
@@ -128,7 +128,7 @@ mod tests {
         SimStateFile::begin_anew(&folder.0, &RobotId::new(id).expect("a name"), hall).keep(memory);
     }
 
-    /// The column that it reports; `None` when it reports nothing.
+    /// Starts the robot; returns the column that it reports, or `None` when it reports nothing.
     async fn stands(robot: SimRobot) -> Option<i32> {
         let (mut link, side): (RobotLink, _) = link(Halter::new(Epoch(0)).watch());
         tokio::spawn(robot.adapter(Clock::default(), watch::channel(Moved::new()).1, Remote::untouched())(side));

@@ -1,11 +1,11 @@
-//! The program's settings of a simulated robot and of its hall, converted for `hallsweep_sim`.
+//! Converts the program's settings of a simulated robot and of its hall for `hallsweep_sim`.
 
 use std::sync::Arc;
 
 use crate::config::{RobotSettings, Settings};
 use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings};
 
-/// `Display` is the message for whoever started the program.
+/// `Display` is the message for the person who started the program.
 #[derive(Debug, thiserror::Error)]
 pub enum UnusableHall {
     /// `origin` is where the name or path of the hall was set, such as `flag --hall`.

@@ -1,12 +1,12 @@
-//! Simulated time as a function of real time and the simulator's controls: its speed may change, it may be paused except for a
-//! step, and it may jump.
+//! Computes simulated time from real time and the simulator's controls. The speed of simulated time may change. It
+//! may be paused except for a step, and it may jump.
 
 use std::time::Duration;
 
 use super::remote::Controls;
 use hallsweep_core::speed::{Speed, times};
 
-/// Longest timer; after it the state is checked again.
+/// Maximum length of a timer. When it ends, the link checks its state again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(super) struct SimTime {
     usual_speed: Speed,
     speed: Speed,
     is_paused: bool,
-    /// Whether time is paused except for actions under way.
+    /// Whether the simulator makes a step: time is paused, but first runs until the actions under way are done.
     is_stepping: bool,
     /// A real time, and the simulated time at that moment.
     real: Duration,
@@ -27,7 +27,7 @@ impl SimTime {
         SimTime { usual_speed: speed, speed, is_paused: false, is_stepping: false, real, simulated: Duration::ZERO }
     }
 
-    /// Starts again from zero, running or paused as before: another hall begins its own time.
+    /// Starts again from zero, because another hall begins its own time. Time stays running or paused as it was.
     pub(super) fn begin_again(&mut self, real: Duration) {
         *self = SimTime { is_stepping: false, real, simulated: Duration::ZERO, ..*self };
     }
@@ -45,7 +45,8 @@ impl SimTime {
         self.simulated.saturating_add(times(real.saturating_sub(self.real), pace))
     }
 
-    /// Applies the controls from now on, where `before` were the previous ones; returns whether speed or pause changed.
+    /// Applies the controls from now on; `before` are the previous controls. Returns whether the speed or the pause
+    /// changed.
     pub(super) fn obey(&mut self, controls: &Controls, before: &Controls, real: Duration) -> bool {
         let (speed, is_paused) = (controls.speed.unwrap_or(self.usual_speed), controls.is_paused);
         let is_news = (self.speed, self.is_paused) != (speed, is_paused);
@@ -62,12 +63,13 @@ impl SimTime {
         self.is_stepping = false;
     }
 
-    /// Jumps to a simulated time before which nothing happens.
+    /// Jumps to a simulated time. Nothing may happen before this time.
     pub(super) fn jump_to(&mut self, simulated: Duration, real: Duration) {
         *self = SimTime { real, simulated: simulated.max(self.at(real)), ..*self };
     }
 
-    /// The real time of a simulated moment; without a moment, the time of the next check for one.
+    /// The real time of a simulated moment, or an earlier time at which to check again. Without a moment it is the
+    /// time of the next check.
     pub(super) fn comes(&self, simulated: Option<Duration>, real: Duration) -> Duration {
         let wait = simulated.and_then(|at| self.until(at, real));
         real + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT)

@@ -1,8 +1,10 @@
-//! The simulator as the doors see and change it while it runs, and the move of all simulated robots into another hall.
+//! The simulator as the doors (HTTP, CoAP, MQTT) see and change it while it runs. This file also moves all simulated
+//! robots into another hall.
 //!
-//! The move: every link delivers its reports and begins nothing more; the core agrees, records the move, and marks the robots as unreached;
-//! the hall is stored for a restart; the pair is moved, then the other robots, and each reports its position. A kill in between leaves some
-//! robots and the record in different halls, which the next start reconciles (`app::data_folder`).
+//! A move has these steps. Every link delivers its reports and begins nothing more. The core agrees, records the
+//! move, and marks the robots as unreached. The pair is moved, then the other robots. The hall is stored for a
+//! restart, and each robot reports its position. A kill in between leaves some robots and the record in different
+//! halls, which the next start corrects (`app::data_folder`).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -28,15 +30,15 @@ use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Hall, Truth};
 
-/// Maximum time for a robot to get ready for another hall, and again to report its position there: it writes its state file
-/// first.
+/// Maximum time for a robot to get ready for another hall, and again to report its position there. It includes the
+/// time in which the robot's state file is written.
 const READY_WITHIN: Duration = Duration::from_secs(5);
 
 pub(in crate::robots) struct Parts {
     pub(in crate::robots) ground: SimulatedHall,
     pub(in crate::robots) speed: Speed,
     pub(in crate::robots) controls: watch::Sender<Controls>,
-    /// The simulated robots, and the channels to their links, the pair's channels first.
+    /// The simulated robots. `links` has the channels to their links, the pair's channels first.
     pub(in crate::robots) robots: Vec<RobotId>,
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
@@ -44,7 +46,8 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) team: Arc<[Participant]>,
 }
 
-/// The simulator before it has a handle to the core, whose consent a change of hall needs.
+/// The simulator before it has a handle to the core. It needs the handle to ask the core for consent to a change of
+/// hall.
 pub struct SimulatorParts(pub(in crate::robots) Parts);
 
 impl SimulatorParts {
@@ -62,7 +65,7 @@ struct InHand {
     handle: Handle,
     state: watch::Sender<Arc<SimulatorState>>,
     controls: watch::Sender<Controls>,
-    /// Serialises the changes; holds the hall in which the robots are.
+    /// The hall in which the robots are. The lock allows only one change at a time.
     turn: Mutex<SimulatedHall>,
     robots: Vec<RobotId>,
     links: Vec<mpsc::Sender<Move>>,
@@ -175,7 +178,7 @@ impl InHand {
         tokio::task::spawn_blocking(move || act(&offered)).await.map_err(|_| Gone)?
     }
 
-    /// A change of hall must not be lost from the record, so none is made while nothing can be recorded.
+    /// Refuses a change of hall while nothing can be recorded, because the record must have every change.
     fn must_be_recorded(&self) -> Result<(), NotSimulated> {
         let is_down = self.handle.snapshot().mission.holds.contains(&Hold::Store);
         if is_down { Err(Refused::StoreDown.into()) } else { Ok(()) }
@@ -214,7 +217,8 @@ impl InHand {
         });
     }
 
-    /// Moves all links into another hall, when the core agrees. A link whose request is dropped goes on in the present hall.
+    /// Moves all links into another hall if the core agrees. A link whose request is dropped stays in the present
+    /// hall.
     async fn move_all(&self, next: &SimulatedHall, issuer: Issuer) -> Result<(), NotSimulated> {
         let mut moves = Vec::new();
         for link in &self.links {
@@ -239,8 +243,8 @@ impl InHand {
         Ok(())
     }
 
-    /// Waits until the robots have reported their positions, so that START works right after the answer; does not wait for a
-    /// robot whose link is lost by a simulated fault.
+    /// Waits until the robots have reported their positions, so that START works right after the answer. Does not
+    /// wait for a robot whose link is lost by a simulated fault.
     async fn until_reached(&self) {
         if self.now().faults.link_lost {
             return;
@@ -253,7 +257,7 @@ impl InHand {
         }
     }
 
-    /// `None` when the hall is stored, otherwise the reason why it is not.
+    /// Stores the hall for a restart. Returns the reason if this fails, otherwise `None`.
     async fn keep_for_restart(&self, next: &SimulatedHall) -> Option<String> {
         let (chosen, next) = (self.chosen.clone()?, next.clone());
         let kept = tokio::task::spawn_blocking(move || chosen.keep(&next).map_err(|error| error.to_string()));

@@ -1,9 +1,11 @@
-//! Stores what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
-//! the program comes back. The contents are in `memory`, the format in `hallsweep_sim::page`; `link` decides when to write.
+//! Stores what the simulated robot must not forget, so that its hall is unchanged after a restart. Each robot has one
+//! small file in the data folder. The contents are `SimMemory`, the format is in `hallsweep_sim::page`; `link`
+//! decides when to write.
 //!
-//! The file stands for the memory of physics, so writing is as cheap as possible: 1 KiB in place for each order begun or ended.
-//! The bytes are in the system's hands at once and outlive `kill -9`; nothing is forced to the disk, so a power cut may lose
-//! the last seconds. Everything that must outlive a power cut is in the journal.
+//! A real hall keeps its state by itself; for a simulated hall this file does it. So writing is as cheap as possible:
+//! 1 KiB in place for each order that begins or ends. The system has the bytes at once, so they survive `kill -9`.
+//! Nothing is flushed to the disk, so a power cut may lose the last seconds. Everything that must survive a power cut
+//! is in the journal.
 
 use std::io;
 use std::path::Path;
@@ -31,9 +33,9 @@ pub(super) struct SimStateFile {
 }
 
 impl SimStateFile {
-    /// Opens this robot's state file in the folder `dir`, and reads what it remembers of this hall; `None` when there is no
-    /// file yet. Writes nothing, and leaves a file that cannot be read, or is of another hall, as it is. `floor` is the hall in
-    /// the state in which other robots have left it.
+    /// Opens this robot's state file in the folder `dir`, and reads the memory of this hall; `None` when there is no
+    /// file yet. Writes nothing, and does not change a file that cannot be read or belongs to another hall. `floor`
+    /// is the hall as other robots have left it.
     pub(super) fn open(
         dir: &Path,
         robot: &RobotId,
@@ -66,28 +68,28 @@ impl SimStateFile {
         Ok((state_file, Some(memory)))
     }
 
-    /// A state file for a robot that is put into this hall anew. The first write replaces any existing file, so this is for a
-    /// folder without one, or for a robot that is meant to leave its previous hall.
+    /// A state file for a robot that is newly put into this hall. The first write replaces an existing file. So this
+    /// is only for a folder without such a file, or for a robot that leaves its previous hall.
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
-        // The first robot's file keeps the name from before there were several robots.
+        // The searching robot's file keeps the name that it had when there was only one robot.
         let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };
         SimStateFile { file: SmallFile::of(dir, name, robot.name()), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
-    /// The robot is in this hall from now on, newly put there: the next write replaces the file.
+    /// The robot is newly put into this hall. The next write replaces the file.
     pub(super) fn move_to(&mut self, hall: &Hall) {
         (self.whose, self.turn, self.anew, self.owed) = (Whose::of(hall), 0, true, None);
     }
 
-    /// Writes a memory. After a failure the simulation goes on: the log says so once, and the memory is retried until it, or a
-    /// later one, is written.
+    /// Writes a memory. After a failure the simulation continues, and the failure is logged once. Writing is retried
+    /// until this memory or a later one is written.
     pub(super) fn keep(&mut self, memory: SimMemory) {
         let written = self.write(&memory);
         let failing = "cannot store the position of the simulated robot: free disk space, or make the folder writable; hallsweep \
                        tries again";
         self.file.say(&written, failing, "the position of the simulated robot is stored again");
         self.owed = written.as_ref().is_err().then_some(memory);
-        // A file that somebody removed is created again.
+        // If somebody removed the file, it is created again.
         self.anew |= written.is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
     }
 

@@ -1,5 +1,5 @@
-//! Pages that were handed to the store but are not stored yet: how long each page takes, and which figures are counted once its
-//! entries are on record. Lost entries are not counted until they are recorded anew.
+//! Pages that were handed to the store but are not stored yet. For each page the time until it is stored is measured.
+//! Its entries are counted once they are on record. Lost entries are not counted until they are recorded anew.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,26 +14,26 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
 
-/// Maximum number of waiting pages, far more than are handed over before a disk that hangs is given up. Further pages are not
-/// counted.
+/// Maximum number of waiting pages, and of waiting facts that are counted. If the disk hangs, the disk is given up
+/// long before this number is reached. Beyond it, further pages are ignored.
 const WAITING: usize = 64 * 1024;
 
-/// Pages on their way to the store, and the state of the mission after the stored pages.
+/// Pages that are not stored yet, and the state of the mission after the stored pages.
 #[derive(Debug)]
 pub struct HandedPages {
     figures: Figures,
-    /// Last entry of each page, and when the page was handed over.
+    /// Last entry of each page, and the time at which the page was handed over.
     pages: VecDeque<(Seq, Duration)>,
     counted: VecDeque<(Seq, CountedFact)>,
     phase: PhaseName,
-    /// The phase before the present one. When a mission is put away this is its last phase, because the next phase is recorded
-    /// before that.
+    /// The phase before the present one. When a mission is archived, this is its last phase, because the next phase
+    /// is recorded before the archiving.
     left: PhaseName,
     pose: Pose,
     luggage: LuggageId,
 }
 
-/// The part of an entry that is counted or helps to count another entry.
+/// The part of an entry that is counted, or that helps to count another entry.
 #[derive(Clone, Copy, Debug)]
 enum CountedFact {
     MissionBegan,
@@ -41,7 +41,7 @@ enum CountedFact {
     Phase(PhaseName),
     Stands(PhaseName, Pose),
     Pose(Pose),
-    /// Name of the command, number of commands that share the entry, and the code of the refusal.
+    /// Name of the command, number of commands to count, and code of the refusal, if any.
     Command(&'static str, u64, Option<&'static str>),
     Luggage(LuggageId, bool),
     Verdict(Verdict),
@@ -75,7 +75,7 @@ impl HandedPages {
         }
     }
 
-    /// The store lost every page that was not stored yet.
+    /// Forgets all waiting pages: the store has lost every page that was not stored yet.
     pub fn lose(&mut self) {
         self.pages.clear();
         self.counted.clear();
@@ -87,7 +87,7 @@ impl HandedPages {
             CountedFact::MissionBegan => drop(all.missions_begun.inc()),
             CountedFact::MissionEnded => drop(all.missions_ended.at([self.left.name()]).map(|ended| ended.inc())),
             CountedFact::Phase(phase) => {
-                // The progress of an inspection is recorded as a phase as well.
+                // The progress of an inspection is recorded as a phase, too. It is not counted as a new phase.
                 if phase != self.phase {
                     self.left = std::mem::replace(&mut self.phase, phase);
                     all.phases.at([phase.name()]).map(|times| times.inc());
@@ -157,8 +157,9 @@ impl CountedFact {
         }
     }
 
-    /// Accepted STOPs that share an entry are counted one by one. Refusals that share an entry count once, as the last of them:
-    /// their number is recorded beside words from outside, which could say anything.
+    /// The command of an entry, to be counted. Accepted STOPs that share an entry are counted one by one. Refusals
+    /// that share an entry count once, as the last of them. Their number is recorded beside words from outside, which
+    /// could say anything.
     fn command(asked: &Asked, refused: Option<&Refused>) -> CountedFact {
         let asked = if let Asked::Many { last, .. } = asked { last } else { asked };
         let shared = if let Asked::Stops { count, .. } = asked { Some(*count) } else { None };
@@ -373,7 +374,7 @@ mod tests {
         assert_eq!(names.map(|name| figures.value(name)), [1.0, 1.0, 0.0]);
     }
 
-    /// A disk that hangs may leave any number of pages waiting.
+    /// A disk that hangs may leave any number of pages waiting, but no more than `WAITING` of them are remembered.
     #[test]
     fn no_more_waits_than_there_is_room_for() {
         for (of_a_page, pages, counted) in [(vec![Fact::Led(true)], WAITING, 0), (vec![alarm(1), alarm(2)], WAITING / 2, WAITING)]

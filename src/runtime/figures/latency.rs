@@ -1,5 +1,5 @@
-//! Durations as a histogram of atomic numbers. The library's histogram has a lock that is held while all buckets are written out:
-//! on a busy machine the loop would wait for a thread of the lowest priority (safety S7).
+//! A histogram of durations, made of atomic numbers. The library's histogram holds a lock while all buckets are
+//! written out. On a busy machine, the loop would then wait for a thread of the lowest priority (safety S7).
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use prometheus_client::metrics::{MetricType, TypedMetric};
 
 use super::nanos;
 
-/// Upper bounds of the buckets in nanoseconds: from the time that a fast thread takes to the time after which a hung disk is
-/// given up.
+/// Upper bounds of the buckets, in nanoseconds. The first is the time that a fast thread takes. After the last, a
+/// disk that hangs is given up.
 const BOUNDS: [u64; 14] = [
     10_000,
     25_000,
@@ -38,7 +38,7 @@ pub struct Latency(Arc<Buckets>);
 
 #[derive(Debug, Default)]
 struct Buckets {
-    /// One for each bound, and one for everything longer.
+    /// One number for each bound, and one for all longer durations.
     counts: [AtomicU64; BOUNDS.len() + 1],
     nanos: AtomicU64,
 }
@@ -58,7 +58,7 @@ impl EncodeMetric for Latency {
         let bounds = BOUNDS.into_iter().map(seconds).chain([UNBOUNDED]);
         let counts = self.0.counts.iter().map(|count| count.load(Ordering::Relaxed));
         let buckets: Vec<(f64, u64)> = bounds.zip(counts).collect();
-        // Summed over the buckets, so that both agree even if other threads add values meanwhile.
+        // The sum of all buckets, so that sum and buckets agree even if other threads add values meanwhile.
         let count = buckets.iter().map(|(_, count)| count).sum();
         encoder.encode_histogram::<NoLabelSet>(seconds(self.0.nanos.load(Ordering::Relaxed)), count, &buckets, None)
     }

@@ -1,6 +1,7 @@
-//! What the program counts and measures about itself since its start, for monitoring. Every number is atomic and every series
-//! exists from the start: counting never waits and never allocates, whatever arrives from outside. `handed` counts what is on
-//! record; the format is that of `prometheus_client`, and a door decides who may read it.
+//! What the program counts and measures about itself since its start, for monitoring. Every number is atomic, and
+//! every series exists from the start. So counting never waits and never allocates, whatever arrives from outside.
+//! `handed` counts what is on record. The format is that of `prometheus_client`. A door decides who may read the
+//! figures.
 
 mod handed;
 mod latency;
@@ -29,7 +30,8 @@ pub use series::{OTHER, Series, flag};
 /// Doors whose connections are counted, by their names in records.
 pub const DOORS: [&str; 3] = ["http", "mqtt", "coap"];
 
-/// Lines of the program's log that were lost. A static, because the log exists before the figures.
+/// Number of lines of the program's log that were lost. The counter is static, because the log exists before the
+/// figures.
 pub static LOG_LINES_LOST: LazyLock<Counter> = LazyLock::new(Counter::default);
 
 const OUTCOMES: [&str; 2] = ["accepted", "refused"];
@@ -64,11 +66,12 @@ struct Families {
     answers: Latency,
     /// Time from when a STOP halts the robots until the loop handles it.
     stopping: Latency,
-    /// When the oldest STOP that the loop has not handled was raised, in nanoseconds since the start; 0 when there is none.
+    /// Time at which the oldest STOP that the loop has not handled yet was raised. In nanoseconds since the start; 0
+    /// if there is none.
     unheard: AtomicU64,
 }
 
-/// Counts a connection for as long as it lives.
+/// Counts a connection as open until this value is dropped.
 #[derive(Debug)]
 pub struct Connected(Gauge);
 
@@ -116,15 +119,15 @@ impl Figures {
         Connected(open)
     }
 
-    /// Notes that a thread raises a STOP; must be called before the loop can see it.
+    /// Notes that a STOP is raised. Must be called before the loop can see the STOP.
     pub(super) fn raise_stop(&self) {
         self.0.stops.inc();
-        // Of several unhandled STOPs, the first has waited longest.
+        // If several STOPs are not handled yet, the first one has waited longest.
         let now = nanos(self.0.clock.since_start()).max(1);
         let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// Must be called when the loop has handled every raised STOP.
+    /// Measures how long the oldest STOP has waited. Must be called when the loop has handled every raised STOP.
     pub(super) fn hear_stops(&self) {
         let raised = self.0.unheard.swap(0, Ordering::Relaxed);
         if raised != 0 {
@@ -137,7 +140,7 @@ impl Figures {
         self.0.answers.observe(after);
     }
 
-    /// `losses` is the number of losses since the last status, not the total.
+    /// Notes the status of the store. `losses` is the number of losses since the last status, not the total.
     pub(super) fn hear_store(&self, word: &StoreStatus, losses: u64) {
         self.0.journal_last_entry.set(i64::try_from(word.kept.0).unwrap_or(i64::MAX));
         self.0.store_failing.set(i64::from(word.failure.is_some()));
@@ -253,7 +256,7 @@ mod tests {
         }
     }
 
-    /// In paused time only the awaited durations pass.
+    /// In paused time, only the durations for which the test waits pass.
     #[tokio::test(start_paused = true)]
     async fn of_several_stops_that_are_unheard_the_first_is_measured() {
         let figures = Figures::default();

@@ -1,5 +1,5 @@
-//! A family of figures with labels whose values are all known from the start. The library's families create a new series for any
-//! label they are asked for, behind a lock.
+//! A family of figures with labels. All values of the labels are known from the start. The library's own families
+//! create a new series for every label value that is asked for, behind a lock.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use prometheus_client::encoding::{EncodeMetric, MetricEncoder};
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::{MetricType, TypedMetric};
 
-/// Label value for everything without a value of its own.
+/// Label value for everything that has no label value of its own.
 pub const OTHER: &str = "other";
 
-/// A metric for each combination of values of `N` labels. Cheap to clone.
+/// One metric for each combination of the values of `N` labels. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Series<const N: usize, M> {
     labels: [&'static str; N],

@@ -1,5 +1,5 @@
-//! For tests of the doors: a loop without a mission. It accepts every command, or refuses commands as the test asks, and stores
-//! what it received.
+//! For tests of the doors: a loop without a mission. It accepts every command, unless the test asks it to refuse
+//! commands. It stores what it received.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,7 +13,7 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Epoch, LuggageId};
 
-/// A refusal that a door asked to record: who, which command, and why.
+/// A refusal that a door asked to record: the sender, the command and the reason.
 pub(crate) type Noted = (Issuer, Asked, Refused);
 
 #[derive(Clone)]
@@ -24,7 +24,7 @@ pub(crate) struct Script {
     pub(crate) noted: Arc<Mutex<Vec<Noted>>>,
 }
 
-/// Starts the loop in this state. Must be called inside a runtime.
+/// Starts a loop with this state. Must be called inside a runtime.
 pub(crate) fn obedient(snapshot: Snapshot) -> (Handle, Script) {
     let (commands, envelopes) = mpsc::channel(COMMANDS);
     let publish = watch::Sender::new(Arc::new(snapshot));

@@ -1,4 +1,4 @@
-//! An archive for tests that has only what a test puts into it.
+//! For tests: an archive that has only what a test puts into it.
 
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::event::Photo;
@@ -6,7 +6,7 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The queries of `Archive`, each answered with nothing unless a test overrides it.
+/// The queries of `Archive`. Each query finds nothing, unless a test overrides it.
 pub(crate) trait PartialArchive: Send + Sync {
     fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
         Ok(None)

@@ -1,5 +1,5 @@
-//! Data that the doors read: photos, luggage, past missions and their entries. Each query has a connection of its own, so that
-//! no query waits for another query, for the writer, or for a disk that cannot be written.
+//! Data for the doors (HTTP, CoAP, MQTT): photos, luggage, past missions and their entries. Each query has its own
+//! connection. So it does not wait for another query, for the writer, or for a disk that cannot be written.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,11 +21,11 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage};
 
-/// Idle connections kept for later queries: as many as run at once in a busy moment.
+/// Maximum number of idle connections kept for later queries: as many as are used at once in a busy moment.
 const IDLE: usize = 4;
 
-/// Number of last entries searched for a retrieval. A retrieval is the last part of a mission and takes some hundreds of entries;
-/// the search takes milliseconds.
+/// Number of last entries that are searched for a retrieval. A retrieval is the last part of a mission and takes some
+/// hundreds of entries. The search takes milliseconds.
 const SEARCHED: u64 = 20_000;
 
 /// Columns of a mission, in the order in which `record` reads them.
@@ -94,7 +94,7 @@ fn ask_folder<T: Default>(
     idle: &Mutex<Vec<JournalReader>>,
     question: impl FnOnce(&Connection) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    // A panic cannot leave the list of connections incomplete.
+    // Even after a panic, the list of connections is complete.
     let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
     let ready = idle().pop();
     let opened = ready.map_or_else(|| connect::reader(folder), |reader| Ok(Some(reader)))?;
@@ -113,7 +113,7 @@ impl MemoryStore {
     }
 }
 
-/// Numbers above the largest `i64`, which SQLite cannot store, belong to nothing.
+/// SQLite cannot store numbers above the largest `i64`, so nothing is found for such a number.
 impl Archive for SqliteArchive {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
         let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };

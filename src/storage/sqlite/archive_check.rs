@@ -1,8 +1,8 @@
-//! Whether archives and the journal fit together, and agree with the records of archiving.
+//! Checks that archives and the journal fit together, and that they agree with the records of archiving.
 //!
 //! ```text
-//!   first    1 ───── n            each begins after a page of the one before, and that one is on record: it was archived,
-//!   second         n ──────── m   or all of it was unpacked, and the journal begins where it does
+//!   first    1 ───── n            each part begins after a page of the part before it;
+//!   second         n ──────── m   each archive is on record, as archived or as unpacked
 //!   journal                 m ─────────► head
 //! ```
 
@@ -25,12 +25,12 @@ use hallsweep_core::units::Seq;
 pub struct ArchiveCheck {
     /// Number of archives; an archive that was named twice counts once.
     pub archives: usize,
-    /// One sentence for each fault; empty when all archives are as they were written and follow each other from the first entry
-    /// on.
+    /// One sentence for each fault. It is empty when all archives are unchanged and follow each other from the first
+    /// entry on.
     pub faults: Vec<String>,
 }
 
-/// A readable archive, with the page after which it begins and its last page.
+/// A readable archive. `begins` is the page after which it begins, `ends` is its last page.
 struct OpenArchive {
     shown: String,
     digest: String,
@@ -46,7 +46,7 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     }
     let mut faults = Vec::new();
     let archives = opened(files, &mut faults);
-    // An earlier archive is on record in every later archive.
+    // Every later archive has a record of the earlier archives.
     let mut records = Records::of(journal).map_err(words)?;
     let (mut begins, mut later) = (chain::anchor(journal).map_err(words)?, "the journal");
     for archive in archives.iter().rev() {
@@ -65,8 +65,9 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
-/// The fault, if any, between `archive` and the next part of the chain, which the sentence calls `later`. An archive from which
-/// the journal was unpacked must begin where `later` does, and be continued by the journal or another archive.
+/// Returns a sentence about the fault between `archive` and the next part of the chain, if there is one; `later`
+/// names this part. An archive from which the journal was unpacked must begin where this part begins. The journal or
+/// another archive must continue it.
 fn between<'a>(
     begins: Head,
     later: &str,
@@ -94,7 +95,8 @@ fn between<'a>(
     Ok((!is_on_record).then(words))
 }
 
-/// Opens each archive once, in the order in which they follow each other; reports archives that are unsound or unreadable.
+/// Opens each archive once; returns the archives in the order in which they follow each other. Reports archives that
+/// are unsound or unreadable.
 fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
     let (mut archives, mut known) = (Vec::new(), BTreeSet::new());
     for file in files {
@@ -107,7 +109,7 @@ fn opened(files: &[PathBuf], faults: &mut Vec<String>) -> Vec<OpenArchive> {
     archives
 }
 
-/// Opens an archive; `None` when its digest is known already.
+/// Opens an archive; `None` when an archive with this digest was opened before.
 fn look_at(file: &Path, known: &mut BTreeSet<String>, faults: &mut Vec<String>) -> Result<Option<OpenArchive>, Unreadable> {
     let (archive, shown) = (Folder::new(file), file.display().to_string());
     if !archive.is_archive() {

@@ -1,14 +1,15 @@
-//! Archives: old missions of a journal in one file, which is a journal of its own and includes the photos. An archive holds a section of the
-//! chain:
+//! Archives. An archive has old missions of a journal in one file, which is itself a journal and includes the photos.
+//! An archive holds a section of the chain:
 //!
 //! ```text
 //!   journal   1 ─────────────── gone ─┬─ RESET, state snapshot ──┬─ last ──────────────► head
 //!   archive   1 ──────────────────────┼───────────────────────── last
 //!   next                              gone ───────────────────────────────── …
 //! ```
-//! Both contain the page with which the last archived mission ends, since the state afterwards follows from that page. So each
-//! archive can be folded by itself, and the next archive, or the journal, continues from a page that the archive before
-//! contains. Entries leave the journal only after the archive is on disk, was read again and has the same digests.
+//! Archive and journal both contain the page with which the last archived mission ends, since the state after it
+//! follows from this page. So the state can be computed from each archive by itself. The next archive, or the
+//! journal, continues from a page that the previous archive contains. Entries leave the journal only after the
+//! archive is on disk, was read again, and has the same digests.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -37,20 +38,21 @@ pub struct Archived {
     /// Last entry of the archive, and the digest of its page.
     pub last: Head,
     pub photos: u64,
-    /// Number of missions that are due but did not fit into this archive.
+    /// Number of missions that are old enough but did not fit into this archive.
     pub left: u64,
 }
 
 /// Suffix of an archive's name while it is written.
 const UNFINISHED: &str = "unfinished";
 
-/// Moves all missions that were put away before `before`, oldest first and without a gap, from the journal into `file`. Returns
-/// `None`, and changes nothing, when there are no such missions.
+/// Moves all missions that were put away before `before` from the journal into `file`, oldest first and without a
+/// gap. Returns `None`, and changes nothing, when there are no such missions.
 pub fn write_out(data: &Path, before: WallTime, now: WallTime, file: &Path) -> Result<Option<Archived>, Unreadable> {
     write_out_within(data, before, now, Bound::NONE, |_| file.to_owned())
 }
 
-/// Like `write_out`, into the folder `archives` of the data folder, limited to an amount for which a start can wait.
+/// Like `write_out`, but into the folder `archives` of the data folder. The amount is limited, so that a start can
+/// wait for it.
 pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Result<Option<Archived>, Unreadable> {
     let archives = names::ARCHIVES.within(data);
     let made = files::make_folder_within(&archives).and_then(|()| files::sync_folder(data));
@@ -63,8 +65,8 @@ pub fn write_out_at_start(data: &Path, before: WallTime, now: WallTime) -> Resul
     })
 }
 
-/// Removes the leftovers of kills from the folder `archives`, which only this program writes to. A folder among them does no
-/// harm.
+/// Removes the unfinished files of killed programs from the folder `archives`, to which only this program writes. A
+/// folder with such a name stays, which does no harm.
 fn sweep(archives: &Path) -> std::io::Result<()> {
     for file in std::fs::read_dir(archives)? {
         let path = file?.path();
@@ -75,8 +77,9 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these contents is
-/// used: it was left by an attempt that ended, by a kill or a lock, before the journal was changed.
+/// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these
+/// contents is used. An earlier attempt left this file when it ended, by a kill or a lock, before the journal was
+/// changed.
 pub(super) fn write_out_within(
     data: &Path,
     before: WallTime,
@@ -114,15 +117,15 @@ pub(super) fn write_out_within(
     let archived = Archived { left: due.0 - cut.missions.1.0, ..written(&folder, &journal, cut, &file)? };
     let gone = take_out(&folder, &mut journal, &archived, now).map_err(words)?;
     gone.iter().for_each(|picture| {
-        // A photo that stays is harmless: nothing names it, and the archive has it too.
+        // A photo that stays does no harm: no entry names it, and the archive has it too.
         let _ = std::fs::remove_file(folder.photo(picture));
     });
-    // Returns the freed space to the disk where possible; otherwise the journal uses it again.
+    // Gives the freed space back to the disk if possible. Otherwise the journal uses the space again.
     let _ = journal.execute_batch("VACUUM");
     Ok(Some(archived))
 }
 
-/// Whether `file` would lie among the named files of this data folder, or of another one. The folder `archives` is allowed.
+/// Whether `file` is inside this data folder, or inside another data folder. The folder `archives` does not count.
 pub fn is_within(data: &Path, file: &Path) -> bool {
     let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -131,7 +134,8 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     above.any(|above| data.as_deref() == Some(above) || names::JOURNAL.within(above).exists())
 }
 
-/// Fails unless the journal is sound, complete and of this version. Photos are checked only when they are copied out.
+/// Fails unless the journal is sound, complete and of this version. Photos are not checked here, but when they are
+/// copied.
 fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if marker::read(folder).map_err(words)?.is_some() {
@@ -141,11 +145,11 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
     }
     head::check(folder).map_err(words)?;
     let journal = sound_by(folder, check_entries)?;
-    // An outdated head file would name an entry that is about to leave.
+    // The head file must be up to date: an old one would name an entry that is about to leave the journal.
     chain::end(&journal).and_then(|end| head::write(folder, &end)).map_err(words)
 }
 
-/// Opens a journal or archive that passes the check.
+/// Opens a journal or archive if it passes the check.
 pub(super) fn sound(folder: &Folder) -> Result<Connection, Unreadable> {
     sound_by(folder, check)
 }
@@ -165,7 +169,7 @@ fn sound_by(folder: &Folder, check: fn(&Connection, &Folder) -> Result<Findings,
     }
 }
 
-/// Returns the existing file, or writes a new one, which gets this name only when it is complete on disk.
+/// Returns the existing file, or writes a new one. A new file gets this name only when it is complete on disk.
 fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
     if file.symlink_metadata().is_ok() {
         let why = |Unreadable(why)| {
@@ -184,7 +188,7 @@ fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Res
         std::fs::rename(&unfinished, file)?;
         Ok(sync_parent(file)?)
     });
-    // The partial file is useless, since the journal still has everything.
+    // The unfinished file can be removed, since the journal still has everything.
     let said = |fault: Fault| {
         if matches!(fault, Fault::Photo(_)) {
             Unreadable(format!("nothing was archived: {}", fault.words(folder.path(), Then::StartAgain)))
@@ -208,7 +212,8 @@ fn filled(folder: &Folder, journal: &Connection, last: Seq, file: &Path) -> Resu
     Ok(File::open(file)?.sync_all()?)
 }
 
-/// Copies entries, pages and losses up to `last` into an empty file, rebuilds the other tables from them, then runs `more`.
+/// Copies entries, pages and losses up to `last` into an empty file. Then rebuilds the other tables from them, and
+/// runs `more`.
 pub(super) fn copy<T>(
     from: &Connection,
     file: &Path,
@@ -217,7 +222,7 @@ pub(super) fn copy<T>(
 ) -> Result<T, Fault> {
     let mut to = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
     to.pragma_update(None, "synchronous", "FULL")?;
-    // An incomplete file is written anew, so it needs no rollback journal on disk.
+    // After an interruption the file is written anew, so it needs no rollback journal on disk.
     to.query_row("PRAGMA journal_mode = MEMORY", [], |_| Ok(()))?;
     schema::bring_up_to_date(&mut to)?;
     let last = last.map_or(Ok(i64::MAX), |last| whole(last.0))?;
@@ -259,14 +264,14 @@ pub(super) fn checked(journal: &Connection, cut: &Cut, file: &Path) -> Result<Ar
     Ok(Archived { what, last: cut.last, photos: count(photos), left: 0 })
 }
 
-/// Deletes the archived entries and records their archiving, in one transaction. Returns the photos that nothing names any
-/// more.
+/// Deletes the archived entries and records that they were archived, in one transaction. Returns the photos that no
+/// remaining entry names.
 fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now: WallTime) -> Result<Vec<Picture>, Fault> {
     let before = photos(journal)?;
     let transaction = journal.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let last = rows::last_up_to(&transaction, None)?;
     let entry = Entry { wall: now, fact: Fact::WrittenOut(archived.what.clone()) };
-    // The entry belongs to no mission, even while one is under way.
+    // The new entry belongs to no mission, even while a mission is under way.
     let page = Page { first: last.next(), entries: vec![entry] };
     pages::write(&transaction, Pictures::Files(folder), &page, None)?;
     let head = chain::close_page(&transaction)?;
@@ -277,7 +282,7 @@ fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now:
     project::rebuild(&transaction)?;
     let after = photos(&transaction)?;
     transaction.commit()?;
-    // When this fails, the head file names an older entry, which the journal still holds.
+    // If this fails, the head file names an older entry, which the journal still has.
     let _ = head::write(folder, &head);
     Ok(before
         .difference(&after)

@@ -1,13 +1,14 @@
-//! The chain of digests: each page includes the digest of the page before, so that changing, removing or exchanging entries changes all later
-//! digests, and with them the head, which a report names and `journal.head` stores.
+//! The chain of digests. The digest of each page includes the digest of the page before. So a change, a removal or an
+//! exchange of entries changes all later digests. It also changes the head, the digest of the last page. A report
+//! names the head, and `journal.head` stores it.
 //!
 //! ```text
 //!   32 zero bytes ──► page 1 ──► page 2 ──► … ──► head
 //!                      digest = SHA-256(previous digest ‖ one line for each entry of the page)
 //!                      line   = [seq,mission,atMs,offsetS,"kind","body"]⏎     JSON without spaces, the columns of `events`
 //! ```
-//! A journal from before this format gets pages over all its entries when it is migrated. The digests cover the stored columns, so that
-//! every later version computes the same ones.
+//! A journal of an older format gets pages for all its entries when it is migrated. The digests cover the columns as
+//! they are stored, so that every later version computes the same digests.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
@@ -28,8 +29,8 @@ pub(super) fn close_page(connection: &Connection) -> Result<Head, Fault> {
     close_page_at(connection, i64::MAX)
 }
 
-/// Chains entries from before the chain existed, with one page for each mission and one for its end, so that old missions can
-/// be archived.
+/// Adds entries from before the chain existed to the chain. Each mission gets one page, and its end gets another
+/// page, so that old missions can be archived.
 pub(super) fn close_old_pages(connection: &Connection) -> Result<(), Fault> {
     let sql = "SELECT seq - 1 FROM events WHERE kind = 'missionArchived' UNION SELECT seq FROM events WHERE kind = 'standing' ORDER BY 1";
     let mut statement = connection.prepare(sql)?;
@@ -60,7 +61,7 @@ pub(super) fn end(connection: &Connection) -> Result<Head, Fault> {
     Ok(connection.prepare_cached(sql)?.query_row([], head).optional()?.unwrap_or(NOTHING))
 }
 
-/// The page that contains the entry `seq`, or would contain it.
+/// The page that contains the entry `seq`, or would contain it if it existed.
 pub(super) fn page_of(connection: &Connection, seq: Seq) -> Result<Option<Head>, Fault> {
     let sql = "SELECT last, digest FROM pages WHERE last >= ?1 ORDER BY last LIMIT 1";
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
@@ -71,7 +72,7 @@ pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<He
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page after which the journal begins: the last archived page, if there is one.
+/// The page after which the journal begins. This is the last archived page, if there is one.
 pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
     let first = rows::first(connection)?.unwrap_or(Seq(1));
     if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }
@@ -128,7 +129,7 @@ impl OpenPage {
     fn take(&mut self, row: &Row<'_>) -> Result<(), Fault> {
         let (mission, at_ms, offset_s): (Option<i64>, i64, i64) = (row.get(1)?, row.get(2)?, row.get(3)?);
         self.last = place(row);
-        // Bytes that are not text are hashed all the same; reading the entry finds the fault.
+        // Bytes that are not text are hashed too. Reading the entry finds the fault.
         let text = |column| row.get_ref(column).map(|value| String::from_utf8_lossy(value.as_bytes().unwrap_or_default()));
         let line = serde_json::to_string(&(self.last.0, mission, at_ms, offset_s, text(4)?, text(5)?));
         self.hasher.update(line.expect("numbers and texts are JSON"));
@@ -141,12 +142,14 @@ impl OpenPage {
     }
 }
 
-/// The place is the key of the table, which is a number even when other columns are damaged.
+/// Place of the entry in a row. It is the key of the table, and so it is a number even when other columns are
+/// damaged.
 fn place(row: &Row<'_>) -> Seq {
     Seq(row.get(0).map_or(0, count))
 }
 
-/// A digest of a wrong length, which the program never writes, becomes a digest that matches nothing.
+/// The head in a row. If its digest has a wrong length, which the program never writes, it is replaced by a digest
+/// that matches nothing.
 fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     let digest = row.get_ref(1)?.as_bytes().ok().and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; 32]);
     Ok(Head { seq: Seq(count(row.get(0)?)), digest })

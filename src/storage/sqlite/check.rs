@@ -1,5 +1,5 @@
-//! `hallsweep journal check`: whether the file is sound, the entries are in order, readable and unchanged, the tables follow from
-//! them, and every photo is there.
+//! `hallsweep journal check`: checks that the file is sound, and that the entries are in order, readable and
+//! unchanged. It also checks that the tables follow from the entries, and that every photo is there.
 
 use rusqlite::Connection;
 use rusqlite::types::Value;
@@ -15,7 +15,7 @@ use crate::runtime::archive::Head;
 use crate::storage::names;
 use hallsweep_core::units::Seq;
 
-/// Maximum number of listed findings: with more, a backup is needed, not a list.
+/// Maximum number of listed findings. A journal with more findings needs a backup, not a longer list.
 const LISTED: usize = 100;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
     checked(connection, folder, pictures)
 }
 
-/// Checks all but the photos, which may be many times larger than the entries.
+/// Checks everything except the photos, which may be many times larger than the entries.
 pub(super) fn check_entries(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
     checked(connection, folder, |_, _, _| Ok(()))
 }
@@ -55,7 +55,8 @@ fn checked(
     pictures: fn(&Connection, &Folder, &mut Findings) -> Result<(), Fault>,
 ) -> Result<Findings, Fault> {
     let mut findings = Findings::default();
-    // Read before the journal: the journal may grow in between, but is never behind its head file.
+    // The head file is read before the journal. The journal may grow in between, but it is never behind its head
+    // file.
     let head = if folder.is_archive() { None } else { Some(head::read(folder)) };
     let moment = connection.unchecked_transaction()?;
     structure(&moment, &mut findings)?;
@@ -65,7 +66,7 @@ fn checked(
         if unclear {
             findings.notes.push(advice(folder));
         } else {
-            // The tables of an older format are migrated by the next start.
+            // The next start migrates the tables of an older format, so they are not compared.
             if schema::format(&moment)? == schema::Format::Current {
                 projections(&moment, &anew, &mut findings)?;
             }
@@ -83,7 +84,7 @@ fn checked(
     Ok(findings)
 }
 
-/// Whether the journal still holds the entry that `journal.head` names.
+/// Checks that the journal still has the entry that `journal.head` names.
 fn end(connection: &Connection, head: Result<Option<Head>, Fault>, folder: &Folder, findings: &mut Findings) {
     let none = "the file journal.head is missing, so missing entries at the end cannot be detected; the next start makes the \
                 file again";
@@ -185,14 +186,14 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
             anchor.seq, record.file, record.digest
         ));
     } else {
-        // An entry that should have been archived is still present, which is no fault here.
+        // No record explains why the first entries are missing, so they are reported as missing.
         return Ok(Seq(0));
     }
     Ok(anchor.seq)
 }
 
-/// Advice on unreadable entries, by which no sound entries are lost. The tables are not compared with the entries in this case:
-/// they were built when the entries could be read, and contain more.
+/// Advice on unreadable entries that loses no sound entries. In this case the tables are not compared with the
+/// entries. The tables were built when all entries could be read, so they contain more.
 fn advice(folder: &Folder) -> String {
     let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
     let then = if goes_on {

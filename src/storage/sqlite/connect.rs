@@ -1,4 +1,4 @@
-//! Connections to the journal: one connection that writes, durably, and any number of connections that only read.
+//! Connections to the journal: one connection that writes durably, and any number of connections that only read.
 
 use std::path::Path;
 use std::time::Duration;
@@ -9,13 +9,13 @@ use super::fault::Fault;
 use super::folder::Folder;
 use super::schema::{self, Format};
 
-/// Time to wait for a lock of another program: longer than any reader of this program holds a lock.
+/// Maximum time to wait for a lock of another program. It is longer than any reader of this program holds a lock.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Size in bytes to which a checkpoint cuts the write-ahead log, so that one large mission does not leave a large file.
 const LOG_LIMIT: i64 = 16 * 1024 * 1024;
 
-/// Capacity of the cache of prepared statements: more than there are statements.
+/// Capacity of the cache of prepared statements. It exceeds the number of statements.
 pub(super) const STATEMENTS: usize = 32;
 
 /// Opens the connection that writes. Each commit is on disk when it returns (safety D1).
@@ -27,7 +27,7 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
     }
     connection.busy_timeout(PATIENCE)?;
     connection.set_prepared_statement_cache_capacity(STATEMENTS);
-    // A foreign file is rejected before its journal mode is changed.
+    // A file of another program is rejected before its journal mode is changed.
     schema::format(&connection)?;
     let mode: String = connection.query_row("PRAGMA journal_mode = WAL", [], |row| row.get(0))?;
     if mode != "wal" {
@@ -43,7 +43,7 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
 #[derive(Debug)]
 pub(super) struct JournalReader {
     pub(super) connection: Connection,
-    /// Whether the file was opened as immutable: such a connection does not see later writes.
+    /// Whether the file was opened as immutable. Such a connection does not see later writes.
     pub(super) is_still: bool,
 }
 
@@ -52,7 +52,8 @@ pub(super) fn reader(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::FORMAT)
 }
 
-/// Like `reader`, for entries only: the format of entries is older than the format of the other tables.
+/// Like `reader`, but only for entries. It also opens files of some older formats, whose entries can be read although
+/// other tables are missing.
 pub(super) fn reader_of_entries(folder: &Folder) -> Result<Option<JournalReader>, Fault> {
     reader_from(folder, schema::ENTRIES_SINCE)
 }
@@ -62,8 +63,8 @@ fn reader_from(folder: &Folder, oldest: i64) -> Result<Option<JournalReader>, Fa
         return Ok(None);
     }
     match open_reader(&folder.journal(), OpenFlags::empty(), oldest) {
-        // On a read-only disk SQLite cannot create the files through which readers and writers coordinate. Nobody else writes
-        // there either, so the file may be opened as immutable.
+        // On a read-only disk SQLite cannot create the files through which readers and writers coordinate. No program
+        // can write there, so the file may be opened as immutable.
         Err(Fault::Sql(error))
             if matches!(error.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) && !folder.has_log() =>
         {
@@ -93,7 +94,7 @@ fn open_reader(path: &Path, flags: OpenFlags, oldest: i64) -> Result<Option<Conn
     }
 }
 
-/// Some pragmas return their value, some return nothing.
+/// A pragma may return its value or nothing. Both count as success.
 fn no_row(error: rusqlite::Error) -> Result<(), rusqlite::Error> {
     if matches!(error, rusqlite::Error::QueryReturnedNoRows) { Ok(()) } else { Err(error) }
 }

@@ -1,5 +1,5 @@
-//! Where old missions may be cut off the journal: after each page that ends a mission, provided that the state afterwards
-//! follows from the remaining entries.
+//! Finds the places where old missions may be cut off the journal. Such a place is after each page that ends a
+//! mission, if the state after the page follows from the remaining entries.
 
 use rusqlite::Connection;
 
@@ -12,14 +12,14 @@ use hallsweep_core::units::{MissionId, Seq, WallTime};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     pub(super) missions: (MissionId, MissionId),
-    /// Last entry that leaves the journal, and the end of the last archived page.
+    /// Last entry that leaves the journal. `last` is the last archived page.
     pub(super) gone: Seq,
     pub(super) last: Head,
     entries: u64,
     photo_bytes: u64,
 }
 
-/// Maximum amount cut off at once.
+/// Maximum amount to cut off at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
     pub(super) entries: u64,
@@ -29,8 +29,8 @@ pub(super) struct Bound {
 impl Bound {
     pub(super) const NONE: Bound = Bound { entries: u64::MAX, photo_bytes: u64::MAX };
 
-    /// Bound for archiving at a start, which waits for some seconds on a common disk, since photos are written, read again and
-    /// hashed.
+    /// Bound for archiving at a start. On a common disk the start waits for some seconds, since photos are written,
+    /// read again and hashed.
     pub(super) const OF_A_START: Bound = Bound { entries: 250_000, photo_bytes: 128 * 1024 * 1024 };
 
     pub(super) fn takes(self, cut: &Cut) -> bool {
@@ -38,10 +38,10 @@ impl Bound {
     }
 }
 
-/// All places where the journal may be cut so that only missions put away before `before` leave it; each place includes the
-/// places before it.
+/// All places where the journal may be cut so that only missions put away before `before` leave it. A cut at a later
+/// place includes all missions of the earlier places.
 pub(super) fn cuts(journal: &Connection, before: WallTime) -> Result<Vec<Cut>, Fault> {
-    // Photos count towards the mission in which their piece was found.
+    // A photo counts towards the mission in which its piece of luggage was found.
     let sql = "SELECT id, archived_seq, (SELECT coalesce(sum(bytes), 0) FROM luggage JOIN takes ON takes.luggage = luggage.id
                    JOIN photos ON photos.digest = takes.photo WHERE luggage.mission = missions.id)
                FROM missions ORDER BY id";
@@ -59,7 +59,7 @@ pub(super) fn cuts(journal: &Connection, before: WallTime) -> Result<Vec<Cut>, F
         let mission = MissionId(count(id));
         let first = *first.get_or_insert(mission);
         photo_bytes += count(bytes);
-        // The whole state is recorded with the emptied map, in the page that ends a mission.
+        // The page that ends a mission also has a snapshot of the whole state, with the emptied map.
         let Some(last) = chain::page_of(journal, archived)? else { break };
         let standing = rows::last_standing(journal, Some(last.seq.next()))?;
         let gone = chain::page_before(journal, archived)?;

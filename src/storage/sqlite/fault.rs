@@ -1,4 +1,4 @@
-//! Faults between the journal and the disk, and what an operator is told to do about each.
+//! Faults between the journal and the disk, and the advice to an operator about each fault.
 
 use std::fmt::Display;
 use std::io;
@@ -18,7 +18,7 @@ pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm, journa
 const WRONG_ONE: &str = "the journal was not changed: put back the journal that belongs to journal.head, or, to use a backup, \
                          move journal.head away; then start hallsweep again";
 
-/// Maximum number of characters shown of SQLite's findings: it may list hundreds of pages.
+/// Maximum number of characters shown of SQLite's findings, since SQLite may list hundreds of pages.
 const SHOWN: usize = 200;
 
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub(super) enum Fault {
     /// The journal is missing or empty, but its write-ahead log is not.
     OnlyLog,
     OnlyPhotos,
-    /// The path cannot be the file of this name; with the reason.
+    /// What is at this path cannot be the named file, for this reason.
     Unusable(Name, String),
     /// The user who runs the program may not read this file or folder.
     Closed(PathBuf),
@@ -50,17 +50,17 @@ pub(super) enum Fault {
     CutOff(Seq),
     /// The journal was written up to this entry, but now holds a different entry in its place.
     Another(Seq),
-    /// The chain ends with this entry, the journal with another.
+    /// The chain ends with this entry, but the journal ends with another entry.
     Unchained(Seq),
     InUse,
     Unwritable,
     /// A photo's file is missing or changed; the words begin with the file.
     Photo(String),
     Number(u64),
-    /// Writing took too long, so the pages were declared lost.
+    /// The pages were declared lost because writing them took too long.
     GivenUp,
     Hung,
-    /// The disk is too slow for the pages handed over.
+    /// The disk is too slow for the number of pages.
     Behind,
     Gone,
 }
@@ -68,7 +68,7 @@ pub(super) enum Fault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     GoesOn,
-    /// The program must be restarted, because the stored state is unknown.
+    /// The program must be restarted, because it does not know the stored state.
     StartAgain,
 }
 
@@ -81,7 +81,7 @@ impl Fault {
         }
     }
 
-    /// Whether waiting cannot help, because the file itself needs repair.
+    /// Whether the file itself needs repair, so that waiting cannot help.
     pub(super) fn is_final(&self) -> bool {
         match self {
             Fault::Sql(error) => is_damage(error),
@@ -277,7 +277,7 @@ pub(super) fn whole(number: u64) -> Result<i64, Fault> {
     i64::try_from(number).map_err(|_| Fault::Number(number))
 }
 
-/// Reverses `whole`; a negative number, which the program never writes, becomes 0.
+/// Reverses `whole`. A negative number, which the program never writes, becomes 0.
 pub(super) fn count(number: i64) -> u64 {
     u64::try_from(number).unwrap_or(0)
 }

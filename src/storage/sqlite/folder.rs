@@ -1,5 +1,5 @@
-//! The data folder: where the files of the journal are, who may read them, and the lock that admits one hallsweep at a time. The
-//! names are in `names`.
+//! The data folder: where the files of the journal are, who may read them, and the lock that allows only one
+//! hallsweep at a time. The names are in `names`.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Write};
@@ -11,26 +11,28 @@ use crate::storage::files;
 use crate::storage::names::{self, Name};
 use crate::storage::small_file::SmallFile;
 
-/// A data folder, which may not exist yet; or an archive, which is one file and is only read: see `archive_file` and `unpack`.
+/// A data folder, which may not exist yet, or an archive. An archive is one file that is only read: see
+/// `archive_file` and `unpack`.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
     is_archive: bool,
 }
 
-/// Excludes every other hallsweep from writing while it lives. The system releases it when the program ends, however it ends.
+/// While this lock exists, no other hallsweep can write. The system releases the lock when the program ends, even
+/// after a crash.
 #[derive(Debug)]
 pub(super) struct Lock {
     file: File,
     path: PathBuf,
 }
 
-/// Device and inode of a file, which tell it from all other existing files. On systems without inodes all files look the same,
-/// but there an open file cannot be removed.
+/// Device and inode of a file, which distinguish it from all other existing files. On systems without inodes all
+/// files look the same, but there an open file cannot be removed.
 pub(super) type Identity = (u64, u64);
 
 impl Lock {
-    /// Whether another hallsweep would still lock the same file.
+    /// Whether the locked file is still in the folder, so that another hallsweep would lock the same file.
     pub(super) fn is_in_place(&self) -> bool {
         let held = self.file.metadata().map(|file| identity(&file));
         let there = std::fs::metadata(&self.path).map(|file| identity(&file));
@@ -77,7 +79,7 @@ impl Folder {
         names::PHOTOS.within(&self.path)
     }
 
-    /// Whether there is a journal: a file that is not empty. A file that cannot be inspected counts as a journal.
+    /// Whether there is a journal, that is, a file that is not empty. Fails if the file cannot be inspected.
     pub(super) fn has_journal(&self) -> Result<bool, Fault> {
         if !self.is_archive {
             self.check_rollback()?;
@@ -85,7 +87,7 @@ impl Folder {
         match std::fs::metadata(self.journal()) {
             Ok(file) if file.len() > 0 => Ok(true),
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
-            // SQLite would begin a new journal and overwrite the log.
+            // In this case SQLite would begin a new journal and overwrite the log.
             Ok(_) | Err(_) if self.has_log() => Err(Fault::OnlyLog),
             Ok(_) | Err(_) => Ok(false),
         }
@@ -101,8 +103,8 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
-    /// Fails when something has the name of a journal file but cannot be one (safety R5): SQLite would block on a pipe, and
-    /// report a folder as a disk error.
+    /// Fails when something has the name of a journal file but cannot be one (safety R5). SQLite would block on a
+    /// pipe, and would report a folder as a disk error.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
         self.check_plain(&[names::JOURNAL, names::LOG, names::LOG_INDEX])?;
         self.check_log()
@@ -121,8 +123,8 @@ impl Folder {
         })
     }
 
-    /// SQLite opens this file before it reads the journal: it would block on a pipe, and take garbage for an interrupted
-    /// transaction.
+    /// Checks the rollback journal, a file that SQLite opens before it reads the journal. SQLite would block on a
+    /// pipe, and would take garbage for an interrupted transaction.
     fn check_rollback(&self) -> Result<(), Fault> {
         const BEGINS: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
         self.check_plain(&[names::ROLLBACK])?;
@@ -131,7 +133,8 @@ impl Folder {
         if begins { Ok(()) } else { Err(Fault::Unusable(names::ROLLBACK, "its first bytes are wrong".to_owned())) }
     }
 
-    /// SQLite ignores a log with a wrong header, and would overwrite the entries in it.
+    /// Checks the header of the write-ahead log. SQLite ignores a log with a wrong header, and would overwrite the
+    /// entries in it.
     fn check_log(&self) -> Result<(), Fault> {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
         let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
@@ -143,13 +146,13 @@ impl Folder {
         Ok(identity(&std::fs::metadata(self.journal())?))
     }
 
-    /// Identity of the present lock file; `None` when there is none.
+    /// Identity of the present lock file; `None` when there is no lock file.
     pub(super) fn lock_identity(&self) -> Option<Identity> {
         std::fs::metadata(names::LOCK.within(&self.path)).ok().map(|file| identity(&file))
     }
 
-    /// Creates missing parts: the folder, private to its owner, and an empty, private journal file. SQLite gives the files
-    /// beside it the same mode.
+    /// Creates what is missing: the folder, private to its owner, and an empty, private journal file. SQLite gives
+    /// the files that it creates beside the journal the same mode.
     pub(super) fn create(&self) -> Result<(), Fault> {
         self.create_path()?;
         if !self.journal().exists() {
@@ -205,7 +208,7 @@ fn identity(_file: &std::fs::Metadata) -> Identity {
     (0, 0)
 }
 
-/// Extension of a photo's name, for people who look into the folder; the program uses the media type on record.
+/// Extension of a photo's file name, for people who look into the folder. The program uses the recorded media type.
 fn extension(media_type: &str) -> &'static str {
     match media_type {
         "image/png" => "png",

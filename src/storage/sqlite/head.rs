@@ -1,6 +1,6 @@
-//! The file `journal.head`: the last entry written to the journal, and the digest of its page. It shows whether entries were
-//! cut off at the end of the journal. It is written after each commit and without a flush, so after a kill or a power cut it
-//! may be behind the journal, but never ahead of it.
+//! The file `journal.head` has the last entry written to the journal, and the digest of the entry's page. It shows
+//! whether entries were cut off at the end of the journal. The file is written after each commit and without a flush.
+//! So after a kill or a power cut it may be behind the journal, but it is never ahead of the journal.
 
 use std::io;
 use std::sync::mpsc::{self, Receiver};
@@ -16,10 +16,10 @@ use crate::runtime::archive::Head;
 use crate::storage::names;
 use hallsweep_core::units::Seq;
 
-/// Fixed size of the file in bytes, so that each write overwrites the one before.
+/// Fixed size of the file in bytes, so that each write overwrites the previous one.
 const LENGTH: usize = "entry ".len() + 20 + " sha256 ".len() + 64 + 1;
 
-/// Writes the file on a thread of its own: when the disk hangs nobody waits, and the file stays behind the journal.
+/// Writes the file on a separate thread. If the disk hangs, nobody waits, and the file stays behind the journal.
 #[derive(Debug)]
 pub(super) struct HeadFile {
     slot: Arc<Slot>,
@@ -41,7 +41,7 @@ struct Next {
 impl HeadFile {
     pub(super) fn start(folder: &Folder) -> io::Result<HeadFile> {
         let (slot, mut file) = (Arc::new(Slot::default()), folder.head());
-        // A folder that replaced the original one must not get this journal's head.
+        // A folder that replaced the original folder must not get this journal's head.
         let (folder, lock) = (folder.clone(), folder.lock_identity());
         let (say_done, done) = mpsc::channel();
         let heads = Arc::clone(&slot);
@@ -66,7 +66,7 @@ impl HeadFile {
         self.slot.change(|next| next.head = Some(head));
     }
 
-    /// Stops the thread; the last head is still written if that takes no longer than `patience`.
+    /// Stops the thread. The last head is still written if that takes no longer than `patience`.
     pub(super) fn end(&self, patience: Duration) {
         self.slot.change(|next| next.is_over = true);
         // Nothing is ever sent on this channel: it ends when the thread ends.
@@ -81,7 +81,7 @@ impl Slot {
         self.changed.notify_one();
     }
 
-    /// Waits for the next head; `None` when all are written and no more will come.
+    /// Waits for the next head; `None` when all heads are written and no more will come.
     fn wait(&self) -> Option<Head> {
         let next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.changed.wait_while(next, |next| next.head.is_none() && !next.is_over);
@@ -94,7 +94,7 @@ pub(super) fn write(folder: &Folder, head: &Head) -> Result<(), Fault> {
     Ok(folder.head().write_over(text(head).as_bytes())?.sync_all()?)
 }
 
-/// Fails when the journal does not hold the entry that the file names, or when the entry was declared lost.
+/// Fails when the journal does not have the entry that the head file names, or when this entry was declared lost.
 pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     let Some(head) = read(folder)? else { return Ok(()) };
     let lost_after = marker::read(folder)?;
@@ -108,8 +108,8 @@ pub(super) fn check(folder: &Folder) -> Result<(), Fault> {
     is_held(&connection, &head)
 }
 
-/// Fails when the journal does not hold this page. The empty head fits every journal: a kill may come before the file names the
-/// first page.
+/// Fails when the journal does not have this page. The empty head fits every journal, since a program may be killed
+/// before the file names the first page.
 pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault> {
     if *head == chain::NOTHING {
         return Ok(());
@@ -117,13 +117,13 @@ pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault>
     if rows::last_up_to(connection, None)? < head.seq {
         return Err(Fault::CutOff(head.seq));
     }
-    // A journal that was never chained cannot be the journal to which the file belongs.
+    // The file cannot belong to a journal that has no chain.
     let is_chained = schema::format(connection)? == schema::Format::Current;
     let there = if is_chained { chain::page_of(connection, head.seq)? } else { None };
     if there == Some(*head) { Ok(()) } else { Err(Fault::Another(head.seq)) }
 }
 
-/// The stored head; `None` when there is no file, or a file that a power cut left empty.
+/// The stored head; `None` when there is no file, or when a power cut left the file empty.
 pub(super) fn read(folder: &Folder) -> Result<Option<Head>, Fault> {
     let bytes = folder.head().read(LENGTH)?.unwrap_or_default();
     if bytes.iter().all(|byte| *byte == 0) {

@@ -1,11 +1,11 @@
-//! The file `journal.lost`: the entry after which everything was declared lost. After a kill, a commit whose flush hung may be
-//! found complete on disk; this file needs no flush and outlives the kill too, so that entries declared lost stay lost (safety
-//! V3).
+//! The file `journal.lost` names the entry after which everything was declared lost. When a disk hangs, entries may
+//! be declared lost although their commit reaches the disk, and a later start would find them. This file needs no
+//! flush and survives a kill, so that entries declared lost stay lost (safety V3).
 //!
 //! ```text
 //!   failure ─► put K ─► the loss is announced          deleted, durably ─► clear, durably ─► the end of the failure is announced
 //! ```
-//! Deleting the entries is the business of `pages`.
+//! `pages` deletes the entries.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,7 +17,8 @@ use super::folder::{Folder, Identity};
 use crate::storage::{files, names};
 use hallsweep_core::units::Seq;
 
-/// Time for which an announcement waits for the file: a disk that hangs even on these few bytes must not delay it longer.
+/// Maximum time for which the announcement of a loss waits for the file. A disk that hangs even on these few bytes
+/// must not delay it longer.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 const WORDS: [&str; 2] = ["everything after entry ", " was said to be lost\n"];
@@ -28,7 +29,8 @@ const NOTHING: &str = "nothing was said to be lost";
 #[derive(Debug)]
 pub(super) struct Marker {
     folder: Folder,
-    /// Lock of the original folder: a folder that replaced it must not get this program's losses.
+    /// Identity of the lock file in the original folder. A folder that replaced this one must not get this program's
+    /// losses.
     lock: Option<Identity>,
     putting: Arc<AtomicUsize>,
 }
@@ -38,8 +40,8 @@ impl Marker {
         Marker { folder: folder.clone(), lock: folder.lock_identity(), putting: Arc::default() }
     }
 
-    /// Records that everything after `kept` is lost. Waits half a second at most; after that a thread finishes the write when the
-    /// disk allows it.
+    /// Records that everything after `kept` is lost. Waits half a second at most. After this time a thread finishes
+    /// the write when the disk allows it.
     pub(super) fn put(&self, kept: Seq) {
         let (folder, lock, putting) = (self.folder.clone(), self.lock, Arc::clone(&self.putting));
         let (done, waiting) = mpsc::channel::<()>();
@@ -60,34 +62,35 @@ impl Marker {
         }
     }
 
-    /// Records durably that no entries are declared lost any more, once the lost entries are deleted.
+    /// Records durably that no entries are declared lost any more. It is called when the lost entries are deleted.
     pub(super) fn clear(&self) -> Result<(), Fault> {
-        // A thread that is still writing the mark would set it again afterwards.
+        // A thread that is still writing the mark would set it again after this.
         if self.putting.load(Ordering::SeqCst) > 0 { Err(Fault::Hung) } else { clear(&self.folder) }
     }
 }
 
-/// Records durably that no entries are declared lost. The file exists from then on, so that writing the mark needs no free
+/// Records durably that no entries are declared lost. From then on the file exists, so writing the mark needs no free
 /// space.
 pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
     folder.marker().write_over(text(None).as_bytes())?.sync_all()?;
     Ok(files::sync_folder(folder.path())?)
 }
 
-/// The entry after which everything was declared lost; `None` when nothing was.
+/// The entry after which everything was declared lost; `None` when nothing was declared lost.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
     let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
     let damaged = || Fault::Unusable(names::LOST, "it is damaged, so the lost entries are unknown".to_owned());
     understood(&bytes).ok_or_else(damaged)
 }
 
-/// Parses the file; `None` when it is not ours. A kill may leave a new file empty.
+/// Parses the file; `None` when its contents are not ours. A kill may leave a new file empty.
 fn understood(bytes: &[u8]) -> Option<Option<Seq>> {
     let said = std::str::from_utf8(bytes).ok()?;
     if said.is_empty() || said == text(None) { Some(None) } else { lost_after(said).map(Some) }
 }
 
-/// Both texts have the same length and are written in one call, so no kill leaves a mix of them.
+/// The contents of the file. Both possible texts have the same length and are written in one call, so no kill leaves
+/// a mix of them.
 fn text(lost_after: Option<Seq>) -> String {
     let lost = |seq: Seq| format!("{}{:020}{}", WORDS[0], seq.0, WORDS[1]);
     let length = lost(Seq(0)).len() - 1;
@@ -115,7 +118,7 @@ mod tests {
         assert_eq!(understood(&[0xff; 9]), None);
     }
 
-    /// Safety V3: a mark set after the clearing would make the next start delete entries stored since.
+    /// Safety V3: if the mark were set after it was cleared, the next start would delete entries stored since then.
     #[test]
     fn it_is_not_cleared_while_somebody_is_at_putting_it_down() {
         let marker = Marker::new(&Folder::new(std::path::Path::new("nowhere")));

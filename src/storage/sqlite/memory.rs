@@ -1,5 +1,6 @@
-//! The store in memory: the journal of `schema` in an SQLite database without a file, used by the same code as the journal on
-//! disk. Pages are stored at once and gone with the program. Its size is bounded, so that a robot may search for weeks.
+//! The store in memory: the journal of `schema` in an SQLite database without a file. The same code works with this
+//! journal and with the journal on disk. Pages are stored at once, and are lost when the program ends. The size is
+//! bounded, so that a robot may search for weeks.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,34 +19,36 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Number of stored entries: some missions of a hall. All entries since the last state snapshot are stored in any case, so that
-/// the state can always be folded from them; the core bounds their number in proportion to the state.
+/// Maximum number of stored entries: some missions of a hall. All entries since the last state snapshot are stored in
+/// any case, because the state is computed from them. The core bounds their number in proportion to the state.
 pub(super) const ENTRIES: u64 = 16_384;
 
-/// Number of pieces whose photo is stored: more than a hall holds, at some 100 KB each.
+/// Maximum number of pieces whose photo is stored: more than a hall has. A photo has some 100 KB.
 pub(super) const PHOTOS: u64 = 256;
 
-/// Number of earlier photos stored for pieces that were photographed again.
+/// Maximum number of earlier photos, stored for pieces that were photographed again.
 pub(super) const EARLIER: u64 = 64;
 
-/// Number of stored luggage records: more than in a busy year, at about 400 bytes each.
+/// Maximum number of stored luggage records: more than in a busy year. A record has about 400 bytes.
 const RECORDS: u64 = 16_384;
 
-/// Number of stored missions, including the present one: as many as in a year at a quiet airport, with some 100 KB for each
-/// map.
+/// Maximum number of stored missions, including the present one: as many as in a year at a quiet airport. A mission's
+/// map has some 100 KB.
 const MISSIONS: u64 = 256;
 
-/// Table and indices of a journal in memory alone: the state at the end of each mission, whose entries may be gone.
+/// Additional table and indices of a journal in memory. The table has the state at the end of each mission, because
+/// the entries of the mission may be deleted.
 const TABLES: &str = "
     CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;
     CREATE INDEX photographed ON luggage (id, photo) WHERE photo IS NOT NULL;
     CREATE INDEX luggage_of_photo ON luggage (photo) WHERE photo IS NOT NULL;";
 
-/// Deletes a few entries beyond the bound at a time, more than a page adds: deleting all at once would delay a page.
+/// Deletes some entries beyond the bound. The number exceeds the entries that a page adds, but it is small: deleting
+/// all at once would delay a page.
 const ENTRIES_GIVE_WAY: &str = "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE seq <= ?1 ORDER BY seq LIMIT 32)";
 
-/// Deletes data beyond the bounds after new data was added. Uses the indices above instead of scanning all luggage; the numbers
-/// of pieces have no gaps.
+/// Deletes data beyond the bounds after new data was added. It uses the indices above and does not scan all luggage.
+/// The numbers of pieces have no gaps.
 const GIVES_WAY: &str = "
     UPDATE luggage SET photo = NULL WHERE id IN (SELECT id FROM luggage INDEXED BY photographed
         WHERE photo IS NOT NULL ORDER BY id DESC LIMIT -1 OFFSET {PHOTOS});
@@ -70,7 +73,7 @@ pub struct MemoryStore {
 #[derive(Debug)]
 pub(super) struct MemoryJournal {
     writing: Mutex<Writing>,
-    /// Held by readers, so that the writer waits for one reader at most.
+    /// Only readers hold this lock, one at a time, so that the writer waits for one reader at most.
     turn: Mutex<()>,
 }
 
@@ -128,7 +131,7 @@ impl MemoryJournal {
     }
 
     fn writing(&self) -> MutexGuard<'_, Writing> {
-        // A panic while writing left a transaction that was rolled back.
+        // If a panic interrupted a write, its transaction was rolled back.
         self.writing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -159,7 +162,8 @@ impl Writing {
     }
 }
 
-/// The state at the end of a mission whose entries may be gone; `None` on disk, and for a mission that has not ended.
+/// The state at the end of a mission whose entries may be deleted. `None` for a journal on disk, and for a mission
+/// that has not ended.
 pub(super) fn standing_at_the_end(connection: &Connection, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Fault> {
     let sql = "SELECT standing FROM ended WHERE mission = ?1";
     let body: Option<String> = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
@@ -186,7 +190,7 @@ pub(super) fn gives_way() -> String {
 fn empty() -> Result<Connection, Fault> {
     let mut connection = Connection::open_in_memory()?;
     connection.set_prepared_statement_cache_capacity(connect::STATEMENTS);
-    // Sorting does not use temporary files either.
+    // Sorting uses no temporary files, so that nothing is written to a disk.
     connection.pragma_update(None, "temp_store", "MEMORY")?;
     schema::bring_up_to_date(&mut connection)?;
     connection.execute_batch(PICTURES)?;

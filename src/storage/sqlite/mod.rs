@@ -1,5 +1,5 @@
-//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; or all of them in
-//! memory (`memory`) when nothing is to be stored. START HERE.
+//! The store: an SQLite journal of entries, tables that are computed from the entries, and photos as files. If
+//! nothing is to be stored, all of them are in memory (`memory`). START HERE.
 //!
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
@@ -7,8 +7,8 @@
 //!     └── StoreStatus ◄────┘ ◄────── hangs ──── watchman
 //!   doors ─ Archive ─► Reading ─► journal.db, photos/                                   (their own connections)
 //! ```
-//! The core decides what is recorded and when; this module writes it (safety D1, D2, D3, R3). A file that cannot be opened is never
-//! overwritten, renamed or deleted.
+//! The core decides what is recorded and when. This module writes it (safety D1, D2, D3, R3). A file that cannot be
+//! opened is never overwritten, renamed or deleted.
 
 mod archive;
 mod archive_check;
@@ -64,8 +64,8 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Seq;
 
-/// Maximum number of pages waiting for the disk. The robot waits for the record before each move, so further pages come from
-/// commands and sensors alone: the queue holds minutes of them.
+/// Maximum number of pages waiting for the disk. The robot waits for the record before each move, so further pages
+/// come only from commands and sensors. The queue has room for minutes of such pages.
 const QUEUE: usize = 1024;
 
 /// Why a folder cannot be used at all; the program should not start.
@@ -92,16 +92,16 @@ pub struct Opened {
 pub struct SqliteStore {
     folder: Folder,
     status: Arc<WriterStatus>,
-    /// Dropping these three ends the writer and the watchman.
+    /// When `pages` and the two senders in `ends` are dropped, the writer and the watchman end.
     pages: Option<SyncSender<Handed>>,
     ends: Vec<Sender<()>>,
     done: Receiver<()>,
     patience: Patience,
 }
 
-/// Opens the folder `path`, and creates it when there is none. A fault of the files is not an error here, but reported in
-/// `failure`. `beside` is a fault of other files in the folder, with the advice what to do: nothing is then written, so nothing
-/// moves, until the program is restarted (safety R5).
+/// Opens the folder `path`, and creates it if it does not exist. A fault of the files is not an error, but is
+/// reported in `failure`. `beside` is a fault of other files in the folder, with the advice what to do. With such a
+/// fault nothing is written until the program is restarted, and so nothing moves (safety R5).
 pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
     open_with(path, beside, Patience::USUAL)
 }
@@ -123,7 +123,8 @@ fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<
     Ok(Opened { store: Box::new(store), archive, recalled, failure })
 }
 
-/// Reads the stored state, and opens the journal for writing if that state is known. Only a folder in use is an error.
+/// Reads the stored state, and opens the journal for writing if this state is known. The only error is a folder in
+/// use.
 fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fault> {
     let words = |fault: &Fault, then| Some(fault.words(folder.path(), then));
     // Without the folder there is no lock either; the writer retries both.
@@ -137,11 +138,11 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     }
     let lost_after = match folder.check_beside().and_then(|()| head::check(folder)).and_then(|()| marker::read(folder)) {
         Ok(lost_after) => lost_after,
-        // The state is shown as far as the journal can be read, and nothing is written after it.
+        // The state is shown as far as the journal can be read. Nothing is written until a restart.
         Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
     };
     let recalled = match recall_up_to_date(folder, lost_after) {
-        // The journal was removed, by somebody or by SQLite: a new journal beside the old photos would hide that.
+        // The journal was removed, by a user or by SQLite. A new journal beside the old photos would hide this.
         Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
@@ -157,7 +158,7 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     }
 }
 
-/// Reads the stored state. A file is written to only if an older version made it, to migrate it first.
+/// Reads the stored state. A file is changed only if an older version wrote it: then it is migrated first.
 fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     match recall::recall(folder, lost_after) {
         Err(Fault::Older(_)) => {
@@ -221,7 +222,7 @@ impl Drop for SqliteStore {
     fn drop(&mut self) {
         self.pages = None;
         self.ends.clear();
-        // Nothing is ever sent on this channel: the writer ends in time, or is left behind.
+        // Nothing is ever sent on this channel. The writer ends in time, or this thread stops waiting for it.
         let _ = self.done.recv_timeout(self.patience.end);
     }
 }

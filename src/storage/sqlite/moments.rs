@@ -1,4 +1,5 @@
-//! The state of a mission at moments of its past, folded from the entries up to each moment, and other data that a page shows.
+//! The state of a mission at moments in its past, computed from the entries up to each moment. For each moment there
+//! is also other data that a page shows.
 
 use rusqlite::{Connection, OptionalExtension};
 
@@ -13,15 +14,16 @@ use hallsweep_core::units::{MissionId, Seq, WallTime};
 /// Number of last entries searched for a temperature reading; the search takes milliseconds.
 const NOT_LONG: u64 = 20_000;
 
-/// Number of readings that suffices to know the latest of each source, and whether it had cooled down.
+/// Number of readings that is enough to know the latest reading of each source, and whether the hall had cooled down.
 const READINGS: usize = 128;
 
-/// Number of poses searched for the path behind the robot: it stays in one cell while it turns.
+/// Number of poses to search for the path behind the robot. There are several poses for one cell when the robot turns
+/// there.
 const POSES: usize = 192;
 
 type Stood = (Seq, Sound<PersistentState>);
 
-/// States at the given moments, in order. If one state follows from another, the two share their equal parts.
+/// The states at the given moments, in order. If one state follows from another, the two share their equal parts.
 pub(super) fn moments(
     connection: &Connection,
     mission: MissionId,
@@ -30,7 +32,7 @@ pub(super) fn moments(
 ) -> Result<Vec<PastMoment>, Fault> {
     // One transaction, so that all queries see the same journal while somebody writes to it.
     let _unchanging = connection.unchecked_transaction()?;
-    // The last entry of the mission. RESET empties the hall: the state after it is the beginning of the next mission.
+    // The last entry of the mission. RESET empties the hall, so the state after it belongs to the next mission.
     let sql = "SELECT archived_seq - 1 FROM missions WHERE id = ?1 AND archived_seq IS NOT NULL";
     let end = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
     let end = Seq(end.map_or(i64::MAX.unsigned_abs(), count));
@@ -81,8 +83,8 @@ fn by_time(
     Ok(Some(found))
 }
 
-/// The state after an entry, folded from the state after an earlier entry if that is shorter; `None` when the needed entries
-/// are gone.
+/// The state after the entry `seq`. It is computed from the earlier state `before` if that is shorter. `None` when
+/// the needed entries are deleted.
 fn stood(
     connection: &Connection,
     mission: MissionId,

@@ -1,5 +1,6 @@
-//! The journal as the writer uses it: pages are written, many in one transaction and each whole or not at all, together with
-//! the projections. `writer` decides when to write and what to report.
+//! The journal as the writer uses it. Many pages are written in one transaction, together with the projections
+//! (tables that follow from the entries). Each page is written completely or not at all. `writer` decides when to
+//! write and what to report.
 
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
@@ -49,7 +50,7 @@ impl Pages {
         if end == kept { Ok(pages) } else { Err(Fault::Unchained(end)) }
     }
 
-    /// Writes pages durably. Calls `is_wanted` before the commit, and rolls back when it returns false.
+    /// Writes pages durably. Before the commit it calls `is_wanted`, and rolls back when this returns false.
     pub(super) fn keep(&mut self, pages: &[Page], is_wanted: impl FnOnce() -> bool) -> Result<(), Fault> {
         self.is_in_place()?;
         let mut under_way = self.under_way;
@@ -70,8 +71,8 @@ impl Pages {
         chain::end(&self.connection)
     }
 
-    /// Whether the files are still those that were opened: data written to a removed file is lost, and without the lock file a
-    /// second hallsweep could write.
+    /// Fails if the files are not those that were opened. Data written to a removed file is lost, and without the
+    /// lock file a second hallsweep could write.
     fn is_in_place(&self) -> Result<(), Fault> {
         let gone = |error: &std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
         match self.folder.journal_identity() {
@@ -84,10 +85,12 @@ impl Pages {
         if self.lock.is_in_place() { Ok(()) } else { Err(Fault::TakenAway("journal.lock")) }
     }
 
-    /// Proves that the journal can be written: deletes the entries after `kept`, which were declared lost, and records that loss.
+    /// Proves that the journal can be written. Deletes the entries after `kept`, which were declared lost, and
+    /// records this loss.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
         self.is_in_place()?;
-        // On a small disk the log itself may take the space. If the checkpoint fails, the log grows, which is harmless.
+        // On a small disk the log itself may take the space. If this checkpoint fails, the log grows, which does no
+        // harm.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
@@ -95,14 +98,14 @@ impl Pages {
         if rows::take_back(&transaction, kept)? > 0 {
             project::rebuild(&transaction)?;
             chain::take_back(&transaction, kept)?;
-            // A page over old entries may reach beyond `kept`; its entries that stay need a page again.
+            // A page of a migrated journal may extend beyond `kept`. Its remaining entries need a new page.
             chain::close_page(&transaction)?;
         }
         let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";
         let under_way: Option<i64> = transaction.query_row(sql, [], |row| row.get(0))?;
         transaction.commit()?;
         self.under_way = under_way.map(|id| MissionId(super::fault::count(id)));
-        // The attempts themselves must not fill a disk that is nearly full.
+        // Without this checkpoint, repeated attempts could fill a disk that is nearly full.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         Ok(())
     }
@@ -127,9 +130,9 @@ pub(super) fn write(
     Ok(under_way)
 }
 
-/// The mission of an entry, and the mission under way after it. Entries that lead to a mission's beginning belong to the
-/// mission, such as the command that began it; the phase that follows a mission does not, although it is recorded before the
-/// mission's end.
+/// The mission of an entry, and the mission under way after the entry. Entries that lead to the beginning of a
+/// mission belong to it, such as the command that began it. The phase after a mission does not belong to it, although
+/// this phase is recorded before the mission's end.
 fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
     let (entry, rest) = (&page.entries[place], &page.entries[place..]);
     if let Fact::MissionArchived(mission, _) = &entry.fact {

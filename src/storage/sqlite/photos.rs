@@ -1,5 +1,6 @@
-//! Photos, named by the digest of their bytes and checked against it when they are read. On disk they are files, written so that
-//! a name never stands for an incomplete photo (safety D3); in memory they are rows of a table.
+//! Photos. A photo is named by the digest of its bytes, and the digest is checked when the photo is read. On disk
+//! photos are files, written so that a name never stands for an incomplete photo (safety D3). In memory they are rows
+//! of a table.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use hallsweep_core::event::Photo;
 
 const MEDIA_TYPES: [&str; 2] = ["image/png", "image/jpeg"];
 
-/// Maximum size of a photo in bytes; a larger file was not written by this program.
+/// Maximum size of a photo in bytes. This program writes no larger file.
 const LARGEST: usize = 64 * 1024 * 1024;
 
 /// Media type of photos whose type this version does not know.
@@ -38,7 +39,7 @@ impl Folder {
 }
 
 impl Pictures<'_> {
-    /// Stores a photo, durably when it is a file, before any entry names it.
+    /// Stores a photo before any entry names it. A photo on disk is durable when this returns.
     pub(super) fn keep(self, connection: &Connection, photo: &Photo) -> Result<Picture, Fault> {
         let picture = Picture { digest: digest(&photo.bytes), media_type: photo.media_type.to_owned() };
         match self {
@@ -85,8 +86,8 @@ impl Pictures<'_> {
     }
 }
 
-/// Temporary file, fsync, rename, fsync of the folders: in this order no name ever stands for an incomplete photo
-/// (safety D3).
+/// Stores a photo in this order: temporary file, fsync, rename, fsync of the folders. So no name ever stands for an
+/// incomplete photo (safety D3).
 fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
     let path = folder.photo(picture);
     let shelf = path.parent().expect("a photo is in a folder named by the first two letters of its digest");
@@ -100,11 +101,11 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
             file.sync_all()
         });
         written.and_then(|()| std::fs::rename(&unfinished, &path).map_err(files::naming(&path))).inspect_err(|_| {
-            // A leftover is harmless, and the next photo of this name replaces it.
+            // A file that stays does no harm, and the next photo of this name replaces it.
             let _ = std::fs::remove_file(&unfinished);
         })?;
     }
-    // The folders are flushed for an existing photo too: its writer may have failed at exactly this step.
+    // The folders are flushed for an existing photo too, since its writer may have failed at exactly this step.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 

@@ -1,5 +1,5 @@
-//! The projections: missions, luggage with its verdicts, and photos, as they follow from the entries (safety D2). They are
-//! written in the transaction of the entries, and can be rebuilt from them at any time.
+//! The projections: tables of missions, luggage with its verdicts, and photos, which follow from the entries (safety
+//! D2). They are written in the same transaction as the entries, and can be rebuilt from the entries at any time.
 
 use rusqlite::{Connection, Params, params};
 
@@ -54,7 +54,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
     }
 }
 
-/// Reads only the entries from which projections follow; returns the number of entries read.
+/// Rebuilds all projections. Reads only the entries from which they follow; returns the number of entries read.
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM takes; DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
@@ -84,7 +84,8 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
     run(connection, sql, params![whole(mission.0)?, wall.unix_ms, wall.offset_s, whole(seq.0)?, left])
 }
 
-/// The phase in which a mission begins is recorded just before its beginning, which then adds the strategy.
+/// Records the phase of a mission. The first phase is recorded just before the mission's beginning, so this may also
+/// add the mission. Its beginning then adds the strategy.
 fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
                ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
@@ -92,7 +93,7 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
     run(connection, sql, params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])
 }
 
-/// Records a piece, or another photo of it. Without a new photo the older photo stays.
+/// Records a piece of luggage, or another photo of it. Without a new photo the earlier photo stays.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
     if let (Some(picture), PhotoState::Taken { bytes, take }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
@@ -116,8 +117,8 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
-/// A state snapshot also contains facts that a failed store may have lost: a mission's beginning, the end of the previous
-/// mission, luggage.
+/// Applies a state snapshot. It also has facts that may be lost after a failure of the store: the beginning of a
+/// mission, the end of the previous mission, and luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
     let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;

@@ -1,5 +1,5 @@
-//! The journal for read-only use, as by the command `hallsweep journal`, with or without a running program. Queries of the doors
-//! are in `archive`.
+//! The journal for commands such as `hallsweep journal`, whether or not hallsweep runs. It is only read, but
+//! `rebuild` also writes its tables. Queries of the doors are in `archive`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,8 +32,9 @@ impl ReadOnlyJournal {
         Ok(ReadOnlyJournal { connection: opened.ok_or_else(none)?.connection, folder })
     }
 
-    /// Visits the entries of one mission or of all missions, oldest first, or only the `last` ones. Ends when `visit` says
-    /// stop. An entry that cannot be read is passed as its place and a sentence.
+    /// Visits the entries of one mission or of all missions, oldest first. With `last`, only this number of last
+    /// entries is visited. Ends when `visit` returns false. For an entry that cannot be read, `visit` gets its
+    /// place and a sentence.
     pub fn lines(
         &self,
         mission: Option<MissionId>,

@@ -1,4 +1,5 @@
-//! Reading the stored state at a start: folded from the last state snapshot on (safety R1).
+//! Reads the stored state at a start. The state is computed from the last state snapshot and the entries after it
+//! (safety R1).
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -18,21 +19,22 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Number of entries recalled for the log: as many as a console shows without much scrolling.
+/// Number of entries that a start reads for the log: as many as a console shows without much scrolling.
 const LATEST: usize = 60;
 
-/// Number of last entries searched for the `LATEST` ones: between two entries that are shown, a robot may have made many steps.
+/// Number of last entries in which the `LATEST` ones are searched. Between two entries for the log, a robot may have
+/// made many steps.
 const LATEST_AMONG: u64 = 10_000;
 
-/// Maximum number of sentences about one mission's damage; the rest is only counted.
+/// Maximum number of sentences about the damage of one mission. Further damage is only counted.
 const DAMAGES: usize = 8;
 
-/// Time for which a start waits for SQLite's own check, enough for some 500 MB on a common disk. `hallsweep journal check` has no
-/// limit.
+/// Maximum time that a start waits for SQLite's own check. It is enough for some 500 MB on a common disk.
+/// `hallsweep journal check` has no limit.
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 
-/// Reads the stored state without a change; `None` when there is none. Entries after `lost_after`, which were declared lost
-/// before a kill, are ignored although they may be there.
+/// Reads the stored state and changes nothing; `None` when there is no state. Entries after `lost_after` were
+/// declared lost before a kill, so they are ignored even if they exist.
 pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     let Some(connect::JournalReader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
@@ -69,8 +71,8 @@ fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault
     Ok(state)
 }
 
-/// The state of a mission when the entry `before` put it away, or its present state, as far as the entries can be read; `words`
-/// turns faults into sentences.
+/// The state of a mission when the entry `before` put it away; without `before`, its present state. It is computed
+/// from the entries that can be read. `words` turns faults into sentences.
 pub(super) fn standing_of(
     connection: &Connection,
     mission: MissionId,
@@ -82,7 +84,8 @@ pub(super) fn standing_of(
     go_on(connection, mission, first, from, before, words)
 }
 
-/// The state of a mission after further entries, between the two bounds, as far as these entries can be read.
+/// Continues the state `from` of a mission with the entries between the two bounds, as far as these entries can be
+/// read.
 pub(super) fn go_on(
     connection: &Connection,
     mission: MissionId,
@@ -104,7 +107,7 @@ pub(super) fn go_on(
             }
         };
         let begun = state.under_way && state.mission == mission;
-        // The phase that follows a mission is recorded just before its end.
+        // The phase after a mission is recorded just before the mission's end.
         if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
             state.apply(&line.entry);
         }
@@ -113,7 +116,8 @@ pub(super) fn go_on(
     Ok(Sound { of: state, damage: damage.all() })
 }
 
-/// The last readable state snapshot before `before`. The fold begins there, and skips entries that cannot be read.
+/// The last readable state snapshot before `before`. The state is computed from there, without the entries that
+/// cannot be read.
 fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
     let mut from = rows::last_standing(connection, before)?;
     while let Some(seq) = from {
@@ -154,7 +158,7 @@ impl<W: Fn(&Fault) -> String> Damage<W> {
     }
 }
 
-/// The latest commands with an id, oldest first: the core remembers a fixed number, however old they are.
+/// The latest commands with an id, oldest first. The core remembers a fixed number of them, however old they are.
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;
@@ -166,7 +170,8 @@ fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault
     Ok(commands)
 }
 
-/// SQLite's own check of the file structure; given up without a finding when the file is too large for a start to wait.
+/// SQLite's own check of the file structure. It is stopped without a finding if the file is too large for a start to
+/// wait.
 fn check_quickly(connection: &Connection) -> Result<(), Fault> {
     let handle = connection.get_interrupt_handle();
     let (checked, waiting) = mpsc::channel::<()>();
@@ -177,7 +182,8 @@ fn check_quickly(connection: &Connection) -> Result<(), Fault> {
     });
     let found: Result<String, _> = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0));
     drop(checked);
-    // The interrupt handle must be gone before the connection is used again; a thread that could not start holds no handle.
+    // The interrupt handle must be gone before the connection is used again, so this waits for the thread. A thread
+    // that could not start has no handle.
     let _ = watch.map(std::thread::JoinHandle::join);
     match found {
         Ok(found) if found == "ok" => Ok(()),

@@ -1,4 +1,4 @@
-//! Entries as rows of the table `events`: how they are selected, and read as they were known at a given entry.
+//! Entries as rows of the table `events`: selects entries, and reads them as they were known at a given entry.
 
 use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_iter};
@@ -13,13 +13,15 @@ use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 /// Columns of an entry, in the order in which `line` reads them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
 
-/// Condition for commands with an id. It repeats the words of the index; with other words SQLite would not use the index.
+/// Condition for commands with an id. It has exactly the words of the index, because SQLite would not use the index
+/// with other words.
 const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', NULL) IS NOT NULL";
 
 /// Forces the use of the index: without it the query would scan every entry.
 const BY_NAME: &str = "INDEXED BY named_commands";
 
-/// Which entries to read; by default all. With an upper bound, entries are read as they were known at that bound.
+/// Which entries to read; by default all. With the upper bound `before`, entries are read as they were known at this
+/// bound.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
@@ -34,7 +36,7 @@ pub(super) enum Kinds {
     #[default]
     All,
     Named,
-    /// Entries from which the projections follow.
+    /// Entries from which the projections (the other tables) follow.
     Milestones,
     Verdicts,
     Retrieval,
@@ -104,7 +106,7 @@ pub(super) fn last_of(connection: &Connection, mission: MissionId, most: Seq) ->
     one_of(connection, "mission = ?1 AND seq <= ?2 ORDER BY seq DESC", mission, most)
 }
 
-/// The first entry of a mission from `least` on, itself included.
+/// The first entry of a mission from `least` on, including `least`.
 pub(super) fn first_of(connection: &Connection, mission: MissionId, least: Seq) -> Result<Option<(Seq, WallTime)>, Fault> {
     one_of(connection, "mission = ?1 AND seq >= ?2 ORDER BY seq", mission, least)
 }
@@ -129,7 +131,8 @@ pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId
     place(connection, sql, values)
 }
 
-/// The latest entries of some kinds up to `written`, oldest first: at most `most`, among the last `searched`.
+/// The latest entries of some kinds up to `written`, oldest first: at most `most` entries, searched among the last
+/// `searched` entries.
 pub(super) fn latest(
     connection: &Connection,
     kinds: Kinds,
@@ -144,7 +147,7 @@ pub(super) fn latest(
     let mut rows = statement.query(bounds)?;
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
-        // These entries are only shown and nothing follows from them, so unreadable ones are skipped.
+        // These entries are only shown, and nothing follows from them. So unreadable entries are skipped.
         latest.extend(line(connection, row, Some(written.next())).1.ok().map(|line| line.entry));
     }
     latest.reverse();
@@ -162,7 +165,7 @@ fn place(connection: &Connection, sql: &str, values: impl Params) -> Result<Opti
     Ok(found.map(|seq| Seq(count(seq))))
 }
 
-/// Visits entries, oldest first. An entry that cannot be read is passed as an error; stops when `visit` fails.
+/// Visits entries, oldest first. For an entry that cannot be read, `visit` gets an error. Stops when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
     which: EntryFilter,
@@ -179,7 +182,7 @@ pub(super) fn each(
 }
 
 impl EntryFilter {
-    /// The entries of a mission; `None` when a number is too large for the store.
+    /// Selects the entries of a mission; `None` when a number is too large for the store.
     pub(super) fn of(mission: MissionId, span: Span, most: usize) -> Option<EntryFilter> {
         i64::try_from(mission.0.max(span.after.0)).ok()?;
         let before = i64::try_from(span.until.0).is_ok().then(|| span.until.next());
@@ -201,7 +204,7 @@ impl EntryFilter {
     }
 }
 
-/// The entry of a row with its place, as it was known before the entry `before`.
+/// Reads the entry of a row, with its place. The entry is read as it was known before the entry `before`.
 fn line(connection: &Connection, row: &Row<'_>, before: Option<Seq>) -> (Seq, Result<Line, Fault>) {
     // The place is the key of the table, which is a number even when other columns are damaged.
     let seq = Seq(row.get(0).map_or(0, count));
@@ -221,7 +224,7 @@ fn understood(connection: &Connection, row: &Row<'_>, seq: Seq, before: Option<S
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
 }
 
-/// Whether a piece was found dangerous after an entry: at any time, or before the entry `before`.
+/// Whether a piece was found dangerous after the entry `after`. With `before`, only entries before this bound count.
 fn was_dangerous(connection: &Connection, luggage: LuggageId, after: Seq, before: Option<Seq>) -> Result<bool, Fault> {
     let sql = "SELECT 1 FROM luggage WHERE id = ?1 AND verdict = 'danger'";
     let is_dangerous = connection.prepare_cached(sql)?.exists([whole(luggage.0)?])?;

@@ -20,10 +20,10 @@ const MIGRATIONS: [&str; 5] = [
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
-/// Since this format all entries can be read.
+/// Oldest format of which all entries can be read.
 pub(super) const ENTRIES_SINCE: i64 = 2;
 
-/// Since this format the tables and the chain of digests are as they are now.
+/// Oldest format in which the tables and the chain of digests are as they are now.
 const TABLES_SINCE: i64 = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,9 +48,9 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     }
 }
 
-/// Migrates a file in one transaction, so that a kill leaves it in its old format.
+/// Migrates a file in one transaction, so that the file has its old format after a kill.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
-    // A foreign file is refused; an empty file is of format 0.
+    // A file of another program is refused; an empty file is of format 0.
     format(connection)?;
     let from: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0))?;
     if from == FORMAT {

@@ -1,6 +1,7 @@
-//! Makes a data folder from an archive, whole or not at all. The folder is built beside its destination, or inside it if the
-//! destination exists, and then moved there, the journal last. From then on it is a journal of its own. Its first own entry
-//! names the archive from which all earlier entries came, and where that archive begins.
+//! Makes a data folder from an archive, completely or not at all. The folder is built beside its destination, or
+//! inside the destination if that exists. Then it is moved to its destination, the journal last. From then on the new
+//! journal is independent of the archive. Its first own entry names the archive from which all earlier entries
+//! came, and where that archive begins.
 
 use std::fs;
 use std::io;
@@ -19,7 +20,8 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::state::fact::{Entry, Fact, Unpacked};
 use hallsweep_core::units::WallTime;
 
-/// Returns the number of entries in the new folder, including the last one, which names the archive.
+/// Makes the data folder `data` from the archive `file`. Returns the number of entries in the new folder. This
+/// includes the last entry, which names the archive.
 pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable> {
     let archive = Folder::new(file);
     if !archive.is_archive() {
@@ -41,17 +43,18 @@ pub fn unpack(file: &Path, data: &Path, now: WallTime) -> Result<u64, Unreadable
     placed.map_err(|fault| Unreadable(fault.words(data, Then::StartAgain)))
 }
 
-/// Destination of the folder, and where it is built until it is complete.
+/// The destination of the folder, and the place where it is built until it is complete.
 struct UnpackTarget {
     data: PathBuf,
     build: PathBuf,
-    /// Whether the destination exists, perhaps as a volume or the target of a link: the destination stays, and the result is
-    /// moved into it.
+    /// Whether the destination exists, perhaps as a volume or as the target of a link. If so, it stays, and the
+    /// result is moved into it.
     is_there: bool,
 }
 
 impl UnpackTarget {
-    /// Checks that the destination is free: missing, an empty folder, or the leftover of a killed unpacking.
+    /// Checks that the destination is free: it is missing, or an empty folder, or it was left by an unpacking that
+    /// was killed.
     fn of(data: &Path) -> Result<UnpackTarget, Unreadable> {
         let refused = |words: &dyn std::fmt::Display| Unreadable(format!("{} cannot be used: {words}", data.display()));
         let data = match data.canonicalize() {
@@ -66,7 +69,7 @@ impl UnpackTarget {
         };
         let there = fs::read_dir(&data).and_then(|files| files.map(|file| Ok(file?.file_name())).collect::<io::Result<Vec<_>>>());
         let there = there.map_err(|error| refused(&error))?;
-        // A volume may have this entry of its own.
+        // Some volumes have this entry even when they are empty.
         let is_empty = there.iter().all(|name| name == "lost+found");
         let has = |wanted: Name| there.iter().any(|name| name == wanted.written());
         let was_begun = has(names::UNPACK) && !has(names::JOURNAL);
@@ -78,7 +81,7 @@ impl UnpackTarget {
         }
     }
 
-    /// Fails when something is in the way of building that no unpacking left there.
+    /// Fails when the place of building has contents that were not left by an earlier unpacking.
     fn check(&self) -> Result<(), Unreadable> {
         const LEFT: [Name; 4] = [names::JOURNAL, names::HEAD, names::LOCK, names::PHOTOS];
         let is_ours = match fs::symlink_metadata(&self.build) {
@@ -92,8 +95,8 @@ impl UnpackTarget {
         if is_ours { Ok(()) } else { Err(words()) }
     }
 
-    /// Moves the result: in one step, or else file by file with the journal last, since a folder without a journal is no data
-    /// folder.
+    /// Moves the result to its destination, in one step if the destination does not exist. Otherwise each file is
+    /// moved, the journal last, since a folder without a journal is no data folder.
     fn take(&self) -> io::Result<()> {
         if !self.is_there {
             fs::rename(&self.build, &self.data)?;
@@ -103,7 +106,7 @@ impl UnpackTarget {
         parts.sort_by_key(|part| part == names::JOURNAL.written());
         for part in parts {
             let to = self.data.join(&part);
-            // A killed move may have left it here.
+            // A move that was killed may have left this part at the destination.
             remove(if to.is_dir() { fs::remove_dir_all(&to) } else { fs::remove_file(&to) })?;
             fs::rename(self.build.join(&part), to)?;
             files::sync_folder(&self.data)?;
@@ -113,12 +116,12 @@ impl UnpackTarget {
     }
 }
 
-/// Builds the folder: photos first, so that no entry names a missing photo, and `own` as the last entry. Returns the number of
-/// entries.
+/// Builds the folder. Photos come first, so that no entry names a missing photo; `own` becomes the last entry.
+/// Returns the number of entries.
 fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64, Fault> {
     folder.create_path()?;
     let _lock = folder.lock()?;
-    // Leftovers of a killed unpacking are removed.
+    // Removes what a killed unpacking left.
     for left in [folder.journal(), folder.head().path().to_owned()] {
         remove(fs::remove_file(left))?;
     }
@@ -127,7 +130,7 @@ fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64
         let photo = Pictures::Table.read(from, &Picture { digest, media_type })?;
         Pictures::Files(folder).keep(from, &photo)?;
     }
-    // Created here, so that it is private.
+    // Creates the journal file here, so that it is private.
     drop(files::open(&folder.journal(), fs::File::options().write(true).create_new(true))?);
     let (entries, end) = copy(from, &folder.journal(), None, |journal| {
         let page = Page { first: rows::last_up_to(journal, None)?.next(), entries: vec![own] };
@@ -140,7 +143,7 @@ fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64
     Ok(entries)
 }
 
-/// A file that is missing need not be removed.
+/// A missing file counts as removed.
 fn remove(removed: io::Result<()>) -> io::Result<()> {
     removed.or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })
 }

@@ -1,10 +1,11 @@
-//! The thread that writes: takes pages, stores them in one transaction, and reports that they are stored. After a failure it
-//! retries until something can be written (safety R3). Beside it runs the watchman, who does not wait for a disk that hangs.
+//! The thread that writes: it takes pages, stores them in one transaction, and reports that they are stored. After a
+//! failure it retries until something can be written (safety R3). A second thread, the watchman, gives pages up when
+//! the disk hangs.
 //!
 //! ```text
 //!   pages ─► writing ── kept ─► word.kept
 //!              │  ▲
-//!        fails │  │ something was written durably, and what was said to be lost is gone
+//!        fails │  │ something was written durably, and the lost entries are deleted
 //!              ▼  │
 //!            failing ── once a second
 //! ```
@@ -22,28 +23,29 @@ use hallsweep_core::effect::Page;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Maximum number of pages in one transaction: enough for the pages that pile up on a slow disk, but only moments of work.
+/// Maximum number of pages in one transaction. It is enough for the pages that collect on a slow disk, but still
+/// takes only moments.
 const BATCH: usize = 256;
 
-/// Free space in bytes that must remain beyond the failed page before it is retried: otherwise a nearly full disk would take the
-/// next few entries, fail, take some more, and so on.
+/// Free space in bytes that must remain beyond the failed page before writing is retried. Otherwise a nearly full
+/// disk would accept a few entries, fail, accept a few more, and so on.
 const MARGIN: usize = 256 * 1024;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patience {
     /// Pause between two attempts after a failure.
     pub(super) retry: Duration,
-    /// Number of looks of the watchman after which a batch is given up.
+    /// The watchman gives up a batch after looking at it this number of times.
     pub(super) looks: u32,
-    /// Time between two looks of the watchman.
+    /// Time between two of these looks.
     pub(super) look: Duration,
-    /// Maximum wait for the last pages at the end of the program: a slower disk would not have stored them either.
+    /// Maximum wait for the last pages at the end of the program.
     pub(super) end: Duration,
 }
 
 impl Patience {
-    /// Retries once a second; gives a batch up after 5 s; waits a second at the end, because the whole program is to end within
-    /// two.
+    /// Retries once a second, and gives a batch up after 5 s. At the end it waits one second, because the whole
+    /// program must end within two seconds.
     pub(super) const USUAL: Patience =
         Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
 }
@@ -59,7 +61,7 @@ pub(super) enum Hand {
     Writing(Pages),
     /// The journal could not be opened for writing. The stored state is known, so writing may begin later.
     Waiting(Option<MissionId>),
-    /// Nothing may be written before a restart.
+    /// Nothing may be written until the program is restarted.
     Closed,
 }
 
@@ -95,8 +97,8 @@ impl Writer {
         }
         let first = match self.pages.recv_timeout(self.patience.retry) {
             Ok(first) => first,
-            // A page that was refused may be declared lost after everything else was written: nothing but this timeout wakes the
-            // thread.
+            // A page that was refused may be declared lost after everything else was written. Then only this timeout
+            // wakes the thread.
             Err(RecvTimeoutError::Timeout) => return true,
             Err(RecvTimeoutError::Disconnected) => return false,
         };
@@ -105,7 +107,7 @@ impl Writer {
         true
     }
 
-    /// Stores a batch, except pages whose sender did not know of a loss.
+    /// Stores a batch, except for pages whose sender did not know of a loss.
     fn keep(&mut self, batch: Vec<Handed>) {
         let losses = self.status.begin();
         let pages: Vec<Page> = batch.into_iter().filter(|handed| handed.losses == losses).map(|handed| handed.page).collect();
@@ -135,8 +137,9 @@ impl Writer {
             // The batch is on disk but was declared lost, so it is deleted at once.
             Ok(()) => self.try_again(),
             Err(fault) => {
-                // A failed commit may have left its pages in the write-ahead log, where a kill at this moment would find them
-                // complete. These pages are overwritten before the loss is reported; the overwriting need not be durable.
+                // A failed commit may have left its pages in the write-ahead log. If the program were killed now, the
+                // next start would find these pages complete. So they are overwritten before the loss is reported.
+                // This need not be durable.
                 if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }
@@ -146,7 +149,8 @@ impl Writer {
         }
     }
 
-    /// Writes the head file after the entries were reported as stored, so that it is never ahead.
+    /// Writes the head file after the entries were reported as stored, so that the file is never ahead of the
+    /// journal.
     fn remember_head(&mut self) {
         if let Hand::Writing(journal) = &self.hand
             && let Ok(head) = journal.head()
@@ -182,7 +186,7 @@ impl Writer {
         }
     }
 
-    /// A broken file is not written again.
+    /// After a fault that waiting cannot repair, nothing is written to the file until a restart.
     fn give_in(&mut self, fault: &Fault) {
         if fault.is_final() {
             self.hand = Hand::Closed;
@@ -190,7 +194,8 @@ impl Writer {
     }
 }
 
-/// Gives up a batch that the writer is still at after `patience.looks` looks, since a disk that hangs reports no error.
+/// Gives up a batch when the writer has worked on it for `patience.looks` looks. This is needed because a disk that
+/// hangs reports no error.
 pub(super) fn watch(status: &WriterStatus, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
     let mut seen = (None, 0);
     while ended.recv_timeout(patience.look) == Err(RecvTimeoutError::Timeout) {

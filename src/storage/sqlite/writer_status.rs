@@ -1,5 +1,6 @@
-//! What store, writer and watchman share: the store's report on its pages (`StoreStatus`), and whether the writer is at work.
-//! Every change of the report is made here, under one lock, so that no page is ever reported as both stored and lost.
+//! What the store, the writer and the watchman share: the store's report on its pages (`StoreStatus`), and whether
+//! the writer is at work. Every change of the report is made here, under one lock, so that no page is ever reported
+//! as both stored and lost.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -22,13 +23,14 @@ pub(super) struct WriterStatus {
 struct Work {
     batches: u64,
     busy: bool,
-    /// Whether a loss is decided but not announced yet: it is being written to a file that outlives a kill.
+    /// Whether a loss is decided but not announced yet. Meanwhile it is written to a file that survives a kill.
     losing: bool,
     overflowed: bool,
 }
 
 impl WriterStatus {
-    /// Status at the start. A failure to open counts as a loss, so that nobody waits for the opening.
+    /// The status at the start. A failure to open the journal counts as a loss, so that nobody waits until it is
+    /// open.
     pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> WriterStatus {
         let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
         WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
@@ -66,8 +68,8 @@ impl WriterStatus {
         self.losses()
     }
 
-    /// Reports that the batch is stored up to `last`; `losses` is the number of losses when the batch was begun. Returns false
-    /// when the batch was given up as lost meanwhile: the caller must delete it.
+    /// Reports that the batch is stored up to `last`. `losses` is the number of losses when the batch was begun.
+    /// Returns false when the batch was given up meanwhile: then the caller must delete it.
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
@@ -87,8 +89,8 @@ impl WriterStatus {
         }
     }
 
-    /// Reports that a page cannot be taken. Only the first such page counts as a loss: all further pages until the end of the
-    /// failure belong to this loss. Never waits, as the announcement follows on another thread.
+    /// Reports that a page cannot be accepted. Only the first such page counts as a loss: all further pages until the
+    /// end of the failure belong to this loss. Never waits, because another thread makes the announcement.
     pub(super) fn overflow(self: &Arc<WriterStatus>, words: String) {
         let mut work = self.work();
         if self.fails(&work) {
@@ -129,7 +131,7 @@ impl WriterStatus {
         work.busy.then_some(work.batches)
     }
 
-    /// Gives the batch up if it is still being written; pages handed over after it are lost with it.
+    /// Gives the batch up if it is still being written. Pages handed over after it are lost with it.
     pub(super) fn give_up(&self, batch: u64, words: &str) {
         let work = self.work();
         if work.busy && work.batches == batch && !self.fails(&work) {
@@ -137,8 +139,8 @@ impl WriterStatus {
         }
     }
 
-    /// Clears the mark: writing works again and the lost entries are deleted, so after a kill everything in the journal may be
-    /// read.
+    /// Clears the mark, because writing works again and the lost entries are deleted. So after a kill everything in
+    /// the journal may be read.
     pub(super) fn clear_marker(&self) -> Result<(), Fault> {
         self.marker.clear()
     }
@@ -147,7 +149,8 @@ impl WriterStatus {
         work.losing || self.word.borrow().failure.is_some()
     }
 
-    /// First stops reporting pages as stored, so that the last stored entry remains the same as in the mark.
+    /// Declares a loss. First stops reporting pages as stored, so that the last stored entry remains the same as in
+    /// the mark.
     fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
         work.losing = true;
         drop(work);
@@ -180,7 +183,7 @@ mod tests {
     use super::super::folder::Folder;
     use super::*;
 
-    /// Safety V3: the time between deciding on a loss and announcing it.
+    /// Safety V3: tests the time between the decision on a loss and its announcement.
     #[test]
     fn while_a_loss_is_being_put_down_nothing_is_kept_and_nothing_is_well_again() {
         let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);
@@ -191,7 +194,8 @@ mod tests {
         assert!(status.is_failing() && !status.is_announced());
     }
 
-    /// Safety R3: the watchman may have looked a moment ago.
+    /// Safety R3: the watchman may have looked just before the batch ended. The next batch must not be given up in
+    /// its place.
     #[test]
     fn a_batch_that_is_over_is_not_given_up_in_place_of_the_next() {
         let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);

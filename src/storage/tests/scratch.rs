@@ -11,7 +11,7 @@ impl Scratch {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let name = format!("hallsweep-test-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
-        // Removes the leftover of a run that was killed.
+        // Removes the folder of an earlier run that was killed.
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir(&path).expect("a fresh folder");
         Scratch(path)
@@ -20,7 +20,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // A folder that stays behind is harmless.
+        // It does no harm if the folder stays.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -1,5 +1,5 @@
-//! From a document to a tree that can be ticked. Every name is looked up here, and every fault of a file is found here
-//! or in `xml`. The entries of subtrees stand in `scope`, the bindings of ports in `ports`.
+//! Builds a tree that can be ticked from a document. Every name is looked up here. Every fault of a file is found
+//! here or in `xml`. `scope` has the entries of subtrees, and `ports` has the bindings of ports.
 
 mod ports;
 mod scope;
@@ -17,16 +17,17 @@ use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Label, Live, MOST_NODES, MOST_TEXT, Node, NodeKind, Shape, Tree};
 use crate::fnv1a;
 
-/// Most nodes, and most bytes of attributes, of all trees of a file together, each with its subtrees, when the file is
-/// checked. Without a limit, two hundred trees could each use a subtree of the largest size.
+/// Maximum number of nodes, and of bytes of attributes, when a file is checked. All trees of the file count, each
+/// with its subtrees. Without this limit, two hundred trees could each use a subtree of the largest size.
 const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
-    /// Builds a tree of a document on a blackboard: the main one unless another is named. Several trees can be built on
-    /// one blackboard; entries of the same name in their main scopes are the same entry.
+    /// Builds a tree of a document on a blackboard. `main` names the tree; without a name it is the main tree.
+    /// Several trees can be built on one blackboard. They share the entries in their main scopes that have the same
+    /// name.
     ///
     /// # Errors
-    /// The first fault of the file, with its place. Entries may have been created on the blackboard by then.
+    /// The first fault of the file, with its place. Entries may already have been created on the blackboard.
     pub fn build(
         document: &Document,
         main: Option<&str>,
@@ -38,11 +39,12 @@ impl Tree {
         document.whole(catalogue, &mut findings);
         let (built, _) = Tree::built(document, tree, catalogue, blackboard, &mut findings);
         findings.first()?;
-        // The only notes made here are about nodes that cannot be performed.
+        // The only notes made here are about nodes that this engine cannot perform.
         findings.notes().first().map_or(Ok(built), |note| Err(note.clone()))
     }
 
-    /// Builds a tree without its faulty parts, and returns how many nodes and bytes of attributes it looked at.
+    /// Builds a tree without its faulty parts. Also returns the number of nodes and of bytes of attributes that were
+    /// checked.
     fn built(
         document: &Document,
         tree: &TreeDefinition,
@@ -78,7 +80,7 @@ impl Tree {
 }
 
 impl Document {
-    /// The tree of this ID; without one, the main tree that the document names, or its only tree.
+    /// Returns the tree with this ID. Without an ID, returns the main tree that the document names, or its only tree.
     pub(crate) fn main_tree(&self, id: Option<&str>) -> Result<&TreeDefinition, TreeError> {
         let refuse = |reason| TreeError::at(SourcePosition { line: 1, column: 1 }, reason);
         match (id.or(self.main.as_deref()), &self.trees[..]) {
@@ -92,7 +94,7 @@ impl Document {
         }
     }
 
-    /// Checks that each tree has an ID of its own, which is no name of a kind of node, and that no other file is
+    /// Checks that each tree has its own ID, that no ID is the name of a kind of node, and that no other file is
     /// needed.
     fn whole(&self, catalogue: &Catalogue, findings: &mut Findings) {
         for include in &self.includes {
@@ -111,8 +113,8 @@ impl Document {
         }
     }
 
-    /// Checks all trees of the document as if they were built, including trees that the main one does not use. For this
-    /// check a file of several trees needs no main one.
+    /// Checks all trees of the document as if they were built, including trees that the main tree does not use. For
+    /// this check, a file of several trees needs no main tree.
     pub fn check(&self, catalogue: &Catalogue, findings: &mut Findings) {
         if self.main.is_some()
             && let Err(fault) = self.main_tree(None)
@@ -136,7 +138,7 @@ impl Document {
         }
     }
 
-    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP refuses since version 4.10.
+    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP refuses from version 4.10 on.
     fn names(&self, findings: &mut Findings) {
         let ids = self.trees.iter().map(|tree| (tree.place, &tree.id, false));
         let models = self.models.iter().flat_map(|model| {
@@ -159,8 +161,8 @@ impl Document {
     }
 }
 
-/// Whether two trees of one ID are the same. BehaviorTree.CPP writes a tree once for each of its uses, with the path of
-/// each node.
+/// Whether two trees with one ID are the same. BehaviorTree.CPP writes a tree once for each use, with the path of
+/// each node, so such repeated trees are allowed.
 fn is_same(one: &Element, other: &Element) -> bool {
     fn said(element: &Element) -> impl Iterator<Item = &Attribute> {
         element.attributes.iter().filter(|said| !matches!(said.name.as_str(), "_uid" | "_fullpath"))
@@ -178,7 +180,7 @@ struct Builder<'a> {
     scopes: Scopes,
     shape: Shape,
     paths: BTreeSet<Arc<str>>,
-    /// The IDs of the trees that contain the node being built, from the outermost.
+    /// The IDs of the trees that contain the node being built, the outermost first.
     open: Vec<&'a str>,
     depth: usize,
     nodes: usize,
@@ -189,11 +191,11 @@ struct Builder<'a> {
 
 enum FoundNode<'a> {
     Node(NodeKind),
-    /// A control node or decorator that the file declares, and that this engine does not perform.
+    /// A control node or decorator that the file declares and that this engine does not perform.
     Declared(&'a Model),
 }
 
-/// Faults go to the findings. An `Err` is a fault after which the tree cannot be checked any further.
+/// Faults are added to the findings. An `Err` is a fault after which the tree cannot be checked any further.
 impl<'a> Builder<'a> {
     fn tree(&mut self, tree: &'a TreeDefinition, scope: usize, prefix: &str) -> Result<(), TreeError> {
         self.open.push(&tree.id);
@@ -286,8 +288,8 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The kind of an element: the engine's nodes come first, then the leaves of the catalogue, then nodes that a file
-    /// declares.
+    /// Finds the kind of an element. The engine's nodes come first, then the leaves of the catalogue, then the nodes
+    /// that a file declares.
     fn kind(&self, element: &Element) -> Result<FoundNode<'a>, Reason> {
         let id = &element.id;
         if id.is_empty() {
@@ -346,7 +348,8 @@ impl<'a> Builder<'a> {
         self.findings.fault(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }));
     }
 
-    /// Refuses a second asynchronous child, as BehaviorTree.CPP does: each would have the other halted in each tick.
+    /// Refuses a second asynchronous child, as BehaviorTree.CPP does. In each tick, each of the two would cause a
+    /// halt of the other.
     fn count_async(&mut self, element: &Element, kind: NodeKind) {
         let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
         if kind == NodeKind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
@@ -354,7 +357,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Adds an element to the fingerprint: a tree with one changed word is another tree.
+    /// Adds an element to the fingerprint. A tree with one changed word therefore counts as another tree.
     fn note(&mut self, element: &Element) {
         let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
         let words: Vec<String> = attributes.collect();
@@ -362,8 +365,8 @@ impl<'a> Builder<'a> {
         self.fingerprint = fnv1a(&format!("{:x}{said}", self.fingerprint));
     }
 
-    /// The path of a node, as in BehaviorTree.CPP, and its name. If two nodes would have the same path, the UID is
-    /// added.
+    /// Returns the path of a node, as in BehaviorTree.CPP, and its name. If another node has the same path, the UID
+    /// is added.
     fn path<'e>(&mut self, element: &'e Element, prefix: &str, uid: usize) -> (Arc<str>, &'e str) {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let named = format!("{prefix}{name}");
@@ -374,7 +377,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Cannot overflow: the numbers of nodes and ports are bounded by `MOST_NODES` and by the size of a file.
+/// Cannot overflow, because `MOST_NODES` and the size of a file limit the numbers of nodes and ports.
 fn to_u32(number: usize) -> u32 {
     u32::try_from(number).expect("a file is too short for so many")
 }

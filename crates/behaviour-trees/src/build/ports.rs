@@ -13,10 +13,10 @@ use crate::value::{Value, ValueType};
 
 const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
 
-/// The attribute with which a subtree sees the names outside, except names that begin with `_`.
+/// With this attribute, a subtree sees the names outside, except names that begin with `_`.
 const AUTOREMAP: &str = "_autoremap";
 
-/// Most parties of a barrier: each has an entry, which every tick reads.
+/// Maximum number of parties of a barrier. Each party has an entry, and every tick reads these entries.
 const MOST_PARTIES: usize = 16;
 
 impl<'a> Builder<'a> {
@@ -110,15 +110,15 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (PortForm::EntryName, _) => {
-                // The text is the name, with or without braces: a slot cannot be an entry that holds the name of
-                // another entry. But only braces create the entry.
+                // The text is the name, with or without braces, because an entry that holds the name of another entry
+                // is not supported. Only a name in braces creates the entry.
                 let name = pointer.unwrap_or(text);
                 let slot = match pointer {
                     Some(name) => self.scopes.declare(scope, name, ValueType::Any, self.blackboard),
                     None => self.blackboard.mention(&self.scopes.entry_name(scope, name)),
                 };
                 let slot = slot.map_err(|unfit| refuse(unfit.into()))?;
-                // UnsetBlackboard reaches only the blackboard of its own tree.
+                // `UnsetBlackboard` reaches only the blackboard of its own tree.
                 let is_out_of_reach = port.name == "key" && !self.scopes.is_own(scope, name);
                 Ok(if is_out_of_reach { Binding::Unset } else { Binding::Slot(slot) })
             }
@@ -152,8 +152,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Binds a barrier, which has the name of its node. Each of its parties has an entry, which is true when the party
-    /// has arrived.
+    /// Binds a barrier. The barrier has the name of its node. Each of its parties has an entry, which is true when
+    /// the party has arrived.
     fn bind_barrier(&mut self, element: &Element, kind: BuiltIn) -> Result<(), TreeError> {
         let barrier = element.name.as_deref().unwrap_or(kind.word());
         let mut texts = [None, None];
@@ -207,8 +207,8 @@ impl<'a> Builder<'a> {
                 "_onFailure" => &mut conditions.on_failure,
                 "_onHalted" => &mut conditions.on_halted,
                 "_post" => &mut conditions.post,
-                // Any other such attribute is a note of the editor, unless it resembles a condition: ignoring a
-                // misspelt condition would be dangerous.
+                // Any other attribute of this form is a note of the editor. If it resembles a condition, it is
+                // refused, because ignoring a misspelt condition would be dangerous.
                 other => {
                     if let Some(reason) = looks_like(other) {
                         self.findings.fault(TreeError::at(attribute.place, reason));
@@ -233,8 +233,8 @@ impl<'a> Builder<'a> {
         script.map_err(|error| TreeError::at(attribute.place, Reason::Script { attribute: attribute.name.clone(), error }))
     }
 
-    /// Opens the scope of a subtree from its `<SubTree>`; for ports that are missing there, from the model of the tree.
-    /// Returns the scope, and the slots of its own entries that were given a text.
+    /// Opens the scope of a subtree with the ports of its `<SubTree>`. Ports that are missing there are taken from
+    /// the model of the tree. Returns the scope, and the slots of its own entries that were given a text.
     pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> (usize, Vec<Slot>) {
         let has_autoremap = element.attribute(AUTOREMAP).is_some_and(|attribute| {
             let truth = Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool());
@@ -268,8 +268,8 @@ impl<'a> Builder<'a> {
         (inner, texts)
     }
 
-    /// Binds a name of a subtree to an entry outside. If the value is a text, writes it to an entry of the subtree and
-    /// returns the slot.
+    /// Binds a name of a subtree to an entry outside. If the value is a text, writes the text to an entry of the
+    /// subtree and returns its slot.
     fn outer(&mut self, inner: usize, attribute: &Attribute) -> Option<Slot> {
         if let Some(outside) = pointer(&attribute.name, &attribute.value) {
             self.scopes.remap(inner, &attribute.name, outside);
@@ -282,8 +282,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The probable meaning of a misspelt attribute: a condition or `_autoremap` with other capitals or underscores, or an
-/// attribute of format 3.
+/// Returns the probable meaning of a misspelt attribute. It may be a condition or `_autoremap` with wrong capitals or
+/// underscores, or an attribute of format 3.
 fn looks_like(written: &str) -> Option<Reason> {
     if let Some(now) = format_4_name(written) {
         return Some(Reason::Format3 { written: written.to_owned(), now });
@@ -293,7 +293,8 @@ fn looks_like(written: &str) -> Option<Reason> {
     (meant != written).then(|| Reason::Misspelt { written: written.to_owned(), meant })
 }
 
-/// Checks a literal beyond its type: no time is negative, and the elements of a queue are of the type of the loop.
+/// Checks a literal further than its type: no time may be negative, and the elements of a queue must have the type of
+/// the loop.
 fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Binding) -> Result<(), TreeError> {
     let place = element.attribute(port.name).map_or(element.place, |attribute| attribute.place);
     let name = || port.name.to_owned();
@@ -312,12 +313,12 @@ fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Bindi
     }
 }
 
-/// The attributes that are ports: all but those that begin with `_`.
+/// Returns the attributes that are ports. These are all attributes that do not begin with `_`.
 fn given(element: &Element) -> impl Iterator<Item = &Attribute> {
     element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'))
 }
 
-/// The entry that a text names, such as `{goal}`. `{=}` and `=` stand for the entry with the name of the port.
+/// Returns the entry that a text names, such as `{goal}`. `{=}` and `=` mean the entry with the name of the port.
 fn pointer<'t>(port: &'t str, text: &'t str) -> Option<&'t str> {
     let text = text.trim_matches(' ');
     if text == "=" {

@@ -1,6 +1,6 @@
-//! Maps names to entries. A subtree has a blackboard of its own; its `<SubTree>` may bind names to entries outside.
-//! Names are mapped when a tree is built. The blackboard itself has only entries, and the entries of a subtree stand
-//! under its path.
+//! Maps names to entries. A subtree has its own blackboard, and its `<SubTree>` may bind names to entries outside.
+//! Names are mapped when a tree is built. The real blackboard has only entries. The names of a subtree's entries
+//! begin with the path of the subtree.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use crate::value::ValueType;
 /// The scopes of a tree and its subtrees; the first one is the scope of the tree itself.
 pub(super) struct Scopes {
     scopes: Vec<Scope>,
-    /// Prefix of the names of all entries of subtrees, which separates the trees on one blackboard.
+    /// Prefix of the names of all entries of subtrees. It separates the trees on one blackboard.
     root: String,
 }
 
@@ -40,18 +40,18 @@ impl Scopes {
         self.scopes.len() - 1
     }
 
-    /// Makes a name of this scope stand for an entry outside.
+    /// Binds a name of this scope to an entry outside.
     pub(super) fn remap(&mut self, scope: usize, inside: &str, outside: &str) {
         self.scopes[scope].remapped.insert(inside.to_owned(), outside.to_owned());
     }
 
-    /// Makes a name of this scope stand for an entry of its own, even if the name is remapped.
+    /// Binds a name of this scope to an entry of the scope itself, even if the name is remapped.
     pub(super) fn own(&mut self, scope: usize, name: &str) {
         self.scopes[scope].own.insert(name.to_owned());
     }
 
-    /// The name on the blackboard of the entry called `name` in this scope. A name with `@` is one in the scope of the
-    /// main tree.
+    /// Returns the blackboard's name for the entry called `name` in this scope. A name with `@` belongs to the scope
+    /// of the main tree.
     pub(super) fn entry_name(&self, scope: usize, name: &str) -> String {
         if let Some(name) = name.strip_prefix('@') {
             return name.to_owned();
@@ -70,7 +70,7 @@ impl Scopes {
         format!("{}{name}", here.prefix)
     }
 
-    /// Whether a name stands for an entry of this scope's own blackboard, not for an entry outside.
+    /// Whether a name means an entry of this scope's own blackboard, and not an entry outside.
     pub(super) fn is_own(&self, scope: usize, name: &str) -> bool {
         let here = &self.scopes[scope];
         let leads_out = here.remapped.contains_key(name) || (here.has_autoremap && !name.starts_with('_'));

@@ -1,6 +1,6 @@
-//! Executes scripts. Arithmetic is in doubles, comparisons give 1 or 0, and both sides of `&&` and `||` are always
-//! evaluated, as in BehaviorTree.CPP. Results that BehaviorTree.CPP accepts but nobody can use (a division by zero, an
-//! undefined number) are errors here.
+//! Executes scripts as BehaviorTree.CPP does. Arithmetic uses doubles, comparisons give 1 or 0, and both sides of
+//! `&&` and `||` are always evaluated. Results that nobody can use (a division by zero, an undefined number) are
+//! errors here, although BehaviorTree.CPP accepts them.
 
 use super::{Assignment, Comparison, Expression, Infix, Prefix, Script, Trouble, shown, truth_of};
 use crate::blackboard::{Blackboard, Slot};
@@ -57,7 +57,7 @@ fn truth(holds: bool) -> Value {
     Value::Number(f64::from(u8::from(holds)))
 }
 
-/// Booleans count as numbers; texts do not, even if they are digits.
+/// Returns a value as a number. Booleans count as numbers. Texts do not, even if they consist of digits.
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Bool(_) | Value::Int(_) | Value::Number(_) => value.as_number(),
@@ -117,7 +117,8 @@ fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> 
     }
 }
 
-/// A value as a part of a text. A number that is not of a whole type has six decimals, as from `std::to_string`.
+/// Returns a value as a part of a text. A number that is not of a whole type has six decimals, as from
+/// `std::to_string`.
 fn joined(value: &Value) -> String {
     match value {
         Value::Number(number) => format!("{number:.6}"),
@@ -125,8 +126,8 @@ fn joined(value: &Value) -> String {
     }
 }
 
-/// Compares texts with texts, numbers with numbers, and a text with a number if the text is one (`true` and `false` are
-/// 1 and 0).
+/// Compares texts with texts, and numbers with numbers. A text is compared with a number only if the text is a number
+/// (`true` and `false` are 1 and 0).
 fn compared(comparison: Comparison, left: &Value, right: &Value) -> Result<bool, Trouble> {
     if let (Value::Text(left), Value::Text(right)) = (left, right) {
         return Ok(match comparison {
@@ -231,7 +232,7 @@ mod tests {
         check("'b' > 'a'", number(1.0));
     }
 
-    /// They have the same precedence, from left to right.
+    /// `&&` and `||` have the same precedence, from left to right.
     #[test]
     fn and_binds_no_tighter_than_or() {
         check("1 || 1 && 0", number(0.0));
@@ -278,7 +279,7 @@ mod tests {
         check(&"x".repeat(5000), Err("the script is 5000 bytes long; the limit is 4096 bytes"));
     }
 
-    /// A text that doubles itself ends at the limit of the blackboard.
+    /// A script that doubles a text again and again must end at the limit of the blackboard.
     #[test]
     fn a_text_does_not_grow_without_end() {
         let text = format!("x := '{}'{}", "y".repeat(100), "; x += x".repeat(20));

@@ -1,5 +1,5 @@
 //! The script language of BehaviorTree.CPP 4: `x := 3; x += 1; done = (x > 3 && name == 'SRM1')`. `token` splits a
-//! text, `parse` builds the expressions, `evaluate` executes them. Entries are looked up when a tree is built.
+//! text, `parse` builds the expressions, and `evaluate` executes them. Entries are looked up when a tree is built.
 
 mod evaluate;
 mod parse;
@@ -8,29 +8,29 @@ mod token;
 use super::blackboard::{Blackboard, Slot, Unfit};
 use super::value::Value;
 
-/// Longest script, in bytes: a screen full.
+/// Maximum length of a script, in bytes. This is about one screen of text.
 pub const LONGEST_SCRIPT: usize = 4096;
 
-/// Deepest nesting of parentheses and operators: scripts are executed by recursive calls.
+/// Maximum depth of nested parentheses and operators. It is limited because scripts are executed by recursive calls.
 pub(crate) const DEEPEST_EXPRESSION: usize = 64;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Script {
     expressions: Vec<Expression>,
-    /// Indices of the top-level expressions, in order; at least one.
+    /// Indices of the top-level expressions, in order. There is at least one.
     statements: Vec<usize>,
 }
 
-/// An expression. Its operands are indices in the list of expressions.
+/// An expression. Its operands are indices in the list of all expressions.
 #[derive(Clone, Debug, PartialEq)]
 enum Expression {
     Literal(Value),
     Entry(Slot),
     Prefix(Prefix, usize),
     Infix(Infix, usize, usize),
-    /// `a < b <= c`: each operand is compared with the next one.
+    /// `a < b <= c`, where each operand is compared with the next one.
     Chain(usize, Vec<(Comparison, usize)>),
-    /// `a ? b : c`
+    /// `a ? b : c`, which gives `b` if `a` is true, otherwise `c`.
     Choice(usize, usize, usize),
     Assign(Assignment, Slot, usize),
 }
@@ -95,37 +95,38 @@ enum Assignment {
     Divide,
 }
 
-/// Why a text is not a valid script. Places in it are in bytes, counted from 0.
+/// Why a text is not a valid script. Places in the text are in bytes, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
-    /// The length of the script in bytes, more than [`LONGEST_SCRIPT`].
+    /// The script is longer than [`LONGEST_SCRIPT`]. The value is its length in bytes.
     #[error("the script is {0} bytes long; the limit is {LONGEST_SCRIPT} bytes")]
     TooLong(usize),
-    /// The script is nested deeper than 64 levels: scripts are executed by recursive calls.
+    /// The script is nested deeper than 64 levels. The depth is limited because scripts are executed by recursive
+    /// calls.
     #[error("the script is nested deeper than {DEEPEST_EXPRESSION} levels")]
     TooDeep,
-    /// The script has no statement; blanks and `;` are no statements.
+    /// The script has no statement. Blanks and `;` are not statements.
     #[error("the script is empty")]
     Empty,
-    /// The first part of the script that does not fit the part before it.
+    /// A part of the script does not fit the part before it. This is the first such part.
     #[error("expected {wanted} at character {at}, found {found}")]
     Unexpected {
-        /// The place of this part in bytes, from 0.
+        /// The place of this part, in bytes from 0.
         at: usize,
-        /// The text at this place. A value is cut to the length of a line.
+        /// The text at this place. A long value is cut to the length of a line.
         found: String,
         /// The expected text, in words that an author knows, such as `; or the end`.
         wanted: &'static str,
     },
-    /// The place, in bytes, of an assignment whose left side is no name of an entry.
+    /// The left side of an assignment is not the name of an entry. The value is the place of the assignment in bytes.
     #[error("the assignment at character {0} has no entry on its left side")]
     NoEntry(usize),
-    /// A name for which the blackboard cannot create an entry.
+    /// The script has a name for which the blackboard cannot create an entry.
     #[error(transparent)]
     Unfit(#[from] Unfit),
 }
 
-/// Why a script could not be executed, as a part of the fault of its node.
+/// Why a script could not be executed. It becomes a part of the fault of the script's node.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error("the entry {{{0}}} in its script has no value")]
@@ -149,7 +150,7 @@ pub(crate) enum Trouble {
 }
 
 impl Script {
-    /// Parses a script. `slot` looks up the slot of each name here, so that a tick need not.
+    /// Parses a script. `slot` looks up the slot of each name now, so that a tick need not look up names.
     pub(crate) fn parse(text: &str, slot: &mut dyn FnMut(&str) -> Result<Slot, Unfit>) -> Result<Script, ScriptError> {
         if text.len() > LONGEST_SCRIPT {
             return Err(ScriptError::TooLong(text.len()));
@@ -165,15 +166,15 @@ impl Script {
         Ok(last)
     }
 
-    /// Executes the script, and returns whether the value of its last statement is true.
+    /// Executes the script. Returns whether the value of its last statement is true.
     pub(crate) fn holds(&self, blackboard: &mut Blackboard) -> Result<bool, Trouble> {
         let value = self.carry_out(blackboard)?;
         truth_of(&value).ok_or_else(|| Trouble::NoTruth(shown(&value)))
     }
 }
 
-/// A value as true or false; `None` if it is neither. As in BehaviorTree.CPP, texts, whole numbers other than 0 and
-/// 1, and negative numbers are neither.
+/// Returns a value as true or false; `None` if it is neither. As in BehaviorTree.CPP, texts, negative numbers, and
+/// whole numbers other than 0 and 1 are neither.
 fn truth_of(value: &Value) -> Option<bool> {
     match value {
         Value::Bool(truth) => Some(*truth),
@@ -184,7 +185,7 @@ fn truth_of(value: &Value) -> Option<bool> {
     }
 }
 
-/// A value in an error message, cut to the length of a line.
+/// Returns a value for an error message, cut to the length of a line.
 fn shown(value: &Value) -> String {
     const LONGEST: usize = 40;
     let text = value.to_string();

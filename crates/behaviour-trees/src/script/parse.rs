@@ -1,6 +1,7 @@
-//! Parses tokens into expressions. The operators of BehaviorTree.CPP are, from the loosest: `:= = += -= *= /=`, `? :`,
-//! `&& ||` (with equal precedence, from the left), comparisons (in chains), then either `..`, `+ -`, `* /` and `-x`, or
-//! `| ^`, `&` and `!x ~x`. The last two groups can be mixed only with parentheses.
+//! Parses tokens into expressions. These are the operators of BehaviorTree.CPP, the loosest first:
+//! `:= = += -= *= /=`, then `? :`, then `&& ||` (with equal precedence, from the left), then comparisons (in chains).
+//! After these comes one of two groups: arithmetic with `..`, `+ -`, `* /` and `-x`, or bitwise operators with `| ^`,
+//! `&` and `!x ~x`. The two groups can be mixed only with parentheses.
 
 use super::token::{Token, tokens};
 use super::{Assignment, Comparison, DEEPEST_EXPRESSION, Expression, Infix, Prefix, Script, ScriptError};
@@ -26,7 +27,7 @@ const COMPARISONS: Level<Comparison> = &[
     ("<=", Comparison::LessOrEqual),
     (">=", Comparison::GreaterOrEqual),
 ];
-/// Arithmetic operators, from the loosest to the tightest.
+/// Arithmetic operators, the loosest first.
 const ARITHMETIC: [Level<Infix>; 3] =
     [&[("..", Infix::Concat)], &[("+", Infix::Plus), ("-", Infix::Minus)], &[("*", Infix::Times), ("/", Infix::Divide)]];
 const BIT_PREFIXES: Level<Prefix> = &[("~", Prefix::Complement), ("!", Prefix::Not)];
@@ -60,7 +61,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// The next token. This cannot fail: the list ends with `End`, which is never passed.
+    /// Returns the next token. This cannot fail, because the list ends with `End`, which is never passed.
     fn peek(&self) -> &Token {
         &self.tokens[self.next].1
     }
@@ -149,7 +150,7 @@ impl Parser<'_> {
         Ok(if chain.is_empty() { first } else { self.push(Expression::Chain(first, chain)) })
     }
 
-    /// An operand of a comparison: an arithmetic or a bitwise expression, but no mixture of both.
+    /// Parses an operand of a comparison. It is an arithmetic or a bitwise expression, but not a mixture of both.
     fn operand(&mut self) -> Result<usize, ScriptError> {
         let is_bits = self.is_next("~") || self.is_next("!");
         let is_arithmetic = self.is_next("-");
@@ -169,7 +170,7 @@ impl Parser<'_> {
         Ok(result)
     }
 
-    /// Parses operators of these levels, the loosest first, after their first operand.
+    /// Parses the operators of these levels, the loosest first. Their first operand is parsed already.
     fn infix(
         &mut self,
         first: usize,
@@ -188,12 +189,13 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    /// Checks a chain of operators. It is nested to the left, so its length counts as depth.
+    /// Checks the length of a chain of operators. The chain is nested to the left, so its length counts as depth.
     fn longer(&self, length: usize) -> Result<usize, ScriptError> {
         if self.depth + length >= DEEPEST_EXPRESSION { Err(ScriptError::TooDeep) } else { Ok(length + 1) }
     }
 
-    /// An operand with its prefix operators, which may be repeated. A `+` is allowed only as a part of a number.
+    /// Parses an operand with its prefix operators, which may be repeated. A `+` is allowed only as a part of a
+    /// number.
     fn number_operand(&mut self) -> Result<usize, ScriptError> {
         let mut minuses = 0;
         while self.take("-") {

@@ -11,13 +11,13 @@ pub(super) enum Token {
     End,
 }
 
-/// All signs. Of two signs with the same beginning the longer one stands first.
+/// All signs. If two signs have the same beginning, the longer one comes first.
 const SIGNS: [&str; 29] = [
     ":=", "==", "!=", "<=", ">=", "&&", "||", "+=", "-=", "*=", "/=", "..", "+", "-", "*", "/", "&", "|", "^", "~", "!", "<",
     ">", "=", "?", ":", "(", ")", ";",
 ];
 
-/// All tokens, each with the place of its first character, followed by an `End`.
+/// Returns all tokens, each with the place of its first character. The last token is `End`.
 pub(super) fn tokens(text: &str) -> Result<Vec<(usize, Token)>, ScriptError> {
     let mut tokens = Vec::new();
     let mut at = 0;

@@ -1,13 +1,13 @@
-//! Nodes with several children. The rules follow the sources of BehaviorTree.CPP 4, including when nodes are reset.
-//! Comments mark surprising rules.
+//! Nodes with several children. The rules follow the source code of BehaviorTree.CPP 4, including when nodes are
+//! reset. Comments mark surprising rules.
 
 use super::{Faulted, Leaves, Node, Outcome, Status, TreeRun, children};
 use crate::tree::Shape;
 use crate::value::Value;
 
 impl<'a, L: Leaves> TreeRun<'a, L> {
-    /// Sequence and Fallback: `end` is the status of a child that ends the node. An asynchronous one returns RUNNING
-    /// after each child that was not running before.
+    /// Ticks a Sequence or a Fallback. `end` is the status of a child that ends the node. An asynchronous node
+    /// returns RUNNING after each child that was not running before.
     pub(super) fn in_order(&mut self, at: usize, node: &Node, end: Status, is_async: bool) -> Outcome {
         let shape: &'a Shape = self.shape;
         let first = at + 1;
@@ -48,7 +48,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { opposite(end) })
     }
 
-    /// Continues at the child that failed, even after a halt, and returns RUNNING after each child.
+    /// Ticks a sequence that continues at the child that failed, even after a halt. It returns RUNNING after each
+    /// child.
     pub(super) fn sequence_with_memory(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.begin(at);
@@ -87,7 +88,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// Starts a sequence or a fallback again. The skipped children are then counted from 0.
+    /// Starts a sequence or a fallback again. Skipped children are then counted from 0.
     fn begin(&mut self, at: usize) {
         let live = &mut self.live[at];
         if live.status == Status::Idle {
@@ -96,8 +97,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         live.status = Status::Running;
     }
 
-    /// `ReactiveSequence` and `ReactiveFallback`: every tick begins at the first child, and only one of the running
-    /// children goes on.
+    /// Ticks a `ReactiveSequence` or a `ReactiveFallback`. Every tick begins at the first child, and only one of the
+    /// running children continues.
     pub(super) fn reactive(&mut self, at: usize, node: &Node, end: Status) -> Outcome {
         let shape: &'a Shape = self.shape;
         let mut are_all_skipped = true;
@@ -149,7 +150,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
                 }
             }
             let (succeeded, failed) = (self.live[at].count as usize, self.live[at].failures as usize);
-            // A skipped child counts as a success only where the threshold is counted from the end.
+            // A skipped child counts as a success only if the threshold is negative.
             if succeeded >= successes || (wanted < 0 && succeeded + skipped >= successes) {
                 return self.decided(at, node, Status::Success);
             }
@@ -198,7 +199,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         self.decided(at, node, if has_failed { Status::Failure } else { Status::Success })
     }
 
-    /// The number of children that a threshold means: −1 is all of them, −2 is all but one.
+    /// Returns the number of children that a threshold means. −1 means all children, and −2 means all but one.
     fn threshold(&mut self, at: usize, node: &Node, port: usize, count: usize) -> Result<usize, Faulted> {
         let number = self.number(at, node, port)?;
         let all = i64::try_from(count).unwrap_or(i64::MAX);
@@ -220,7 +221,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// The condition is ticked until it is done, and then again only after the chosen child is done.
+    /// Ticks the condition until it is done. The condition is ticked again only after the chosen child is done.
     pub(super) fn if_then_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;
@@ -245,8 +246,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(said)
     }
 
-    /// All children but the last form a sequence. When one of them fails, the last one follows in the same tick, and
-    /// the result is always a failure. `has_begun`: the node is at the last child.
+    /// Ticks all children but the last as a sequence. When one of them fails, the last child is ticked in the same
+    /// tick, and the result is always a failure. `has_begun` tells that the node is at the last child.
     pub(super) fn try_catch(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let last = self.last_child(at, node);
@@ -289,7 +290,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// Lets a halted TryCatch clean up. A halt does not wait: the last child has only one tick.
+    /// Ticks the last child of a halted TryCatch, so that it can clean up. A halt does not wait, so the last child
+    /// has only one tick.
     pub(super) fn catch_on_halt(&mut self, at: usize, node: &Node) {
         let is_wanted = self.port(node, 0).and_then(Value::as_bool).unwrap_or(false);
         if !is_wanted || self.live[at].has_begun {
@@ -299,7 +301,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         for child in children(self.shape, at, node).filter(|child| *child < last) {
             self.reset(child);
         }
-        // A fault is reported at the end of the tick. A child that still runs is halted with the others.
+        // A fault is reported at the end of the tick. A child that still runs is halted with the other children.
         let _ = self.tick(last);
     }
 
@@ -307,7 +309,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         children(self.shape, at, node).last().unwrap_or(at + 1)
     }
 
-    /// The condition is ticked every time. The child that is not chosen is halted.
+    /// Ticks the condition every time, and then the chosen child. The child that is not chosen is halted.
     pub(super) fn while_do_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         self.live[at].status = Status::Running;
@@ -336,8 +338,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(said)
     }
 
-    /// Ticks the child whose case equals the variable, or the last child if no case does. Another child that was
-    /// running is halted.
+    /// Ticks the child whose case equals the variable, or the last child if no case is equal. If another child was
+    /// running, it is halted.
     pub(super) fn switch(&mut self, at: usize, node: &Node, cases: usize) -> Outcome {
         let shape: &'a Shape = self.shape;
         let variable = self.port(node, 0);
@@ -366,10 +368,10 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
     }
 }
 
-/// The precision of a `float`, with which BehaviorTree.CPP compares.
+/// The precision of a `float`. BehaviorTree.CPP compares numbers with this precision.
 pub(crate) const EPSILON: f64 = 1.192_092_895_507_812_5e-7;
 
-/// Whether a variable equals a case: as texts, or else as numbers.
+/// Whether a variable equals a case. They are compared as texts, and then as numbers.
 fn equals(variable: &Value, case: &Value) -> bool {
     if variable.to_string() == case.to_string() {
         return true;

@@ -1,5 +1,5 @@
-//! Nodes with one child, which is the next node in the row. Their time is the tree's own: the sum of the times passed
-//! to its ticks.
+//! Nodes with one child, which is the next node in the row. Their time is the tree's own time: the sum of the times
+//! passed to the tree's ticks.
 
 use super::{Leaves, Node, Outcome, Status, TreeRun};
 
@@ -29,8 +29,8 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// RetryUntilSuccessful and Repeat: the child is ticked again after the status `retried`. A child that was not
-    /// running before the tick is ticked only once in it, so that a tick always ends.
+    /// Ticks a RetryUntilSuccessful or a Repeat. The child is ticked again after it returned `retried`. If the child
+    /// was not running before the tick, it is ticked only once in this tick, so that a tick always ends.
     pub(super) fn again(&mut self, at: usize, node: &Node, retried: Status) -> Outcome {
         let child = at + 1;
         let mut most = self.number(at, node, 0)?;
@@ -40,7 +40,7 @@ impl<L: Leaves> TreeRun<'_, L> {
             let said = self.tick(child)?;
             match said {
                 Status::Running => return Ok(Status::Running),
-                // The attempts so far still count.
+                // The number of attempts is kept.
                 Status::Skipped => {
                     self.reset(child);
                     return Ok(Status::Skipped);
@@ -49,7 +49,7 @@ impl<L: Leaves> TreeRun<'_, L> {
                 Status::Success | Status::Failure if said == retried => {
                     self.live[at].count = self.live[at].count.saturating_add(1);
                     if retried == Status::Failure {
-                        // The child may have written the limit.
+                        // The child may have changed the limit.
                         most = self.number(at, node, 0)?;
                     }
                     self.reset(child);
@@ -68,7 +68,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(retried)
     }
 
-    /// Halts the child if it still runs after the time in the port, in milliseconds; 0 means never.
+    /// Halts the child if it still runs after the time in the port, in milliseconds. 0 means no limit.
     pub(super) fn timeout(&mut self, at: usize, node: &Node) -> Outcome {
         let limit = self.milliseconds(at, node)?;
         let child = at + 1;
@@ -114,7 +114,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// The milliseconds in the first port, as nanoseconds.
+    /// Returns the milliseconds in the first port, converted to nanoseconds.
     pub(super) fn milliseconds(&mut self, at: usize, node: &Node) -> Result<u64, super::Faulted> {
         let milliseconds = self.number(at, node, 0)?;
         match u64::try_from(milliseconds) {
@@ -123,7 +123,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         }
     }
 
-    /// Ticks the child once. A halt resets neither that it has run nor its result.
+    /// Ticks the child once. After a halt, the node still remembers that the child has run, and its result.
     pub(super) fn run_once(&mut self, at: usize, node: &Node) -> Outcome {
         let then_skip = self.port(node, 0).and_then(crate::value::Value::as_bool).unwrap_or(true);
         let live = &mut self.live[at];
@@ -161,7 +161,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// The script is evaluated until it is true. After that it is evaluated again only when the child is done.
+    /// Evaluates the script until it is true. After that, the script is evaluated again only when the child is done.
     pub(super) fn precondition(&mut self, at: usize) -> Outcome {
         if !self.live[at].has_begun {
             let script = self.script_of(at);
@@ -178,7 +178,7 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(said)
     }
 
-    /// What a `Precondition` or a loop returns when it does not tick its child.
+    /// Returns the result of a `Precondition` or a loop that does not tick its child.
     pub(super) fn otherwise(&self, at: usize) -> Option<Status> {
         let number = u32::try_from(at).unwrap_or(u32::MAX);
         self.shape.otherwise.iter().find(|(node, _)| *node == number).map(|(_, status)| *status)

@@ -1,6 +1,6 @@
 //! Nodes that wait until an entry of the blackboard is written, and loops over a queue. A queue is a text with `;`
-//! between its elements, or behind each of them; an empty text has no elements. The queues that BehaviorTree.CPP stores
-//! in entries of a special type are not supported.
+//! between its elements, or after each of them. An empty text has no elements. BehaviorTree.CPP can also store queues
+//! in entries of a special type, which are not supported here.
 
 use super::{Leaves, Node, Outcome, Status, TreeRun};
 use crate::kind::BuiltIn;
@@ -8,7 +8,7 @@ use crate::leaf::Binding;
 use crate::value::{Value, ValueType};
 
 impl<L: Leaves> TreeRun<'_, L> {
-    /// Ticks the child if the entry was written since the last check. A running child continues without another check.
+    /// Ticks the child if the entry was written since the last check. A running child continues without a new check.
     pub(super) fn if_updated(&mut self, at: usize, node: &Node, otherwise: Status) -> Outcome {
         if !self.live[at].has_begun && !self.is_updated(at, node) {
             return Ok(otherwise);
@@ -22,8 +22,8 @@ impl<L: Leaves> TreeRun<'_, L> {
         Ok(if self.is_updated(at, node) { Status::Success } else { Status::Failure })
     }
 
-    /// Whether the entry was written since the last check. `since` is the number of the last write seen; a halt does
-    /// not reset it.
+    /// Whether the entry was written since the last check. `since` is the number of the last write that the node has
+    /// seen. A halt does not reset `since`.
     fn is_updated(&mut self, at: usize, node: &Node) -> bool {
         let Binding::Slot(slot) = self.shape.bindings[node.ports as usize] else { return false };
         let Some(entry) = self.blackboard.entry(slot).filter(|entry| entry.value().is_some()) else { return false };
@@ -31,14 +31,14 @@ impl<L: Leaves> TreeRun<'_, L> {
         before != entry.written()
     }
 
-    /// A loop: whenever its child is done, the next element is written to `value`. `count` is the number of elements
-    /// taken.
+    /// Ticks a loop. Whenever its child is done, the next element is written to `value`. `count` is the number of
+    /// elements taken.
     pub(super) fn each(&mut self, at: usize, node: &Node, kind: BuiltIn) -> Outcome {
         let is_literal = matches!(self.shape.bindings[node.ports as usize], Binding::Literal(_));
         let live = &mut self.live[at];
         if live.status == Status::Idle {
             live.has_begun = false;
-            // A queue in the file starts again. A queue in an entry is used up only once.
+            // A queue in the file starts again from its beginning. A queue in an entry is used only once.
             live.count = if is_literal { 0 } else { live.count };
         }
         if !live.has_begun {

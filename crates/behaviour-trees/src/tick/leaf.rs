@@ -1,4 +1,4 @@
-//! Nodes without children: leaves of the catalogue, which the program performs, and the engine's own.
+//! Nodes without children: leaves of the catalogue, which the program performs, and the engine's own leaves.
 
 use std::time::Duration;
 
@@ -81,7 +81,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
 
     pub(super) fn sleep(&mut self, at: usize, node: &Node) -> Outcome {
         if self.live[at].status == Status::Success {
-            // A node that is ticked again without a reset, such as the condition of a WhileDoElse, does not sleep
+            // A node may be ticked again without a reset, such as the condition of a WhileDoElse. It must not sleep
             // twice.
             return Ok(Status::Success);
         }
@@ -90,7 +90,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
             self.live[at].since = self.clock.saturating_add(time);
             return Ok(if time == 0 { Status::Success } else { Status::Running });
         }
-        // `since` is the end of the sleep: the port is read once.
+        // `since` is the end of the sleep. The port is read only once.
         Ok(if self.clock < self.live[at].since { Status::Running } else { Status::Success })
     }
 
@@ -105,7 +105,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if self.holds(at, script)? { Status::Success } else { Status::Failure })
     }
 
-    /// The script of a node of a kind with scripts. The list is in the order of the nodes.
+    /// Returns the script of a node that has one. The list is in the order of the nodes.
     pub(super) fn script_of(&self, at: usize) -> &'a Script {
         let shape: &'a Shape = self.shape;
         let number = u32::try_from(at).unwrap_or(u32::MAX);
@@ -113,8 +113,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         &shape.scripts[found.expect("a node of this kind is built with a script")].1
     }
 
-    /// A barrier. A party arrives when it is ticked, and the barrier opens when all have arrived. The first binding is
-    /// the arriving party, and the other bindings are all parties.
+    /// Ticks a barrier. A party arrives when it is ticked, and the barrier opens when all parties have arrived. The
+    /// first binding is the arriving party, and the other bindings are all parties.
     pub(super) fn sync(&mut self, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;
         let first = node.ports as usize;
@@ -123,7 +123,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
             if let Binding::Slot(slot) = binding
                 && self.blackboard.value(*slot) != Some(&Value::Bool(true))
             {
-                // This cannot fail: only barriers write the entry, always with this type.
+                // This cannot fail, because only barriers write the entry, always with this type.
                 let _ = self.blackboard.put(*slot, Value::Bool(true));
             }
         }

@@ -1,6 +1,6 @@
-//! One tick of a tree, by the rules of BehaviorTree.CPP 4. The code shared by all nodes is here. The rules of nodes
-//! with several children stand in `control`, of nodes with one child in `decorator`, of leaves in `leaf`, and of nodes
-//! that wait for entries of the blackboard or loop over a queue in `entries`.
+//! One tick of a tree, by the rules of BehaviorTree.CPP 4. The code shared by all nodes is here. `control` has the
+//! rules of nodes with several children, `decorator` of nodes with one child, and `leaf` of leaves. `entries` has the
+//! rules of nodes that wait for entries of the blackboard or loop over a queue.
 
 mod control;
 mod decorator;
@@ -21,16 +21,16 @@ use super::status::Status;
 use super::tree::{Live, Node, NodeId, NodeKind, Shape};
 use super::value::Value;
 
-/// Why a tick could not be completed, and at which node. The whole tree was halted.
+/// Why a tick could not be completed, and at which node. The whole tree has been halted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The node that failed first. Faults that follow from this one are not reported.
     pub node: NodeId,
-    /// Its path in the tree, as in `NodeView::path`.
+    /// The path of this node in the tree, as in `NodeView::path`.
     pub path: Arc<str>,
-    /// Where its element begins in the file.
+    /// Where the node's element begins in the file.
     pub place: SourcePosition,
-    /// The reason, in words that follow the path.
+    /// The reason, as words that follow the path.
     pub reason: String,
 }
 
@@ -42,7 +42,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Marks a tick that cannot continue. The reason stands in `TreeRun::fault`.
+/// Marks a tick that cannot continue. `TreeRun::fault` has the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
@@ -73,7 +73,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         let live = &mut self.live[at];
         live.returned = said;
         live.ticked = self.number;
-        // A skipped node keeps its state: SKIPPED is only returned to its parent.
+        // A skipped node keeps its state. SKIPPED is only returned to its parent.
         if said != Status::Skipped {
             live.status = said;
         }
@@ -129,8 +129,8 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// The status that a node's conditions give it, if any. The conditions for its start are checked when it
-    /// starts, and `_while` in every tick.
+    /// Returns the status that a node's conditions give it, if there is one. The conditions for the start are checked
+    /// when the node starts, and `_while` is checked in every tick.
     fn before(&mut self, at: usize, node: &Node) -> Result<Option<Status>, Faulted> {
         let Some(conditions) = node.conditions else { return Ok(None) };
         let shape: &'a Shape = self.shape;
@@ -175,7 +175,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(())
     }
 
-    /// Halts a node and all running nodes below it, and makes it idle.
+    /// Halts a node and all running nodes below it. The node is then idle.
     pub(crate) fn halt(&mut self, at: usize) {
         let shape: &'a Shape = self.shape;
         let node = &shape.nodes[at];
@@ -198,8 +198,9 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// Resets the state that a node loses when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that
-    /// it has run, `Precondition` that its condition held, and a loop its progress in the queue of an entry.
+    /// Resets the state that a node loses when it is halted. Some nodes remember something: `SequenceWithMemory` its
+    /// child, `RunOnce` that it has run, `Precondition` that its condition held, and a loop its progress in the queue
+    /// of an entry.
     fn forget(&mut self, at: usize, kind: BuiltIn) {
         let remembers = matches!(kind, BuiltIn::SequenceWithMemory | BuiltIn::RunOnce | BuiltIn::Precondition);
         if matches!(kind, BuiltIn::Parallel | BuiltIn::ParallelAll) {
@@ -213,7 +214,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// Halts all running nodes: first from the root, and then nodes that may run apart from it.
+    /// Halts all running nodes: first those below the root, then nodes that may still run separately.
     pub(crate) fn halt_all(&mut self) {
         for at in 0..self.live.len() {
             if self.live[at].status == Status::Running {
@@ -275,7 +276,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
     }
 
     fn number(&mut self, at: usize, node: &Node, port: usize) -> Result<i64, Faulted> {
-        // The common case first: the number is a literal in the file.
+        // The common case comes first: the number is a literal in the file.
         if let Some(Value::Int(number)) = self.port(node, port) {
             return Ok(*number);
         }
@@ -293,7 +294,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
     }
 }
 
-/// The children of a node, by their indices in the row.
+/// Returns the children of a node, as their indices in the row of nodes.
 pub(crate) fn children<'a>(shape: &'a Shape, at: usize, node: &Node) -> impl Iterator<Item = usize> + use<'a> {
     let end = node.end as usize;
     let mut next = at + 1;

@@ -1,5 +1,5 @@
-//! Trees as files: the XML of BehaviorTree.CPP 4, as its graphical editor reads and writes it. Text in, text out:
-//! opening files is left to the program.
+//! Trees as files: the XML of BehaviorTree.CPP 4, as its graphical editor reads and writes it. This crate only
+//! converts text. The program opens the files.
 
 mod read;
 #[cfg(test)]

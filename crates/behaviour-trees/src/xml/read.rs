@@ -1,5 +1,5 @@
-//! Reads the text of a file into a document. A text that is not XML, or not a file of trees, is refused here. The
-//! meaning of nodes is checked in `build`.
+//! Reads the text of a file into a document. Here a text is refused if it is not XML, or not a file of trees. `build`
+//! checks the meaning of nodes.
 
 use std::cell::Cell;
 
@@ -11,25 +11,27 @@ use crate::findings::Findings;
 use crate::leaf::Direction;
 use crate::tree::DEEPEST;
 
-/// Longest file that is read, in bytes: a hundred times what a large mission needs.
+/// Maximum length of a file, in bytes. It is a hundred times what a large mission needs.
 pub const LONGEST_FILE: usize = 1 << 20;
 
-/// Most elements of a file, including comments and texts between them: three times as many as a tree may have nodes.
+/// Maximum number of elements in a file, including comments and texts between them. This is three times as many as a
+/// tree may have nodes.
 const MOST_XML_NODES: u32 = 1 << 15;
 
-/// Most trees of a file. Each tree is checked with all subtrees that it uses.
+/// Maximum number of trees in a file. Each tree is checked with all subtrees that it uses.
 const MOST_TREES: usize = 200;
 
-/// Most models of a file. Every element is looked up among them.
+/// Maximum number of models in a file. Every element is looked up among them.
 const MOST_MODELS: usize = 500;
 
-/// Most ports of a model. Each use of a leaf binds them all.
+/// Maximum number of ports of a model. Each use of a leaf binds all its ports.
 const MOST_PORTS: usize = 256;
 
-/// Most attributes of an element, more than any node has ports. Each attribute is looked up among all.
+/// Maximum number of attributes of an element. It is more than any node has ports. Each attribute is compared with
+/// all others.
 const MOST_ATTRIBUTES: usize = 64;
 
-/// Reads the text of a file, of [`LONGEST_FILE`] bytes at most.
+/// Reads the text of a file, which may have at most [`LONGEST_FILE`] bytes.
 ///
 /// # Errors
 /// The first fault, with its place.
@@ -40,8 +42,8 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     Ok(document.expect("a file without a fault is a document"))
 }
 
-/// Reads a file and collects all its faults. A document with faults can be checked further, so that all faults are
-/// known at once, but neither run nor written. `None` if the rest of the file cannot be read.
+/// Reads a file and collects all its faults. A document with faults can still be checked, so that all faults are
+/// known at once. It can be neither run nor written. Returns `None` if the rest of the file cannot be read.
 pub fn read_with(text: &str, findings: &mut Findings) -> Option<Document> {
     parsed(text, findings).map_err(|error| findings.fault(error)).ok()
 }
@@ -60,7 +62,7 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
             let what = "elements, comments and texts in one file";
             return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
         }
-        // The place is shown in front already, so it is removed from the end of the message.
+        // The place is already shown in front, so it is removed from the end of the message.
         let said = error.to_string();
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
         TreeError::at(SourcePosition { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
@@ -68,8 +70,8 @@ fn parsed(text: &str, findings: &mut Findings) -> Result<Document, TreeError> {
     XmlReader { xml: &xml, lines, findings }.document()
 }
 
-/// Refuses files that would take long to parse: the parser compares each attribute with all others of its element, and
-/// each namespace with all namespaces in scope.
+/// Refuses files that would take long to parse. The parser compares each attribute with all others of its
+/// element, and each namespace with all namespaces in scope.
 fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
     let text = lines.text;
     let refuse = |at: usize, reason: Reason| Err(TreeError::at(lines.place(at), reason));
@@ -85,7 +87,7 @@ fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
         let mut attributes = 0;
         at = open + 1;
         while let Some(next) = text[at..].find(['"', '\'', '>']).map(|found| at + found) {
-            // The root may declare prefixes: an attribute with a prefix names the schema.
+            // The root may declare prefixes, because the attribute that names the schema has a prefix.
             let is_refused = |word: &str| word.starts_with("xmlns") && !(is_root && word.starts_with("xmlns:"));
             if text[at..next].split_ascii_whitespace().any(is_refused) {
                 return refuse(open, Reason::Namespace);
@@ -109,10 +111,10 @@ fn look_at_attributes(lines: &Lines<'_>) -> Result<(), TreeError> {
 
 struct Lines<'x> {
     text: &'x str,
-    /// Where each line begins, in bytes: searching again for each node would take quadratic time.
+    /// Where each line begins, in bytes. Without this list, searching for each node would take quadratic time.
     starts: Vec<usize>,
-    /// The byte offset that was looked up last, and its column. The next one is usually a little further on, so columns are
-    /// counted from here: a file may be one long line.
+    /// The byte offset that was looked up last, and its column. The next lookup is usually a little further on, so
+    /// columns are counted from here. Otherwise a file of one long line would be slow.
     last: Cell<(usize, usize)>,
 }
 
@@ -140,7 +142,7 @@ struct XmlReader<'x, 'f> {
     findings: &'f mut Findings,
 }
 
-/// Faults go to the findings. An `Err` is a fault after which the file cannot be read any further.
+/// Faults are added to the findings. An `Err` is a fault after which the file cannot be read any further.
 impl<'x> XmlReader<'x, '_> {
     fn of(&self, node: Node<'_, '_>) -> SourcePosition {
         self.lines.place(node.range().start)
@@ -220,7 +222,7 @@ impl<'x> XmlReader<'x, '_> {
         }
         let root = match children.first() {
             Some(root) => self.element(*root, 0)?,
-            // A stand-in for the missing node. The fault was reported before.
+            // A placeholder for the missing node. The fault was already reported.
             None => Element { place, ..Element::new("AlwaysSuccess", Vec::new()) },
         };
         Ok(TreeDefinition { id, notes, root, place })
@@ -294,7 +296,7 @@ impl<'x> XmlReader<'x, '_> {
         Some(ModelPort { direction, name: port, notes, text: text(node), place: self.of(node) })
     }
 
-    /// Copies an element with all its contents, whatever they mean.
+    /// Copies an element with all its contents, without interpreting them.
     fn kept(&mut self, node: Node<'x, 'x>, depth: usize) -> Result<Kept, TreeError> {
         if depth >= DEEPEST {
             return self.refuse(node, Reason::TooDeep);
@@ -305,7 +307,7 @@ impl<'x> XmlReader<'x, '_> {
         Ok(Kept { name: name(node).to_owned(), attributes, text: text(node), children, place })
     }
 
-    /// The ID of an element, and its other attributes; a missing ID is reported as a fault.
+    /// Returns the ID of an element, and its other attributes. A missing ID is reported as a fault.
     fn with_id(&mut self, node: Node<'x, 'x>) -> Option<(String, Vec<Attribute>)> {
         let mut notes = self.attributes(node);
         let at = notes.iter().position(|note| note.name == "ID" && !note.value.is_empty());
@@ -317,7 +319,7 @@ impl<'x> XmlReader<'x, '_> {
 
     fn attributes(&self, node: Node<'_, '_>) -> Vec<Attribute> {
         let attribute = |attribute: roxmltree::Attribute<'_, '_>| Attribute {
-            // The name with its prefix.
+            // The name, including its prefix.
             name: self.lines.text[attribute.range_qname()].to_owned(),
             value: attribute.value().to_owned(),
             place: self.lines.place(attribute.range().start),
@@ -325,7 +327,7 @@ impl<'x> XmlReader<'x, '_> {
         node.attributes().map(attribute).collect()
     }
 
-    /// The elements in an element. Comments are ignored, and texts are faults.
+    /// Returns the elements inside an element. Comments are ignored, and texts are faults.
     fn elements(&mut self, node: Node<'x, 'x>) -> Vec<Node<'x, 'x>> {
         let mut elements = Vec::new();
         for child in node.children() {

@@ -1,4 +1,4 @@
-//! A table of tests: every fault of a file is reported with its line, its column and a reason.
+//! A table of tests. Every fault of a file must be reported with its line, its column and a reason.
 
 use super::{read, read_with};
 use crate::blackboard::Blackboard;
@@ -15,7 +15,7 @@ fn catalogue() -> Catalogue {
     Catalogue::new(vec![LeafKind::action("Say", say), LeafKind::condition("Near", ports)])
 }
 
-/// The document of a file, or all its faults, one per line.
+/// Returns the document of a file, or all its faults, one per line.
 fn checked(text: &str) -> Result<Document, String> {
     let mut findings = Findings::default();
     let document = read_with(text, &mut findings);
@@ -28,7 +28,7 @@ fn checked(text: &str) -> Result<Document, String> {
     }
 }
 
-/// A file with this as its only tree, which begins in line 2.
+/// Returns a file with this text as its only tree. The tree begins in line 2.
 fn tree(root: &str) -> String {
     format!("<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\">\n{root}\n</BehaviorTree></root>")
 }
@@ -167,14 +167,14 @@ fn what_trees_are_not_to_each_other_is_refused() {
     refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{twice}")), "3:75: the ID X is already in use");
 }
 
-/// BehaviorTree.CPP does the same, and thus `read(write(document))` is the same document.
+/// BehaviorTree.CPP gives the tree the same name. Thus `read(write(document))` is the same document.
 #[test]
 fn a_tree_without_an_id_is_called_by_its_number() {
     let document = checked("<root BTCPP_format=\"4\"><BehaviorTree><Say/></BehaviorTree></root>").expect("it is a good file");
     assert_eq!(document.trees[0].id, "BehaviorTree_0");
 }
 
-/// A file that `check` refuses does not run either.
+/// A file that `check` refuses must not run either.
 #[test]
 fn trees_of_one_id_are_refused_when_one_is_built() {
     let twice = "<BehaviorTree ID=\"A\"><Say/></BehaviorTree>".repeat(2);
@@ -184,7 +184,7 @@ fn trees_of_one_id_are_refused_when_one_is_built() {
     assert_eq!(refused.reason, Reason::TwiceId("A".to_owned()));
 }
 
-/// A few subtrees that use each other twice would be a million nodes.
+/// These few subtrees use each other twice and would become a million nodes.
 #[test]
 fn what_would_fill_the_memory_is_refused() {
     let trees: String = (0..40)
@@ -224,7 +224,7 @@ fn what_would_fill_the_memory_is_refused() {
     refused(&tree(&deeper), "1:1: there are more than 32768 elements, comments and texts in one file");
     let crowd: String = (0..65).map(|n| format!(" a{n}=\"1\"")).collect();
     refused(&tree(&format!("<Say{crowd}/>")), "2:1: there are more than 64 attributes in one element");
-    // `<!-->` looks like a whole comment, but is only the beginning of one.
+    // `<!-->` looks like a whole comment, but it is only the beginning of a comment.
     refused(&tree(&format!("<!--> <x a=\"--><Say{crowd}/>")), "2:16: there are more than 64 attributes in one element");
     let passed = format!("<!-- <Say{crowd} xmlns='x'/> --><?say {crowd} xmlns='x'?><AlwaysSuccess/>");
     assert!(checked(&tree(&passed)).is_ok(), "what is no element is not counted");
@@ -233,7 +233,7 @@ fn what_would_fill_the_memory_is_refused() {
     assert!(checked(&file).expect_err("too many").ends_with("there are more than 200 trees in one file"));
 }
 
-/// Columns are counted in characters, even in a file of one line with a fault far behind.
+/// Columns are counted in characters, even in a file of one long line with a fault far from its beginning.
 #[test]
 fn the_place_of_a_refusal_is_where_an_editor_shows_it() {
     let before = "<Say text=\"é🧳\"/>".repeat(50);

@@ -1,9 +1,9 @@
-//! Writes a document in a fixed layout, with all its contents except comments and processing instructions. Elements are
-//! named by their IDs, which must be valid XML names in a document made by hand.
+//! Writes a document in a fixed layout, with all its contents except comments and processing instructions. Elements
+//! are named by their IDs. In a document made by hand, these IDs must be valid XML names.
 
 use crate::document::{Attribute, Document, Element, Form, Kept, Model, ModelPort};
 
-/// The text of a file with this document. Reading the text gives the same document.
+/// Returns the text of a file with this document. Reading this text gives the same document.
 #[must_use]
 pub fn write(document: &Document) -> String {
     let mut writer = Writer { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), depth: 0 };
@@ -79,7 +79,7 @@ impl Writer {
         });
     }
 
-    /// Writes an element with a text and `others` further elements, or as a single tag if it has neither.
+    /// Writes an element with a text and `others` further elements. If it has neither, it is written as a single tag.
     fn perhaps_within(&mut self, tag: &str, attributes: &str, text: &str, others: usize, inner: impl FnOnce(&mut Writer)) {
         match (text, others) {
             ("", 0) => self.line(&format!("<{tag}{attributes}/>")),
@@ -99,7 +99,7 @@ fn line<'a>(first: impl IntoIterator<Item = (&'a str, &'a str)>, others: &'a [At
     first.into_iter().chain(others).map(|(name, value)| format!(" {name}=\"{}\"", escaped(value))).collect()
 }
 
-/// Escapes a text so that no part of it is read as a tag, and line breaks and tabs survive even in attributes.
+/// Escapes a text so that no part of it is read as a tag. Line breaks and tabs are preserved even in attributes.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {

@@ -1,5 +1,5 @@
-//! Carries out the acts of the table, each a small change of world, mission and outbox. Records of luggage and verdicts
-//! stand in `records`.
+//! Carries out the acts of the transition table. Each act is a small change of world, mission and outbox. `records`
+//! handles luggage and verdicts.
 
 use std::sync::Arc;
 
@@ -70,8 +70,8 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
-        // Readings go on record only when they change, so a mission with a constant temperature would have none. The
-        // operator's word is not repeated, because it may be old.
+        // Readings are recorded only when they change. Without this, a mission with a constant temperature would have
+        // no recorded reading. The operator's reading is not repeated, because it may be old.
         for (source, celsius) in self.world.thermometer.readings() {
             self.record(Fact::Temperature(source, celsius));
         }
@@ -86,7 +86,7 @@ impl Engine {
         self.outbox.sum_up();
     }
 
-    /// A stop acts first and is recorded afterwards.
+    /// Stops the robots first, and records the stop afterwards.
     fn stop(&mut self, context: &InputContext) {
         let next = self.state.epoch.next();
         let before = self.state.epoch;
@@ -100,8 +100,8 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, why: Option<HoldReason>) {
-        // This hold is about the link of the searching robot or, during a retrieval, of any robot that is needed for
-        // it. The links of all other robots have holds of their own.
+        // This hold is about the link of the searching robot. During a retrieval, it is about the link of any robot
+        // that the retrieval needs. All other robots have their own holds for their links.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching();
         } else {
@@ -150,8 +150,8 @@ impl Engine {
         }
     }
 
-    /// A halt overtakes every other effect that is still waiting (safety S2). An order that has not been sent is
-    /// withdrawn.
+    /// Sends a halt to a robot, ahead of every other effect that is still waiting (safety S2). An order that has not
+    /// been sent is withdrawn.
     pub(super) fn send_halt_to(&mut self, robot: &RobotId) {
         let taken_back = self.outbox.halt(robot);
         let Some(robot) = self.robots.get_mut(robot) else { return };
@@ -166,7 +166,7 @@ impl Engine {
         if self.state.led_blinking != blinks {
             self.world.touch(Resource::Robot);
             self.record(Fact::Led(blinks));
-            // A blinking LED shows that a mission has begun, so it begins to blink when that is on record.
+            // A blinking LED shows that a mission has begun, so the LED begins to blink only after that is recorded.
             if !blinks {
                 self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
@@ -185,14 +185,14 @@ impl Engine {
         }
     }
 
-    /// A danger that could not be recorded still raises an alarm. Until somebody acknowledges the alarm or danger is on
-    /// record, neither SAFE nor START releases the robot.
+    /// Raises an alarm for a danger that could not be recorded. Neither SAFE nor START releases the robot until
+    /// somebody acknowledges the alarm or the danger is recorded.
     pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
         self.alarm_about(Some(luggage), AlarmCause::Unrecorded);
         self.raise(Hold::Alarm, None);
     }
 
-    /// The hold ends when every alarm is acknowledged, or danger is on record for its piece.
+    /// Ends the hold if each alarm is acknowledged, or is about a piece whose danger is recorded.
     pub(super) fn end_alarm_hold(&mut self) {
         let dangerous = |id: LuggageId| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
@@ -217,7 +217,7 @@ impl Engine {
         }
     }
 
-    /// A reading of a configured sensor also ends its silence.
+    /// Takes a reading of a configured sensor. The reading also ends the silence of the sensor.
     fn hear_sensor(&mut self, context: &InputContext) {
         let sensor = context.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
         if sensor.is_some_and(|sensor| self.watchdog.hear(&sensor, self.now.since_start)) {
@@ -228,7 +228,7 @@ impl Engine {
 
     pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
         let before = self.world.thermometer.last.clone();
-        // A sensor that repeats a reading does not fill the journal.
+        // A sensor that repeats a reading must not fill the journal.
         if self.world.thermometer.read(source, celsius, self.now) {
             self.record(Fact::Temperature(Arc::clone(source), celsius));
         }
@@ -262,13 +262,13 @@ impl Engine {
         self.record(Fact::Strategy(strategy));
     }
 
-    /// The records of the mission stay in the journal.
+    /// Archives the mission. Its records stay in the journal.
     pub(super) fn archive(&mut self) {
         if self.state.under_way {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
         } else {
-            // No fact says this alone: the page ends with a record of the whole state.
+            // No single fact records this change. Instead, the page ends with a record of the whole state.
             self.state.put_away();
         }
         self.outbox.sum_up();
@@ -276,7 +276,7 @@ impl Engine {
         self.world.touch(Resource::Mission);
     }
 
-    /// Marks cells that were free once and blocked later as free again: somebody may have cleared the way.
+    /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way.
     fn retry_blocked(&mut self) {
         for cell in self.state.blocked.clone() {
             self.mark(cell, Mark::Visited);

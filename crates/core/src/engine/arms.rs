@@ -1,4 +1,4 @@
-//! Handles the robots' reports about their arms during a retrieval: the piece was lifted, set down, lost or seen, and
+//! Handles the robots' reports about their arms during a retrieval. When a piece is lifted, set down, lost or seen,
 //! the map changes accordingly.
 
 use std::collections::BTreeSet;
@@ -13,7 +13,8 @@ use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// A lifted piece stands nowhere; a piece that is set down stands where it was held.
+    /// Handles a new state of a robot's arm. A lifted piece is in no cell. A piece that is set down is where it was
+    /// held.
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         let before = std::mem::replace(&mut known.arm, arm);
@@ -26,14 +27,15 @@ impl Engine {
         match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
             // The piece fell where it was held. Robots that lose a piece report this once more, maybe much later. A
-            // robot that fetches by itself is left out, because it releases the piece at home.
+            // robot that fetches by itself is excluded, because it releases the piece at home on purpose.
             (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
             (None, None) if before.holds.is_none() => self.found_set_down(arm),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
         }
     }
 
-    /// The piece was set down while no report could arrive: the program was not running, or the link was lost.
+    /// Handles a piece that was set down while no report could arrive, because the program was not running or the
+    /// link was lost.
     fn found_set_down(&mut self, arm: ArmState) {
         let is_off_floor = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
         if let Some(parcel) = arm.holds.filter(|_| is_off_floor) {
@@ -52,7 +54,8 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::new(), ..retrieval }));
     }
 
-    /// Obstacles that touch the piece and were not recognised as another piece: they may have been part of it.
+    /// Returns the obstacles that touch the piece and were not recognised as another piece. They may have been part
+    /// of this piece.
     fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
         let recognised = |cell: &Cell| {
             let recorded = self.state.luggage.iter().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
@@ -77,16 +80,16 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::from([cell]), ..retrieval }));
     }
 
-    /// The parcel lies on the floor. Both robots report this, and report it again whenever they are reconnected. The
-    /// report may be about another parcel, lost in an earlier retrieval.
+    /// Handles the report that the parcel lies on the floor. Both robots report this, and repeat it whenever they are
+    /// reconnected. The report may be about another parcel that was lost in an earlier retrieval.
     pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
         if self.is_fetching(robot) && self.is_wanted_parcel(parcel) {
             self.piece_set_down(parcel.place);
         }
     }
 
-    /// Whether this is the piece being fetched. The camera's number decides; a piece that was recorded without a number
-    /// is recognised by its place.
+    /// Whether this is the piece being fetched. The camera's number decides. A piece that was recorded without a
+    /// number is recognised by its place.
     pub(super) fn is_wanted_parcel(&self, parcel: Parcel) -> bool {
         let Some(retrieval) = &self.state.retrieval else { return false };
         let is_there = retrieval.piece.is_empty() || parcel.place.cell().is_some_and(|cell| retrieval.piece.contains(&cell));

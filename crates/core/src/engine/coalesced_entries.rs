@@ -1,6 +1,7 @@
-//! Shared entries of the journal (safety A5, A6): a sender that repeats the same kind of item endlessly fills neither
-//! the disk nor the queue of records. The first items of a sender get an entry each; later items are counted, and an
-//! entry now and then holds their number. `refusals` and `stops` decide what the entries say.
+//! Journal entries that several items share (safety A5, A6). A sender that repeats the same kind of item endlessly
+//! can fill neither the disk nor the queue of records. The first items of a sender get one entry each. Later items
+//! are counted, and from time to time one entry holds their number. `refusals` and `stops` decide what the entries
+//! say.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,24 +11,24 @@ use crate::command::Door;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoalescingLimits {
-    /// Number of a sender's items that get an entry each before later items share entries.
+    /// Number of items for which a sender gets one entry each. Later items share entries.
     pub(super) burst: u32,
-    /// Time in which a sender earns one more entry for a single item.
+    /// Time after which a sender may have one more entry for a single item.
     pub(super) earned: Duration,
-    /// Least time between two shared entries of a sender.
+    /// Minimum time between two shared entries of a sender.
     pub(super) every: Duration,
     /// Maximum number of senders that are counted separately; further senders share one tally.
     pub(super) senders: usize,
 }
 
-/// A name or an address, and the door.
+/// The name or the address of a sender, and the interface that it uses.
 pub(super) type Sender = (Arc<str>, Door);
 
 #[derive(Clone, Debug)]
 pub(super) struct CoalescedEntries<T> {
     limits: CoalescingLimits,
     senders: BTreeMap<Sender, Tally<T>>,
-    /// Items of senders for whom there was no room.
+    /// Items of all senders beyond the limit `senders`.
     others: Tally<T>,
 }
 
@@ -41,11 +42,11 @@ pub(super) struct CoalescedEntry<T> {
 
 #[derive(Clone, Debug)]
 struct Tally<T> {
-    /// Number of items that still get an entry each.
+    /// Number of items that may still get an entry each.
     room: u32,
     /// When `room` last grew, or the last shared entry was written.
     since: Duration,
-    /// The items not written yet, and when the first of them came.
+    /// The items that are not written yet, and the time of the first one.
     unwritten: Option<(CoalescedEntry<T>, Duration)>,
 }
 
@@ -54,12 +55,12 @@ impl<T> CoalescedEntries<T> {
         CoalescedEntries { limits, senders: BTreeMap::new(), others: Tally::new(limits, Duration::ZERO) }
     }
 
-    /// Returns the item if it is to be written at once; otherwise it waits for a shared entry.
+    /// Counts an item. Returns the item if it must be written at once; otherwise it waits for a shared entry.
     pub(super) fn come(&mut self, sender: Sender, note: T, count: u64, now: Duration) -> Option<CoalescedEntry<T>> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
         if !is_known && self.senders.len() >= limits.senders {
-            // A sender is forgotten only if its tally has nothing to lose.
+            // A sender is forgotten only if nothing about it would be lost.
             self.senders.retain(|_, tally| {
                 tally.earn(limits, now);
                 tally.unwritten.is_some() || tally.room != limits.burst
@@ -203,7 +204,7 @@ mod tests {
         assert_eq!(written(&entries), (LIMITS.senders + LIMITS.burst as usize + 1, 1000));
     }
 
-    /// Safety A6: items may come with a count from beside the queue of commands.
+    /// Safety A6: one call may report several items, which were counted outside the queue of commands.
     #[test]
     fn what_came_as_many_at_once_is_not_forgotten_for_a_newcomer() {
         let mut coalesced = CoalescedEntries::new(LIMITS);

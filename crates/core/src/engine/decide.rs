@@ -1,4 +1,5 @@
-//! Asks the table: tests guards and cases against the state, and changes nothing.
+//! Finds the rule of the transition table that applies. It tests guards and cases against the state, and changes
+//! nothing.
 
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use crate::world::hall_map::Mark;
 pub(super) struct Step {
     pub(super) to: To,
     pub(super) acts: &'static [Act],
-    /// Number of interruptions between the phase that the step concerns and the present one.
+    /// Number of interruptions between the present phase and the phase that the step concerns.
     pub(super) depth: usize,
 }
 
@@ -72,7 +73,7 @@ impl Engine {
             Guard::Driving => Some(Refused::Driving),
             Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
             Guard::IntoObstacle => {
-                // The cell that a move would enter first, or that a goto aims at.
+                // The first cell that a move would enter, or the destination of a goto.
                 let pose = self.state.pose;
                 let entered = context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell);
                 entered.filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
@@ -107,8 +108,8 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    // The robot that photographed the piece may have been replaced by another robot, which stands
-                    // elsewhere.
+                    // The photo may have been taken by an earlier robot. The present robot may stand in another
+                    // place.
                     let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
                     let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
                     forbids(!is_before || !is_open, Refused::NotInspected(id))
@@ -153,7 +154,8 @@ impl Engine {
         }
     }
 
-    /// The refusal of a verdict that would change a stored verdict, or a danger on its way to the store.
+    /// Returns the refusal of a verdict if the piece has a verdict already, stored or on its way to the store. Only a
+    /// danger may still replace a safe that is on its way.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage?;
         let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
@@ -164,13 +166,13 @@ impl Engine {
         self.state.luggage.pending().find(|luggage| !with_photo || luggage.has_photo()).map(|luggage| luggage.id)
     }
 
-    /// The piece in front of the robot if it waits for its verdict, even while the inspection is interrupted.
+    /// Returns the piece in front of the robot if it waits for its verdict, even while the inspection is interrupted.
     pub(super) fn asked(&self) -> Option<LuggageId> {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
-    /// The cause of the fault if it persists, so that START must be refused. A cell that was free once and is blocked
-    /// now does not count, because it may be tried again.
+    /// Returns the cause of the fault if it persists, so that START must be refused. A cell that was free and is now
+    /// blocked does not count, because it may be tried again.
     pub(super) fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
         let cause = phase.fault()?;
         let stands = match cause {

@@ -1,5 +1,5 @@
-//! Applies facts to `state` at once, and puts them on record. Only luggage and verdicts are applied elsewhere, in
-//! `records`: nothing may follow from them before they are in the store.
+//! Applies facts to `state` at once, and records them. Luggage and verdicts are an exception: `records` applies them
+//! only after they are stored.
 
 use super::Engine;
 use crate::asked::Asked;
@@ -12,7 +12,7 @@ use crate::state::fact::Fact;
 use crate::units::Seq;
 
 impl Engine {
-    /// Applies the fact before it is on record; returns its place in the journal.
+    /// Applies the fact before it is stored. Returns the number of its entry in the journal.
     pub(super) fn record(&mut self, fact: Fact) -> Seq {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         if let Fact::Mark(cell, _) = fact {
@@ -23,8 +23,8 @@ impl Engine {
         self.outbox.record(self.now.wall, fact)
     }
 
-    /// Applies a fact at once, and records it with the next entry, or after a second at the latest. A later fact of this
-    /// kind replaces one that still waits, so a flood makes few entries.
+    /// Applies a fact at once. The fact is recorded with the next entry, or after a second at the latest. A later
+    /// fact of this kind replaces a fact that still waits, so many such facts make few entries.
     pub(super) fn record_soon(&mut self, fact: Fact) {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         self.outbox.record_soon(self.now, fact);
@@ -37,7 +37,7 @@ impl Engine {
     /// Writes a command into the log and the journal, even if it was refused (safety A6). An accepted reading of a
     /// sensor is left out.
     pub(super) fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
-        // A stop goes on record after it has taken effect.
+        // An accepted stop is recorded elsewhere, after it has taken effect.
         let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
         if is_left_out && refused.is_none() {
             return;

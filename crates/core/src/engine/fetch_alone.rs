@@ -1,6 +1,6 @@
-//! A retrieval by the robot that searches: it goes back to the piece, recognises it, takes it onto its back, and
-//! releases it at home, where the container stands. The retrieval by the pair, and the code that both retrievals share,
-//! are in `retrieval`.
+//! A retrieval by the robot that searches. It goes back to the piece, recognises it, takes it onto its back, and
+//! releases it at home, where the container stands. `retrieval` has the retrieval by the pair, and the code that both
+//! retrievals share.
 
 use super::Engine;
 use super::motion::Turn;
@@ -16,8 +16,8 @@ use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::Mark;
 
 impl Engine {
-    /// One step of the retrieval. The step depends only on where the robot stands and what it holds, so a restart in
-    /// between makes no difference.
+    /// Does one step of the retrieval. The step depends only on where the robot stands and what it holds, so a
+    /// restart between two steps makes no difference.
     pub(super) fn fetch_alone(&mut self) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
@@ -40,7 +40,8 @@ impl Engine {
         }
     }
 
-    /// The intention is on record before the act, so a piece that is no longer held was released into the container.
+    /// Releases the piece at home. The intention is recorded before the act. If the piece is no longer held
+    /// afterwards, it was released into the container.
     pub(super) fn let_go(&mut self) -> Turn {
         let robot = self.robots.searching();
         match robot.arm.holds {
@@ -54,7 +55,8 @@ impl Engine {
         }
     }
 
-    /// Goes home over visited cells only: with a piece that may explode, the robot enters no unknown cell.
+    /// Carries the piece home over visited cells only. The piece may explode, so the robot enters no unknown cell
+    /// with it.
     fn carry_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
             let way = self.way_home(Through::Known);
@@ -77,7 +79,7 @@ impl Engine {
         if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayToPiece) }
     }
 
-    /// Takes no piece but the one that the robot was sent for.
+    /// Takes the piece at this place, but only if it is the piece for which the robot was sent.
     fn take(&mut self, place: Place) -> Turn {
         if self.robots.searching().failures >= MOST_FAILURES {
             self.robots.searching_mut().failures = 0;
@@ -94,7 +96,7 @@ impl Engine {
         self.state.retrieval.iter().flat_map(|retrieval| retrieval.piece.iter().copied())
     }
 
-    /// The shortest way to a cell beside the piece, facing it.
+    /// Returns the shortest way to a cell beside the piece. At its end, the robot faces the piece.
     fn way_to_piece(&mut self) -> Option<Vec<Move>> {
         let sides = |cell: Cell| Heading::ALL.map(|heading| (cell, heading));
         let sides: Vec<(Cell, Heading)> = self.piece_to_fetch().flat_map(sides).collect();
@@ -102,8 +104,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// The way to the place from which the robot faces this cell of the piece with this heading. If the piece was
-    /// photographed from afar, the robot has not entered the cells between, but has seen that they are free.
+    /// Returns the way to the place from which the robot faces this cell of the piece with this heading. The cells
+    /// between them need not be visited. It is enough that the robot has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

@@ -1,5 +1,5 @@
-//! The part of a mission that ends with the program: the way ahead and behind, and the records on their way to the
-//! store. `crate::state` has the part that outlives the program.
+//! The part of a mission that is lost when the program ends: the planned way, the past way, and the records on their
+//! way to the store. `crate::state` has the part that is kept.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -10,23 +10,23 @@ use crate::search::pace::Pace;
 use crate::state::fact::Fact;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
-/// Number of cells behind the robot that are shown.
+/// Maximum number of cells behind the robot that are shown.
 pub(crate) const TRAIL: usize = 48;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mission {
-    /// The moves still to be made towards the goal; empty when they are to be planned anew.
+    /// The remaining moves towards the goal; empty if they must be planned again.
     pub(crate) route: VecDeque<Move>,
-    /// Whether the sonar has seen anything new since the search was last asked.
+    /// Whether the sonar has seen anything new since the strategy was last asked.
     pub(crate) has_news: bool,
     pub(crate) pace: Pace,
     pub(crate) gait: Gait,
-    /// The cells behind the robot, the latest last.
+    /// The cells that the robot has passed, the latest last.
     pub(crate) trail: VecDeque<Cell>,
-    /// Whether the move by hand that the phase names has been ordered.
+    /// Whether the move by hand of the present phase has been ordered.
     pub(crate) is_driven: bool,
     pub(crate) recording: Vec<Recording>,
-    /// At most one verdict per piece.
+    /// The verdicts on their way to the store, at most one for each piece.
     pub(crate) deciding: Vec<Deciding>,
 }
 

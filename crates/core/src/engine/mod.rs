@@ -1,6 +1,6 @@
-//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out; a
-//! snapshot can be taken at any time. The engine has no clock and no I/O: `now` is an argument, and whoever polls the
-//! effects performs them.
+//! The engine: world and mission together, with the methods of the core. Commands and events go in, and effects come
+//! out. A snapshot can be taken at any time. The engine has no clock and no I/O. `now` is an argument, and the caller
+//! that polls the effects carries them out.
 //!
 //! ```text
 //!   handle_command ─┐                      ┌─ acts ── world, holds, records
@@ -97,21 +97,21 @@ pub struct Engine {
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// The camera's latest answer to a search for a parcel, until the trees have read it.
+    /// The camera's latest answer to a search for a parcel. It is kept until the behaviour trees have read it.
     seen: Option<Option<Parcel>>,
-    /// The pair's trees, while they fetch.
+    /// The behaviour trees of the pair, while the pair fetches.
     team: Option<Ticked>,
-    /// The trees as they were after their last tick, for snapshots.
+    /// The state of the trees after their last tick, for snapshots.
     trees: Arc<TreesView>,
     is_ending: bool,
-    /// Total number of milliseconds by which the clock was set since the program started, as far as this is on record.
+    /// Total of all clock changes since the program started, in milliseconds, as far as they are recorded.
     clock_set_ms: i64,
     taken: Option<Arc<Snapshot>>,
 }
 
 impl Engine {
-    /// An engine in which nothing has happened yet: the robot at home, facing south, idle. `run` names this run of the
-    /// program.
+    /// Returns an engine in which nothing has happened yet. The robot is at home, faces south and is idle. `run`
+    /// names this run of the program.
     #[must_use]
     pub fn new(settings: Settings, strategy: Strategy, run: Arc<str>) -> Engine {
         Engine {
@@ -139,19 +139,20 @@ impl Engine {
     }
 
     /// Handles a command. An accepted command is answered by `Effect::Answer` with this ticket, once everything that
-    /// must be recorded first is in the store.
+    /// must be recorded first is stored.
     ///
     /// # Errors
-    /// The refusal and its reason. A refused command goes into the log and the journal, and changes nothing else; only
-    /// a danger, a reading or TOO HIGH takes effect although the store cannot record it.
+    /// The refusal and its reason. A refused command is written to the log and the journal, and changes nothing else.
+    /// There are exceptions: a danger, a reading or TOO HIGH takes effect even if the store cannot record it.
     pub fn handle_command(&mut self, request: Request, now: Now) -> Result<Ticket, Refused> {
         self.handle_many(request, 1, now)
     }
 
-    /// Handles `count` stops of one sender at once. `last` is the last of these stops; all of them get one answer.
+    /// Handles `count` stops of one sender at once. `last` is the last one of these stops. All of them get one
+    /// answer.
     ///
     /// # Errors
-    /// As for any command; a stop is never refused.
+    /// The same type as for any command, but a stop is never refused.
     pub fn handle_stops(&mut self, last: Request, count: u64, now: Now) -> Result<Ticket, Refused> {
         self.handle_many(last, count, now)
     }
@@ -162,8 +163,8 @@ impl Engine {
             return repeated;
         }
         let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
-        // A sender may name an epoch that no stop has raised yet. The epoch of the command's arrival bounds it, so that
-        // a later stop still makes the command outdated.
+        // A sender may name an epoch that no stop has raised yet. The epoch at the command's arrival is then used, so
+        // that a later stop still makes the command outdated.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),
@@ -182,36 +183,37 @@ impl Engine {
         answer
     }
 
-    /// Begins the journal, at the very first start of all.
+    /// Begins the journal, when the program starts for the first time.
     pub fn open_journal(&mut self, now: Now) {
         self.begin(now);
         self.note_start();
         self.record(Fact::Strategy(self.state.strategy));
     }
 
-    /// Notes what an operator should know of this start: damaged files (safety R5), or a setting that has no effect.
+    /// Writes a warning about this start into the log, such as a damaged file (safety R5) or a setting without
+    /// effect.
     pub fn note(&mut self, words: &str, now: Now) {
         self.begin(now);
         self.world.write(now.wall, Tone::Warning, Said::Words(words.to_owned()));
     }
 
-    /// From now on this sensor must report at least every `patience`. Until its first report the sensor counts as
-    /// silent.
+    /// Begins to watch a sensor. The sensor must report at least once every `patience`. Until its first report, it
+    /// counts as silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
         self.watchdog.begin(Arc::clone(&sensor), patience);
         self.feed(Input::SensorSilent, &InputContext { why: Some(HoldReason::Unheard(sensor)), ..InputContext::default() });
     }
 
-    /// Adds a robot beside the one that searches. The new robot counts as standing at home until it reports otherwise.
+    /// Adds a robot that does not search. The new robot counts as standing at home until it reports another place.
     pub fn add_robot(&mut self, robot: RobotId, now: Now) {
         self.begin(now);
         self.robots.add(robot, self.state.holds.contains(Hold::AwaitingStart));
         self.world.touch(Resource::Robot);
     }
 
-    /// Holds at once, because a halt was raised outside the queue of commands (safety S1). The command with its
-    /// sender's name follows.
+    /// Holds the robots at once, because a halt was raised outside the queue of commands (safety S1). The command
+    /// with the name of its sender follows later.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
         if epoch > self.state.epoch {
@@ -246,7 +248,7 @@ impl Engine {
         self.go_on();
     }
 
-    /// To be called at the time that `poll_timeout` returns.
+    /// Handles everything that is due. Must be called at the time that `poll_timeout` returns.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.fall_due(now.since_start), self.stops.records.fall_due(now.since_start));
@@ -267,9 +269,10 @@ impl Engine {
         self.go_on();
     }
 
-    /// Halts come first, then pages for the store, then the rest, oldest first.
+    /// Returns the next effect: first the halts, then the pages for the store, then all others, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
-        // Records on their way to the store are not in the state yet, and a start from this state would lose them.
+        // Records on their way to the store are not in the state yet. After a restart from this state they would be
+        // missing.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up(self.state.size_in_entries()) && !in_flight {
             self.record_state();
@@ -277,13 +280,14 @@ impl Engine {
         self.outbox.poll()
     }
 
-    /// The last entry that was sent to the store. A new refusal is on record when the store has this entry.
+    /// Returns the number of the last entry that was sent to the store. A new refusal is recorded when this entry is
+    /// stored.
     #[must_use]
     pub fn written(&self) -> Seq {
         self.outbox.written()
     }
 
-    /// When `handle_timeout` is to be called, as time since the start of the program.
+    /// Returns when `handle_timeout` must be called, as time since the start of the program.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
@@ -291,7 +295,7 @@ impl Engine {
         [self.robots.due(), self.watchdog.due(), silence, self.tick_due()].into_iter().chain(records).flatten().min()
     }
 
-    /// Everything that can be shown at this moment; the same `Arc` until something changes.
+    /// Returns everything that can be shown at this moment. It is the same `Arc` until something changes.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
         self.look();
         let current = self.taken.as_ref().filter(|taken| taken.revision == self.world.revision());
@@ -305,8 +309,8 @@ impl Engine {
         snapshot
     }
 
-    /// Marks a resource as changed if its view depends on another resource that has changed: a refusal depends on an
-    /// alarm, the progress on the map.
+    /// Marks a resource as changed if its view depends on another resource that has changed. For example, a refusal
+    /// depends on an alarm, and the progress depends on the map.
     fn touch_derived(&mut self, shown: &Shown) {
         let Some(before) = self.taken.clone() else { return };
         for (resource, differs) in [
@@ -326,12 +330,12 @@ impl Engine {
         self.look();
     }
 
-    /// Carries out an accepted command, and answers it once all its consequences are in the store. A stop waits for no
-    /// record. While the store cannot write, commands are answered at once: those that the table still accepts then are
-    /// on record already, or need not be.
+    /// Carries out an accepted command, and answers it once all its consequences are stored. A stop waits for no
+    /// record. While the store cannot write, commands are answered at once. Commands that the table still accepts
+    /// then are recorded already, or need no record.
     fn carry_out(&mut self, request: &Request, count: u64, input: Input, step: Step, context: &InputContext) -> Ticket {
-        // A stop took effect when it was raised, ahead of the queue. A command that has released the robot since then
-        // stays valid.
+        // The stop already took effect when it was raised, ahead of the queue. If a command has released the robot
+        // since then, this stop must not halt it again.
         let is_over = |raised: Epoch| raised <= self.state.epoch && self.released.is_some_and(|released| released >= raised);
         if input != Input::Stop || !context.epoch.is_some_and(is_over) {
             self.apply(step, context);
@@ -363,7 +367,7 @@ impl Engine {
         self.outbox.send(Effect::Answer(ticket, answer));
     }
 
-    /// The answer to an earlier command with the same id; `None` if there was none.
+    /// Returns the answer to an earlier command with the same id; `None` if there was none.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
         let outcome = match self.repeats.look_up(&request.issuer.key(), id, &Content::of(request)) {
@@ -382,7 +386,7 @@ impl Engine {
         if let (Outcome::Before(Some(luggage)), Command::Verdict { verdict, .. }) = (&outcome, &request.command)
             && let Some(stands) = self.verdict_kept(*luggage).filter(|stands| stands != verdict)
         {
-            // Another verdict replaced this one before it was in the store.
+            // Another verdict replaced this one before it was stored.
             return Some(Err(Refused::Decided { luggage: *luggage, verdict: stands }));
         }
         let ticket = self.outbox.next_ticket();
@@ -400,8 +404,8 @@ impl Engine {
         }
     }
 
-    /// The piece that a verdict without a number means: the piece in front of the robot, else the only piece that is
-    /// pending.
+    /// Returns the piece that a verdict without a number means: the piece in front of the robot, otherwise the only
+    /// pending piece.
     fn pending(&self) -> Option<LuggageId> {
         let mut pending = self.state.luggage.pending().map(|luggage| luggage.id);
         let first = pending.next();

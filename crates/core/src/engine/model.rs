@@ -1,5 +1,5 @@
-//! The resource model: everything that is shown, with a revision for each part. The mission decides what may change and
-//! when; this module makes the changes and counts them.
+//! The resource model: everything that is shown, with a revision for each part. The mission decides what may
+//! change and when. This module makes the changes and counts them.
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ pub(crate) struct World {
     pub(crate) run: Arc<str>,
     pub(crate) thermometer: Thermometer,
     pub(crate) log: Log,
-    /// Why nothing can be put on record just now, in the store's words.
+    /// Why nothing can be recorded now, as text from the store.
     pub(crate) store_failure: Option<String>,
     revision: Revision,
     revisions: [Revision; Resource::COUNT],
-    /// Whether the current input has raised the revision already: all changes of one input share a revision.
+    /// Whether the current input has already raised the revision. All changes of one input share one revision.
     raised: bool,
 }
 
@@ -36,12 +36,12 @@ impl World {
         }
     }
 
-    /// The next change begins a new revision.
+    /// Makes the next change begin a new revision.
     pub(crate) fn turn_page(&mut self) {
         self.raised = false;
     }
 
-    /// All changes of one input share one revision, which is returned.
+    /// Marks a resource as changed, and returns the revision. All changes of one input share one revision.
     pub(crate) fn touch(&mut self, resource: Resource) -> Revision {
         if !self.raised {
             self.revision = self.revision.next();
@@ -59,7 +59,8 @@ impl World {
         self.revisions
     }
 
-    /// Writes a log line: a warning at once, anything else when it is on record (safety R4).
+    /// Writes a log line. A line of tone `Info` is shown when it is recorded, and any other line is shown at once
+    /// (safety R4).
     pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) {
         if self.log.write(wall, tone, said) {
             self.touch(Resource::Log);

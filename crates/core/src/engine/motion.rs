@@ -1,4 +1,4 @@
-//! What the robot is to do next: one order at a time, through one gate (safety S5).
+//! Decides what the robot does next. Orders are given one at a time, through one gate (safety S5).
 
 use super::Engine;
 use crate::command::Move;
@@ -19,8 +19,8 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::resource::Resource;
 
-/// Number of looks without an order after which the search must be in error. The unknown cells of a large hall bound
-/// how many goals can be given up one after the other.
+/// Maximum number of decisions without an order. More decisions mean that the search has an error. A correct search
+/// can give up at most as many goals in a row as a large hall has unknown cells.
 const TURNS: usize = 100_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,11 +29,11 @@ pub enum Barred {
     /// The robot searches, and takes orders from the mission only.
     Searching,
     NotCapable(Part),
-    /// The robot stands away from the centre of its cell, and has to be recentred first.
+    /// The robot is away from the centre of its cell and must be recentred first.
     OffCentre,
     Held,
     Ending,
-    /// A record that must come before the order is not in the store yet.
+    /// A record that must be stored before the order is not stored yet.
     Unrecorded,
     Unlinked,
     /// The robot has not answered its last order.
@@ -41,9 +41,9 @@ pub enum Barred {
 }
 
 pub(super) enum Turn {
-    /// An order was given, or there is nothing to do until something happens.
+    /// An order was given, or nothing can be done until something happens.
     Rest,
-    /// The mission has changed: look again.
+    /// The mission has changed, so the next action must be decided again.
     Again,
 }
 
@@ -57,8 +57,8 @@ impl Engine {
         self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::Undecided), ..InputContext::default() });
     }
 
-    /// The one gate through which every motion of a robot passes. A lost link and the wait for START hold only the
-    /// robot that they concern; every other hold holds all robots.
+    /// Whether a robot may move now. Every motion of a robot passes this gate. A lost link and the wait for START
+    /// hold only the robot that they concern. Every other hold holds all robots.
     pub(super) fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
         let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
         let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
@@ -77,11 +77,10 @@ impl Engine {
         }
     }
 
-    /// Orders this action of a robot other than the one that searches, if the gate lets it through. The snapshot shows
-    /// the outcome.
+    /// Orders an action of a robot that does not search, if the gate allows it. The snapshot shows the outcome.
     ///
     /// # Errors
-    /// Why the action must not be done now; nothing has changed then.
+    /// The reason why the action must not be done now. In this case nothing has changed.
     pub fn propose(&mut self, robot: &RobotId, action: Action, now: Now) -> Result<OrderId, Barred> {
         self.begin(now);
         if self.searches(robot) {
@@ -104,7 +103,7 @@ impl Engine {
     pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
         let known = self.robots.get_mut(robot).expect("callers check that the robot exists before they order");
-        // After an order without a reported end, the sonar's view was taken from another place.
+        // If the last order ended without a report, the stored view of the sonar was taken from another place.
         known.ahead = None;
         let order = known.controller.give(action, epoch, now);
         self.outbox.send(Effect::Order(robot.clone(), order));
@@ -157,22 +156,22 @@ impl Engine {
         }
     }
 
-    /// Arrival at home needs no motion, so it is noticed even while something holds the robot.
+    /// Whether the robot has come home. This needs no motion, so it is noticed even while something holds the robot.
     fn has_come_home(&self) -> bool {
         let on_the_way = matches!(self.state.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
         on_the_way && self.is_home() && self.robots.searching().controller.open().is_none()
     }
 
-    /// Whether the robot has backed up although the engine still waits for it: it had done so when the program was
-    /// killed.
+    /// Whether the robot has already backed up, although the engine still waits for that. This happens if the program
+    /// was killed after the robot had backed up.
     fn has_backed_up(&self) -> bool {
         let robot = self.robots.searching();
         let stands = robot.controller.is_free() && !robot.off_centre;
         stands && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
-    /// Whether a photo is to be taken. A photo is no motion, so holds do not prevent it, except a lost link and a store
-    /// that cannot write.
+    /// Whether a photo must be taken. A photo is no motion, so holds do not prevent it. The exceptions are a lost
+    /// link and a store that cannot write.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
@@ -184,7 +183,8 @@ impl Engine {
         Turn::Rest
     }
 
-    /// Goes to a piece left without a photo first; then to the present goal; then where the strategy wants.
+    /// Explores: goes first to a piece without a photo, then to the present goal, then to the goal that the strategy
+    /// wants.
     fn explore(&mut self) -> Turn {
         if let Some(turn) = self.revisit() {
             return turn;
@@ -214,8 +214,8 @@ impl Engine {
         }
     }
 
-    /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the
-    /// robot is home.
+    /// Asks the strategy until it returns a goal that is not reached already. Returns `None` when the hall is
+    /// explored and the robot is home.
     fn next_goal(&mut self) -> Option<Goal> {
         let mut search = self.state.search.clone();
         self.mission.has_news = false;
@@ -263,14 +263,14 @@ impl Engine {
         self.world.touch(Resource::Mission);
     }
 
-    /// Orders the next move of the route; false when there is none.
+    /// Orders the next move of the route. Returns false if there is none.
     pub(super) fn follow_route(&mut self) -> bool {
         let Some(step) = self.mission.route.front().copied() else { return false };
         self.order(Action::Move(step));
         true
     }
 
-    /// Drives back to a piece whose photo failed and that was left behind.
+    /// Drives back to a piece that was left behind because its photo failed.
     fn revisit(&mut self) -> Option<Turn> {
         let left_behind = self.state.luggage.photoless().next();
         let (id, pose) = left_behind.map(|luggage| (luggage.id, luggage.pose))?;
@@ -298,7 +298,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// `None` also while something stands in the home cell itself.
+    /// Returns the way home; `None` if there is no way, or if something stands in the home cell itself.
     pub(super) fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
         free.then(|| self.planner.way_to_cell(self.state.pose, Cell::HOME, through))?

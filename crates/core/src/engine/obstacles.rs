@@ -1,4 +1,4 @@
-//! Obstacles that were met by a bump or seen by sonar: what they are taken for, and their marks on the map.
+//! Obstacles that the robot has bumped into or seen by sonar, and their marks on the map.
 
 use super::Engine;
 use crate::event::{Ahead, Obstacle};
@@ -9,8 +9,8 @@ use crate::world::hall_map::{Mark, REACH};
 use crate::world::luggage::Luggage;
 
 impl Engine {
-    /// Marks what the sonar of the searching robot sees: free cells, and the obstacle behind them. The robot need not
-    /// bump into that obstacle.
+    /// Marks what the sonar of the searching robot sees: free cells, and the obstacle behind them. The robot then
+    /// need not bump into that obstacle.
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
@@ -32,14 +32,15 @@ impl Engine {
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }
 
-    /// Marks the obstacle by what it was taken for (mission §3).
+    /// Marks the obstacle as the kind that the robot recognised (mission §3).
     pub(super) fn meet(&mut self, cell: Cell, heading: Heading, obstacle: Obstacle) {
         let mark = match obstacle {
             Obstacle::Wall { .. } => Mark::Wall,
             Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
             Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
-        // A settled mark stays: an inspected bag needs no new verdict if the camera fails to recognise it later.
+        // A mark of a wall or of inspected luggage stays. No new verdict is needed if the camera later fails to
+        // recognise the luggage.
         if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
             self.mark(cell, mark);
         }
@@ -56,7 +57,7 @@ impl Engine {
         }
     }
 
-    /// A known piece stands in this cell as well, so the piece to be lifted is larger.
+    /// Notes that a known piece is in this cell as well. The piece to be lifted is then larger.
     fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
         let Obstacle::Luggage(piece) = obstacle else { return };
         let is_known = self.state.pieces.contains(&piece);

@@ -1,6 +1,5 @@
-//! Shows of the mission only what is on record (safety R4). The state itself runs ahead of the record (ADR 2). A view
-//! of the state waits here until the page from which it follows is in the store. Warnings and halts do not wait: `view`
-//! adds them.
+//! Shows only what is recorded of the mission (safety R4). The state itself is ahead of the record (ADR 2). A view of
+//! the state waits here until its page of the journal is stored. Warnings and halts do not wait: `view` adds them.
 //!
 //! ```text
 //!   the state after each input ─► StateView and last written entry ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
@@ -24,14 +23,14 @@ use crate::world::hall_map::HallMap;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 
-/// Maximum number of waiting views. When the store lags further behind, the latest view replaces the one before it:
-/// some states are never shown, and nothing is shown early.
+/// Maximum number of waiting views. When the store is further behind, a new view replaces the latest waiting view.
+/// Some states are then never shown, but nothing is shown early.
 const AHEAD: usize = 64;
 
-/// After a loss nothing is shown until the whole state is on record anew.
+/// After a loss of entries, nothing new is shown until the whole state is recorded again.
 const NEVER: Seq = Seq(u64::MAX);
 
-/// The results of commands, and the pieces found, as they were after one input.
+/// The results of commands and the found pieces, after one input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StateView {
     pub(super) mission: MissionId,
@@ -55,14 +54,15 @@ pub(super) struct StateView {
 pub(super) struct OnRecord {
     pub(super) shown: StateView,
     ahead: VecDeque<(Seq, StateView)>,
-    /// The revision and the entry at the last look. If both are the same now, nothing has changed since.
+    /// The revision and the last entry at the previous call of `look`. If both are the same now, nothing has changed
+    /// since then.
     looked: (Revision, Seq),
-    /// Nothing is shown before this entry is in the store, because an earlier entry was lost.
+    /// Nothing new is shown before this entry is stored, because an earlier entry was lost.
     floor: Seq,
     emptied: u64,
-    /// The map before it was emptied, until the emptying is on record.
+    /// The old map, kept until the emptying of the map is recorded.
     before: Option<HallMap>,
-    /// Whether the LED was told to blink, which also shows that a mission has begun.
+    /// Whether the LED was told to blink. A blinking LED also shows that a mission has begun.
     pub(super) lit: bool,
 }
 
@@ -101,7 +101,7 @@ impl OnRecord {
 }
 
 impl Engine {
-    /// Notes the state after an input, and shows as much of it as is on record.
+    /// Notes the state after an input, and shows the recorded part of it.
     pub(super) fn look(&mut self) {
         let looked = (self.world.revision(), self.outbox.written());
         if looked != self.on_record.looked {
@@ -111,7 +111,8 @@ impl Engine {
             if view != *latest {
                 let buttons = view.refusals != latest.refusals;
                 self.on_record.push(looked.1, view);
-                // A button that is refused now is no longer offered, although the reason is not on record yet.
+                // A button whose command is now refused is no longer offered, although the reason is not recorded
+                // yet.
                 if buttons {
                     self.world.touch(Resource::Mission);
                 }
@@ -121,7 +122,7 @@ impl Engine {
     }
 
     /// Handles the loss of entries on their way to the store. Stored records and verdicts stay shown, although their
-    /// consequences are not on record.
+    /// consequences are not recorded.
     pub(super) fn show_nothing_lost(&mut self) {
         self.on_record.ahead.clear();
         self.on_record.floor = NEVER;
@@ -134,7 +135,7 @@ impl Engine {
         }
     }
 
-    /// Shows nothing new before this entry is in the store: the whole state is on its way there anew, up to this entry.
+    /// Shows nothing new before entry `seq` is stored. The whole state is being recorded again, up to this entry.
     pub(super) fn show_from(&mut self, seq: Seq) {
         self.on_record.ahead.clear();
         self.on_record.floor = seq;
@@ -146,7 +147,7 @@ impl Engine {
         self.on_record.before.as_ref().unwrap_or(&self.state.map)
     }
 
-    /// The map is about to be emptied. The old map is shown until the emptying is on record.
+    /// Must be called before the map is emptied. The old map is shown until the emptying is recorded.
     pub(super) fn keep_map_shown(&mut self) {
         self.on_record.emptied += 1;
         if self.on_record.before.is_none() {
@@ -228,7 +229,7 @@ impl Engine {
         }
     }
 
-    /// Whether this alarm is on record, so that somebody may have been told its number.
+    /// Whether this alarm is recorded. If so, somebody may know its number.
     pub(super) fn is_on_record(&self, alarm: AlarmId) -> bool {
         self.on_record.shown.alarms.iter().any(|known| known.id == alarm)
     }

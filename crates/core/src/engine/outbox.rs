@@ -1,5 +1,5 @@
-//! What leaves the core: effects in order, entries of the journal with their numbers, and the answers that wait for a
-//! record.
+//! The outputs of the core: effects in order, entries of the journal with their numbers, and the answers that wait
+//! for a record.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -10,41 +10,43 @@ use crate::robot::RobotId;
 use crate::state::fact::{Entry, Fact};
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
-/// Number of entries after which the whole state is put on record, so that a start need not read many more. A large
-/// state has a larger number (`TIMES_ITS_SIZE`).
+/// Number of entries after which the whole state is recorded, so that the next start reads few entries. A large state
+/// has a larger number (`TIMES_ITS_SIZE`).
 const SUM_UP_AFTER: u64 = 10_000;
 
-/// Least number of entries between two records of the whole state, as a multiple of the size of the state
-/// (`PersistentState::size_in_entries`). So these records add at most a quarter to the cost of a move in a large hall.
-/// A start reads a quarter of a million entries per second.
+/// Minimum number of entries between two records of the whole state, as a multiple of the size of the state
+/// (`PersistentState::size_in_entries`). These records therefore add at most a quarter to the cost of a move in a
+/// large hall. At a start, the program reads a quarter of a million entries per second.
 const TIMES_ITS_SIZE: u64 = 4;
 
-/// Longest time that a stop's epoch waits for another entry before it goes on record by itself.
+/// Maximum time that the epoch of a stop waits for another entry. After that it is recorded by itself.
 const SOON: Duration = Duration::from_secs(1);
 
-/// Maximum number of commands that are put on record again after the store has failed: an hour of nervous clicking.
+/// Maximum number of commands that are recorded again after the store has failed. A person who clicks fast needs
+/// about an hour for this number.
 const COMMANDS: usize = 1024;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
     page: Vec<Entry>,
-    /// A fact that goes on record with the next entry, or at this time.
+    /// A fact that is recorded with the next entry, or by itself at this time.
     soon: Option<(Entry, Duration)>,
-    /// Whether the page is to end with the whole state.
+    /// Whether the page must end with the whole state.
     sums_up: bool,
     since_summed_up: u64,
     written: Seq,
-    /// The last entry that must be in the store before the robot moves on. Commands and readings do not count, because
-    /// others send them while the robot moves.
+    /// The last entry that must be stored before the robot moves on. Commands and readings do not count, because they
+    /// may arrive at any time while the robot moves.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<WaitingAnswer>,
-    /// The commands that are not in the store yet. Each command has to reach the journal, even if the store fails
+    /// The commands that are not stored yet. Each command must reach the journal, even if the store fails
     /// (safety A6).
     commands: VecDeque<Unkept>,
-    /// The last entry that was written before the store failed. Entries up to it that were not stored are lost.
+    /// The last entry that was written before the store failed. This entry and earlier ones are lost if they were not
+    /// stored.
     lost: Seq,
 }
 
@@ -52,7 +54,7 @@ pub(super) struct Outbox {
 struct Unkept {
     seq: Seq,
     entry: Entry,
-    /// The answer if the command is lost; `None` unless the command was accepted and waits for its record.
+    /// The answer if the command is lost. `None` if the command was refused, or does not wait for its record.
     if_lost: Option<Refused>,
 }
 
@@ -61,9 +63,9 @@ pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,
     pub(super) seq: Seq,
     pub(super) luggage: Option<LuggageId>,
-    /// The verdict, if the command gave one. Another verdict may have replaced it when the answer is sent.
+    /// The verdict, if the command gave one. Another verdict may replace it before the answer is sent.
     pub(super) verdict: Option<crate::command::Verdict>,
-    /// Whether the verdict is in the store, so that the answer waits only for its consequences.
+    /// Whether the verdict is stored. The answer then waits only for the consequences of the verdict.
     pub(super) decided: bool,
 }
 
@@ -93,7 +95,7 @@ impl Outbox {
         }
     }
 
-    /// The next effect: halts first, then pages for the store, then the rest.
+    /// Returns the next effect: halts first, then pages for the store, then the rest.
     pub(super) fn poll(&mut self) -> Option<Effect> {
         if self.page.is_empty() || matches!(self.effects.front(), Some(Effect::Halt(_))) {
             return self.effects.pop_front();
@@ -107,13 +109,13 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    /// Whether the whole state is to go on record now. The state takes as much as `size` entries.
+    /// Whether the whole state must be recorded now. `size` is the size of the state, as a number of entries.
     pub(super) fn is_to_sum_up(&self, size: u64) -> bool {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }
 
-    /// Records a fact with the next entry, or after a second at the latest. A later fact of this kind replaces one that
-    /// still waits, so a flood makes few entries.
+    /// Records a fact with the next entry, or after a second at the latest. A later fact of this kind replaces a fact
+    /// that still waits, so many such facts make few entries.
     pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
         let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
         self.soon = Some((Entry { wall: now.wall, fact }, due));
@@ -129,8 +131,8 @@ impl Outbox {
         }
     }
 
-    /// Sends a fact to the store, after the fact of `record_soon` if one waits. Returns the place of `fact` in the
-    /// journal.
+    /// Sends a fact to the store. If a fact of `record_soon` waits, it is sent first. Returns the number of the entry
+    /// with `fact`.
     pub(super) fn record(&mut self, wall: WallTime, fact: Fact) -> Seq {
         if let Some((Entry { wall, fact }, _)) = self.soon.take() {
             self.record(wall, fact);
@@ -149,7 +151,7 @@ impl Outbox {
         self.written
     }
 
-    /// Sends a command to the store; `if_lost` is the answer to its sender if the command never gets there.
+    /// Sends a command to the store. If the command never gets stored, its sender gets the answer `if_lost`.
     pub(super) fn record_command(&mut self, wall: WallTime, fact: Fact, if_lost: Option<Refused>) {
         let entry = Entry { wall, fact };
         let seq = self.record(wall, entry.fact.clone());
@@ -159,7 +161,7 @@ impl Outbox {
     }
 
     /// Sends the commands again that were lost when the store failed, each with the answer that its sender got. Later
-    /// commands are not lost: the store still has them, and stores them now.
+    /// commands are not lost: the store still has them and stores them now.
     pub(super) fn repeat_commands(&mut self) {
         let lost = self.lost;
         let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
@@ -181,8 +183,8 @@ impl Outbox {
         self.kept
     }
 
-    /// Whether everything that concerns the mission is in the store. The robot waits for this before each move, so a
-    /// kill loses no more than the move under way. The robot's own report of where it stands then still fits the map.
+    /// Whether everything that concerns the mission is stored. The robot waits for this before each move, so a kill
+    /// of the program loses at most the current move. The place that the robot then reports still fits the map.
     pub(super) fn is_settled(&self) -> bool {
         self.kept >= self.barrier
     }
@@ -223,7 +225,7 @@ impl Outbox {
         }
     }
 
-    /// Makes the answers that waited for a replaced verdict on this piece wait for the new verdict.
+    /// Changes the entry for which answers about this piece wait, because a new verdict has replaced the old one.
     pub(super) fn defer(&mut self, luggage: LuggageId, seq: Seq) {
         for waiting in &mut self.waiting {
             if waiting.luggage == Some(luggage) && waiting.verdict.is_some() {

@@ -1,5 +1,5 @@
-//! The view of a past moment from its record, by the same code as the present view. State that never goes on record is
-//! missing: what the sonar saw, and a robot's action, planned way and arm.
+//! The view of a past moment, made from the record by the same code as the present view. State that is never recorded
+//! is missing: what the sonar saw, and a robot's action, planned way and arm.
 
 use std::sync::Arc;
 
@@ -19,11 +19,11 @@ use crate::world::temperature::{SourceReading, Thermometer};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
-    /// The last entry of the journal up to that moment. Every entry has a snapshot of its own.
+    /// The last entry of the journal up to that moment. Every entry has its own snapshot.
     pub seq: Seq,
     /// The state after that entry.
     pub state: PersistentState,
-    /// The cells that the searching robot came through, the latest last.
+    /// The cells that the searching robot has passed, the latest last.
     pub trail: Vec<Cell>,
     /// Recent entries with temperatures, oldest first.
     pub temperatures: Vec<Entry>,
@@ -31,8 +31,8 @@ pub struct Past {
     pub latest: Vec<RememberedLine>,
 }
 
-/// The cells that the robot left, the latest last, as many as a snapshot shows. `entries` are the latest entries of the
-/// journal, oldest first. Only poses count, and facts with which a new way begins.
+/// Returns the cells that the robot has left, the latest last, as many as a snapshot shows. `entries` are the latest
+/// entries of the journal, oldest first. Only poses, and facts that begin a new way, are used.
 #[must_use]
 pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell> {
     let mut cells = vec![Cell::HOME];
@@ -49,7 +49,8 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             cells.drain(..cells.len().saturating_sub(1));
         }
     }
-    // The robot has not left the cell where it stands. Its first cell is known only if that was home.
+    // The last cell is the one where the robot stands, so the robot has not left it. The first cell is assumed to be
+    // home, which may be wrong.
     cells.pop();
     if let [first, second, ..] = cells[..]
         && !first.neighbours().contains(&second)
@@ -60,7 +61,8 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
 }
 
 impl Past {
-    /// The last reading in these entries. The settings do not change a reading, so the default settings do.
+    /// Returns the last reading in these entries. The settings do not change a reading, so the default settings are
+    /// used.
     #[must_use]
     pub fn reading(&self) -> Option<SourceReading> {
         let mut thermometer = Thermometer::new(Settings::default().threshold, 0.0);
@@ -68,8 +70,8 @@ impl Past {
         thermometer.latest()
     }
 
-    /// The state as the doors show it, with these robots beside the one that searches. The threshold that was on record
-    /// then decides what is too hot; if there was none, the present threshold does.
+    /// Returns the state as the interfaces show it. `others` are the robots that do not search. The threshold that
+    /// was recorded then decides what is too hot. If none was recorded, the present threshold decides.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, temperatures, latest } = self;

@@ -25,7 +25,8 @@ impl Engine {
         self.perform_all(step.acts, context);
     }
 
-    /// Replaces the present phase, or the phase `step.depth` interruptions below it, by the phase of the step.
+    /// Replaces the present phase by the phase of the step. If `step.depth` is not 0, it replaces the phase that many
+    /// interruptions below.
     fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;
@@ -44,8 +45,7 @@ impl Engine {
         self.note_phase(phase);
     }
 
-    /// Whether the robot stands in the middle of its home cell and is not about to leave the cell, by hand or
-    /// otherwise.
+    /// Whether the robot stands at the centre of its home cell, is not moving, and is not driven by hand.
     pub(super) fn rests_at_home(&self) -> bool {
         self.stands_at_home() && !matches!(self.state.phase, Phase::Driving { .. })
     }
@@ -54,8 +54,8 @@ impl Engine {
         self.is_home() && !self.robots.searching().controller.is_moving()
     }
 
-    /// The phase that was interrupted. A wait at home is over once the robot has been driven away, or is about to be
-    /// driven away.
+    /// Returns the phase that was interrupted. If that phase is `AtHome` but the robot has left home or is about to
+    /// leave it, returns `Exploring`.
     fn resumed(&self, phase: Phase) -> Phase {
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
         if *interrupted == Phase::AtHome && !self.stands_at_home() { Phase::Exploring } else { *interrupted }
@@ -78,7 +78,7 @@ impl Engine {
         }
     }
 
-    /// The inspection of the obstacle just met, or of a recorded piece whose photo is still missing.
+    /// Returns the inspection of the obstacle just met, or of a recorded piece that still has no photo.
     fn inspection(&self, context: &InputContext) -> Inspection {
         let pose = self.state.pose;
         let piece = context.obstacle.and_then(super::obstacles::piece_of);
@@ -90,7 +90,8 @@ impl Engine {
         }
     }
 
-    /// Halts the robot. A fault during a drive by hand interrupts the phase that the drive had interrupted.
+    /// Halts the robot, and returns the phase of the fault. A fault during a drive by hand interrupts the phase that
+    /// the drive had interrupted.
     fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
         let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_searching();
@@ -109,7 +110,7 @@ impl Engine {
         }
     }
 
-    /// The stage of the inspection, interrupted or not.
+    /// Returns the stage of the inspection, even if the inspection is interrupted.
     pub(super) fn stage(&self) -> Option<Stage> {
         self.state.phase.inspection().map(|inspection| inspection.stage)
     }

@@ -1,5 +1,6 @@
-//! The end of the program, and the engine after a restart: it is in its earlier state, held, and completes everything
-//! that a kill cut short (safety R1, R2). `crate::state` derives the state from the journal.
+//! The end of the program, and the engine after a restart. After a restart, the engine has its earlier state and is
+//! held. It completes everything that a kill of the program has interrupted (safety R1, R2). `crate::state` derives
+//! the state from the journal.
 
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
-/// Smallest change of the wall clock that goes on record, in milliseconds. A leap second and the machine's continuous
+/// Smallest change of the wall clock that is recorded, in milliseconds. A leap second and the machine's continuous
 /// corrections are smaller.
 const CLOCK_SET_MS: i64 = 2000;
 
@@ -41,7 +42,7 @@ pub struct RememberedLine {
 }
 
 impl Engine {
-    /// Nothing moves until a START (safety R1).
+    /// Returns the engine after a restart. Nothing moves until a START (safety R1).
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
         let Recalled { state, written, commands, latest } = recalled;
@@ -55,7 +56,8 @@ impl Engine {
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
-        // A clock that was set back while the program was off is noticed; a clock that was set forward is not.
+        // A clock that was set back while the program was off is noticed. A clock that was set forward is not
+        // noticed.
         let back_ms = now.wall.unix_ms.saturating_sub(told);
         if back_ms <= -CLOCK_SET_MS {
             engine.record(Fact::ClockSet(back_ms));
@@ -69,8 +71,8 @@ impl Engine {
         engine
     }
 
-    /// Notes the number of milliseconds by which the machine's clock was set since the start of the program. A change
-    /// goes on record before anything that happened by the new clock.
+    /// Takes the total of all changes of the machine's clock since the start of the program, in milliseconds. A
+    /// change is recorded before anything that happened at the new time.
     pub fn note_clock(&mut self, set_ms: i64, now: Now) {
         let by_ms = set_ms.saturating_sub(self.clock_set_ms);
         if by_ms.saturating_abs() < CLOCK_SET_MS {
@@ -78,7 +80,7 @@ impl Engine {
         }
         self.clock_set_ms = set_ms;
         self.begin(now);
-        // Times that are shown keep their age.
+        // Shown times are shifted, so that their age stays the same.
         self.world.thermometer.set_clock(by_ms);
         for id in self.robots.ids() {
             let Some(robot) = self.robots.get_mut(&id) else { continue };
@@ -91,8 +93,8 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The program was asked to end; `by` names the signal. The robot halts and gets no further order. The mission
-    /// stays as it is, and the next start holds it (safety R1).
+    /// Handles the end of the program. `by` names the signal. The robot halts and gets no further order. The mission
+    /// stays as it is, and it is held at the next start (safety R1).
     pub fn handle_end(&mut self, by: &str, now: Now) {
         self.begin(now);
         self.is_ending = true;
@@ -101,7 +103,7 @@ impl Engine {
         self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
-    /// Puts on record the items that wait for a shared entry. Call this last of all.
+    /// Records the items that wait for a shared entry. This must be the last call.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
@@ -113,7 +115,7 @@ impl Engine {
         self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
-    /// Sets where the robots are. A change of the venue or of the threshold goes on record.
+    /// Sets the hall in which the robots are. A change of the hall or of the threshold is recorded.
     pub fn note_venue(&mut self, venue: Venue, now: Now) {
         self.begin(now);
         self.record_conditions(venue);
@@ -126,8 +128,8 @@ impl Engine {
         }
     }
 
-    /// The robot was put down at home in another hall, so the recalled mission of the old hall is archived. To be
-    /// called only while no mission is under way in the old hall.
+    /// Archives the mission of the old hall, because the robot was put down at home in another hall. Must not be
+    /// called while a mission is under way in the old hall.
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
         self.put_down();
@@ -157,7 +159,7 @@ impl Engine {
         self.planner.learn(&self.state.map);
         self.recall_team();
         let cell = self.state.pose.cell;
-        // A robot outside the entrance stands in no cell, and a parcel may lie at home by now.
+        // A robot outside the entrance stands in no cell, and a parcel may now lie at home.
         if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {
             self.mark(cell, Mark::Visited);
         }
@@ -167,7 +169,7 @@ impl Engine {
         }
     }
 
-    /// Carries out the consequences of stored records, since a kill may have come between a record and its
+    /// Carries out the consequences of stored records. The program may have been killed between a record and its
     /// consequences.
     fn finish(&mut self) {
         let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };

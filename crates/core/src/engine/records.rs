@@ -1,5 +1,5 @@
-//! Luggage and verdicts on their way through the store: nothing is shown, answered or acted on before it is in the
-//! store (safety V3).
+//! Luggage and verdicts on their way to the store. Nothing about them is shown, answered or acted on before they are
+//! stored (safety V3).
 
 use std::sync::Arc;
 
@@ -59,15 +59,15 @@ impl Engine {
         self.mission.recording.push(Recording { seq, wall, fact });
     }
 
-    /// Asks the operator about a piece whose record is in the store. The question is an entry of its own, and the piece
-    /// is shown when that entry is in the store, too (`on_record.shown`).
+    /// Asks the operator about a piece whose record is stored. The question has its own entry, and the piece is shown
+    /// when that entry is stored too (`on_record.shown`).
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
         let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
 
-    /// Sends a verdict to the store; danger replaces a verdict of safe that is not there yet (safety V1).
+    /// Sends a verdict to the store. A danger replaces a verdict of safe that is not stored yet (safety V1).
     pub(super) fn record_verdict(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
@@ -79,7 +79,8 @@ impl Engine {
         self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
     }
 
-    /// Everything up to `seq` is in the store. Whatever waited for these entries happens now, in order.
+    /// Handles the report that everything up to `seq` is stored. Everything that waited for these entries happens
+    /// now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
         self.show_kept();
@@ -127,7 +128,7 @@ impl Engine {
     fn answer_due(&mut self) {
         for waiting in self.outbox.due() {
             if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
-                // The consequences of the verdict are shown together with it.
+                // The consequences of the verdict are shown together with the verdict.
                 self.outbox.wait(WaitingAnswer { seq: self.outbox.written(), decided: true, ..waiting });
                 continue;
             }
@@ -147,8 +148,8 @@ impl Engine {
         self.send_answer(waiting.ticket, answer);
     }
 
-    /// The store has failed. Verdicts on their way are withdrawn, but a danger among them still raises an alarm.
-    /// Senders that wait for a record are told.
+    /// Handles a failure of the store. Verdicts on their way are withdrawn, but a danger among them still raises an
+    /// alarm. Senders that wait for a record are told.
     pub(super) fn withdraw_unkept(&mut self) {
         for deciding in std::mem::take(&mut self.mission.deciding) {
             if deciding.verdict == Verdict::Danger {
@@ -165,7 +166,8 @@ impl Engine {
         }
     }
 
-    /// The store writes again: entries that it may have lost go on record once more. A withdrawn verdict does not.
+    /// Handles the report that the store works again. Entries that it may have lost are recorded once more, except
+    /// withdrawn verdicts.
     pub(super) fn record_anew(&mut self) {
         let wall = self.now.wall;
         self.outbox.repeat_commands();

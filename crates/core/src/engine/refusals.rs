@@ -1,7 +1,7 @@
-//! Limits how many of the doors' refusals get an entry each (safety A5, A6). A sender that is refused endlessly,
-//! perhaps with a viewer's key, must fill neither the disk nor the queue of records in which a STOP waits. After a
-//! burst, the refusals of a sender share an entry with their number. Refusals by the state are not counted here,
-//! because they answer operators' own commands.
+//! Limits the number of journal entries for refusals by the interfaces (safety A5, A6). A sender that is refused
+//! endlessly, perhaps with a viewer's key, must not fill the disk or the queue of records. A STOP waits in this queue
+//! too. After a burst, the refusals of a sender share an entry with their number. Refusals because of the state are
+//! not counted here, because they answer operators' own commands.
 
 use std::time::Duration;
 
@@ -15,8 +15,8 @@ use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
 use crate::units::{Now, Seq};
 
-/// The burst is more than a person presses in a minute; after it there is one entry per period. There is room for more
-/// senders than all doors together have keys.
+/// The burst is more than a person presses in a minute. After the burst there is one entry per period. The limit of
+/// senders is higher than the number of keys of all interfaces.
 pub(super) const LIMITS: CoalescingLimits =
     CoalescingLimits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
@@ -29,8 +29,9 @@ pub(super) struct Note {
 }
 
 impl Engine {
-    /// Notes `count` commands of one sender that a door refused (safety A6); `asked` is the last of them, as the door
-    /// knows it. Returns the place of the entry in the journal; `None` if the commands will share an entry with others.
+    /// Notes `count` commands of one sender that an interface refused (safety A6). `asked` is the last one, as far as
+    /// the interface knows it. Returns the number of the journal entry; `None` if the commands will share an entry
+    /// with others.
     pub fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
         let note = Note { issuer, asked, refused: refused.clone() };
@@ -60,7 +61,7 @@ impl Note {
         if count <= 1 {
             return last;
         }
-        // Several people may share a key.
+        // Several people may share a key, so only the name of the key is written.
         let issuer = Issuer { who: last.issuer.key(), ..last.issuer };
         Note { issuer, asked: Asked::Many { last: Box::new(last.asked), more: count - 1 }, ..last }
     }
@@ -107,7 +108,7 @@ mod tests {
         assert_eq!((refusals.due(), refusals.fall_due(EVERY * 9)), (None, Vec::new()), "nothing twice");
     }
 
-    /// Safety A6: the door counts while the queue of commands is full.
+    /// Safety A6: an interface counts refusals while the queue of commands is full.
     #[test]
     fn what_comes_as_the_last_of_many_counts_as_many() {
         let mut refusals = CoalescedEntries::new(LIMITS);

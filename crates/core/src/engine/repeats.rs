@@ -1,5 +1,5 @@
-//! Commands that come again under the same id get the same answer and are not carried out again, even after a restart.
-//! STOP is an exception: it halts each time (`stops`).
+//! Commands that are repeated with the same id get the same answer and are not carried out again, even after a
+//! restart. STOP is an exception: it halts each time (`stops`).
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -11,11 +11,12 @@ use crate::refused::{OTHER_CONTENT, RefusalKind, Refused};
 use crate::state::fact::{Entry, Fact};
 use crate::units::{Epoch, LuggageId, Ticket};
 
-/// Maximum number of ids that are remembered: more than any client has under way. When there are more, the sender with
-/// the most ids (by name and address) loses its oldest id. So a flood from one address costs no other sender an id.
+/// Maximum number of ids that are remembered. It is more than any client has under way. At the limit, the sender with
+/// the most ids (by name and address) loses its oldest id. A flood from one address therefore removes no id of
+/// another sender.
 pub const IDS: usize = 1024;
 
-/// The sender, and its id for the command: two senders may use the same id.
+/// The sender, and its id for the command. Two senders may use the same id.
 type Key = (Arc<str>, CommandId);
 
 type IdOwner = (Arc<str>, Arc<str>);
@@ -24,7 +25,8 @@ type IdOwner = (Arc<str>, Arc<str>);
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
     ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
-    /// The senders by their number of ids. Among senders with equally many ids, the one with the oldest id comes last.
+    /// The senders, ordered by their number of ids. Among senders with equally many ids, the one with the oldest id
+    /// comes last.
     ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
     open: BTreeMap<Ticket, Key>,
     noted: u64,
@@ -34,13 +36,13 @@ pub(super) struct Repeats {
 struct Repeat {
     content: Content,
     outcome: Outcome,
-    /// The address from which the command came first.
+    /// The address that first sent the command.
     from: Arc<str>,
-    /// Later ids have higher numbers.
+    /// The number of the id. Later ids have higher numbers.
     number: u64,
 }
 
-/// The request, and the epoch that the sender named. Two commands with equal content are the same.
+/// The request, and the epoch that the sender named. Two commands with equal content count as the same command.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Content {
     asked: Asked,
@@ -51,7 +53,7 @@ pub(super) struct Content {
 pub(super) enum Outcome {
     Open(Ticket),
     Answered(Result<Accepted, Refused>),
-    /// The command was accepted before the program was started again; with the piece that the command was about.
+    /// The command was accepted before a restart of the program. The value is the piece that the command was about.
     Before(Option<LuggageId>),
 }
 
@@ -117,7 +119,7 @@ impl Repeats {
 
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
         let Some(key) = self.open.remove(&ticket) else { return };
-        // The id of this command may have been forgotten, and used again for another command.
+        // The id of this command may have been forgotten and then used for another command.
         let is_its = |repeat: &&mut Repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket);
         let Some(repeat) = self.known.get_mut(&key).filter(is_its) else { return };
         repeat.outcome = Outcome::Answered(answer.clone());
@@ -153,7 +155,7 @@ impl Content {
 }
 
 impl Outcome {
-    /// Whether the sender was told to try again. If so, the same id is another attempt, and not a repeat.
+    /// Whether the sender was told to try again. If so, the same id is a new attempt, and not a repeat.
     fn is_to_be_tried_again(&self) -> bool {
         matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }
@@ -188,7 +190,7 @@ mod tests {
         assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), &asked("RESET")), IdUse::New));
     }
 
-    /// Safety S4, A5: without authentication all have one name, but an address each.
+    /// Safety S4, A5: without authentication, all senders have the same name but different addresses.
     #[test]
     fn nobodys_flood_makes_the_ids_of_another_forgotten() {
         for (name, address) in [("operator", "127.0.0.7"), ("anna", "127.0.0.1")] {
@@ -201,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Of addresses with equally many ids.
+    /// Of several addresses with equally many ids, the one with the oldest id loses it.
     #[test]
     fn among_equals_the_oldest_gives_way() {
         let mut repeats = Repeats::default();
@@ -230,7 +232,7 @@ mod tests {
         assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
     }
 
-    /// A journal of another version may hold such words.
+    /// A journal of another version may hold requests as text.
     #[test]
     fn words_that_are_no_command_are_the_same_as_themselves_alone() {
         let mut repeats = Repeats::default();
@@ -240,7 +242,7 @@ mod tests {
         assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1")), IdUse::Other));
     }
 
-    /// A journal may hold an id twice, when it was forgotten in between.
+    /// A journal may hold an id twice, if the id was forgotten in between.
     #[test]
     fn an_id_that_comes_twice_takes_one_place() {
         let mut repeats = Repeats::default();

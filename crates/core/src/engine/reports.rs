@@ -1,4 +1,4 @@
-//! Robots' reports: they change the world first, and are then passed to the mission.
+//! Handles the robots' reports. A report first changes the world, and is then passed to the mission.
 
 use std::sync::Arc;
 
@@ -76,8 +76,8 @@ impl Engine {
         self.robots.searching_id() == robot
     }
 
-    /// The robot's name as a source of readings. No sensor can have this name, because the name is `ROBOT` or contains
-    /// a blank.
+    /// Returns the robot's name as a source of readings. No sensor can have this name, because the name is `ROBOT` or
+    /// contains a blank.
     fn thermometer_of(&self, robot: &RobotId) -> String {
         if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") }
     }
@@ -97,7 +97,8 @@ impl Engine {
         self.record(fact);
     }
 
-    /// The robot's own report of its place counts: it may have ended a move that is not on record (safety R2).
+    /// Takes the robot's report of its place. The report replaces the recorded place, because the robot may have
+    /// ended a move that is not recorded (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
         if !is_in_reach(pose.cell) {
             return self.went_too_far(robot, pose.cell);
@@ -124,7 +125,7 @@ impl Engine {
         }
     }
 
-    /// Here, too, the robot's own report of its place counts.
+    /// Takes the robot's report of its place outside the entrance. This report, too, replaces the recorded place.
     fn stands_outside(&mut self, robot: &RobotId, steps: u8, heading: Heading, off_centre: OffCentre) {
         self.set_off_centre(robot, off_centre);
         self.world.touch(Resource::Robot);
@@ -148,8 +149,8 @@ impl Engine {
         self.note_outside(robot, steps);
     }
 
-    /// A robot that was carried away from the piece in front of it can take no photo of the piece. A piece without a
-    /// record stays a target of the search; a piece with a record stays with the photo that it has.
+    /// Ends the inspection. A robot that was carried away from the piece cannot take a photo of it. A piece without a
+    /// record stays a target of the search. A piece with a record keeps the photo that it has.
     fn leave_inspection(&mut self) {
         match self.stage() {
             Some(Stage::BackingUp | Stage::TakingPhoto) => {
@@ -180,7 +181,7 @@ impl Engine {
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.holds.clear(Hold::RobotLink);
         self.world.touch(Resource::Robot);
-        // A retrieval needs every one of its robots.
+        // A retrieval needs all of its robots.
         let needed = self.searches(robot) || self.is_fetching(robot);
         let missing = self.state.retrieval.is_some() && self.unreached().is_some();
         if needed && !missing {
@@ -188,7 +189,8 @@ impl Engine {
         }
     }
 
-    /// The robot halts by itself; its exact place is unknown until it is recentred. The other robots go on.
+    /// Handles the loss of a link. The robot halts by itself, and its exact place is unknown until it is recentred.
+    /// The other robots continue.
     pub(super) fn link_lost(&mut self, robot: &RobotId, words: String) {
         let (searches, now) = (self.searches(robot), self.now.wall);
         self.fall_silent(&self.thermometer_of(robot));
@@ -228,7 +230,7 @@ impl Engine {
     fn done(&mut self, robot: &RobotId, id: OrderId) {
         let Some(order) = self.close(robot, id) else { return };
         if let Some(robot) = self.robots.get_mut(robot) {
-            // A hook that closed without a piece has failed.
+            // If the hook has closed without a piece, the order has failed.
             let is_empty = order.action == Action::Arm(ArmAction::CloseGripper) && robot.arm == ArmState::default();
             robot.failures = if is_empty { robot.failures.saturating_add(1) } else { 0 };
         }
@@ -244,7 +246,8 @@ impl Engine {
         }
     }
 
-    /// Cells beyond the reach are not stored, so the robot's place stays as it was recorded last.
+    /// Handles the report of a place that is too far away. Such a cell is not stored, so the recorded place of the
+    /// robot stays the same.
     fn went_too_far(&mut self, robot: &RobotId, cell: Cell) {
         let said = Said::Robot(robot.clone(), Trouble::TooFar(cell));
         if self.searches(robot) {
@@ -254,7 +257,8 @@ impl Engine {
         }
     }
 
-    /// The robot stands where the move led, and is no longer off centre. This holds for a late answer, too.
+    /// Handles the end of a move, even if the answer is late. The robot now stands where the move led, and is no
+    /// longer off centre.
     pub(super) fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);
@@ -295,7 +299,7 @@ impl Engine {
         }
     }
 
-    /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
+    /// Handles an obstacle in the cell that was to be entered. The robot stands against it until it is recentred.
     fn blocked(&mut self, robot: &RobotId, id: OrderId, obstacle: Obstacle) {
         let Some(order) = self.close(robot, id) else { return };
         self.set_off_centre(robot, true);
@@ -356,7 +360,7 @@ impl Engine {
         self.feed(Input::RobotFailed, &InputContext { fault: Some(FaultCause::Robot(words)), ..InputContext::default() });
     }
 
-    /// A robot has not answered its open order, although the deadline and the time of grace are over.
+    /// Handles an open order that a robot has not answered, although the deadline and the time of grace are over.
     pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
         let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);

@@ -1,6 +1,6 @@
-//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and the robot that
-//! searches comes home again. The pair's actions while it fetches come from its trees (`crate::retrieval`); all
-//! proposals of the trees go through the one gate.
+//! A retrieval, stage by stage. The robot that searches makes room, the others fetch the piece, and the robot that
+//! searches comes home again. While the pair fetches, its behaviour trees propose its actions (`crate::retrieval`).
+//! All their proposals go through the one gate.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,7 +26,8 @@ use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// The robots that fetch, according to the settings; `None` if these robots do not exist, or nobody is to fetch.
+    /// Returns the robots that fetch, according to the settings; `None` if these robots do not exist, or nobody is to
+    /// fetch.
     pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
         // A robot that has not reported its capabilities yet is assumed to have a gripper.
         let can_take = self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper));
@@ -38,8 +39,8 @@ impl Engine {
         fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
     }
 
-    /// The first robot of a retrieval that cannot be reached. The robot that searches counts, because it has to make
-    /// room even when others fetch.
+    /// Returns the first robot of a retrieval that cannot be reached. The robot that searches counts, because it must
+    /// make room even when others fetch.
     pub(super) fn unreached(&self) -> Option<RobotId> {
         let needed = self.fetchers().into_iter().flatten().chain([self.robots.searching_id().clone()]);
         let is_linked = |robot: &RobotId| self.robots.get(robot).is_some_and(|robot| robot.controller.capabilities.is_some());
@@ -50,8 +51,8 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// The first robot that is not where a mission begins, although a retrieval could go on and bring it there. The
-    /// robot that searches counts in any case while it carries something.
+    /// Returns the first robot that is not at the place where a mission begins. It counts only if the retrieval can
+    /// continue and bring it there. While the robot that searches carries something, it counts in any case.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
         let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
@@ -73,7 +74,7 @@ impl Engine {
         }
     }
 
-    /// The bomb that was found first is fetched first.
+    /// Begins the retrieval of the dangerous piece that was found first.
     pub(super) fn begin_retrieval(&mut self) {
         let Some(bomb) = self.state.luggage.bombs_left().next().cloned() else { return };
         let piece = self.cells_of(&bomb);
@@ -89,7 +90,7 @@ impl Engine {
         }
     }
 
-    /// Begins a failed retrieval anew, with what is known by now. While a robot holds something nothing changes, so
+    /// Begins a failed retrieval again, with the present knowledge. While a robot holds something nothing changes, so
     /// that the robots go out first.
     pub(super) fn retry_retrieval(&mut self) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
@@ -106,8 +107,8 @@ impl Engine {
         }
     }
 
-    /// The lifted piece is lost: no robot holds it, and nobody knows where it lies. The search for it begins where it
-    /// was found.
+    /// Marks the cells where a lost piece was found, and returns them. No robot holds the piece, and nobody knows
+    /// where it lies, so the search for it begins there.
     fn stands_again(&mut self, luggage: LuggageId) -> BTreeSet<Cell> {
         let piece = self.state.luggage.get(luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
         for cell in &piece {
@@ -139,13 +140,13 @@ impl Engine {
         }
     }
 
-    /// Where a piece stands, as far as anybody has met it.
+    /// Returns the cells where anybody has met this piece.
     fn cells_of(&self, luggage: &Luggage) -> BTreeSet<Cell> {
         let same = self.state.met_again.iter().filter(|(_, piece)| luggage.piece == Some(**piece)).map(|(cell, _)| *cell);
         same.chain([luggage.cell]).collect()
     }
 
-    /// Whether the robots have called the operator, and nobody has acknowledged it.
+    /// Whether the robots have called the operator, and nobody has acknowledged the call.
     pub(super) fn is_calling(&self) -> bool {
         let call = self.state.retrieval.as_ref().and_then(|retrieval| retrieval.call);
         self.state.alarms.iter().any(|alarm| Some(alarm.id) == call && alarm.acknowledged.is_none())
@@ -155,7 +156,7 @@ impl Engine {
         let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
         let (began, set) = (retrieval.fetcher, self.settings.fetcher);
         if began != set {
-            // The robot that began the retrieval may stand anywhere, with the piece in the grip.
+            // The robot that began the retrieval may stand anywhere, with the piece in its grip.
             self.not_fetched(NotFetched::OtherFetcher { began, set });
             return Turn::Again;
         }
@@ -193,7 +194,7 @@ impl Engine {
         }
     }
 
-    /// The robots that fetched set down what they hold and go back outside, one after the other.
+    /// Makes the robots that fetched set down what they hold and go back outside, one after the other.
     fn go_out(&mut self, reason: Option<NotFetched>) -> Turn {
         let bases = Which::ALL.map(|which| self.base_view(which));
         if bases.iter().any(|base| base.open.is_some()) {
@@ -226,7 +227,7 @@ impl Engine {
         self.stuck(reason, StuckFault::NoWayOut)
     }
 
-    /// The robots cannot go out; START makes them try once more.
+    /// Raises a fault, because the robots cannot go out. After START they try once more.
     fn stuck(&mut self, reason: Option<NotFetched>, fault: StuckFault) -> Turn {
         self.forget_failures();
         self.not_fetched(NotFetched::Stuck(fault, reason.map(Box::new)));
@@ -249,7 +250,7 @@ impl Engine {
         Turn::Rest
     }
 
-    /// Moves only the robot that searches: the next mission begins with it at home.
+    /// Moves only the robot that searches, because the next mission begins with this robot at home.
     fn come_home(&mut self, reason: Option<NotFetched>) -> Turn {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
@@ -267,7 +268,7 @@ impl Engine {
         self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(why)), ..InputContext::default() });
     }
 
-    /// Orders a proposed action, if the gate lets it through; otherwise it is proposed again at the next look.
+    /// Orders a proposed action, if the gate allows it. Otherwise the trees propose it again later.
     pub(super) fn let_through(&mut self, which: Which, action: Action) {
         let robot = which.robot();
         if self.may_do(&robot, action).is_ok() {
@@ -288,8 +289,8 @@ impl Engine {
     }
 }
 
-/// The next action with which both arms release what they hold, however far a halt let them get; `None` when both
-/// grippers are open.
+/// Returns the next action with which both arms release what they hold. It works from every state in which a halt may
+/// leave the arms. `None` when both grippers are open.
 fn set_down(bases: &[BaseView; 2]) -> Option<ArmAction> {
     let arms = bases.map(|base| base.arm);
     if arms.iter().any(|arm| arm.holds.is_some() && !arm.on_floor) {

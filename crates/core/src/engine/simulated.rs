@@ -1,6 +1,6 @@
-//! Actions on a simulated hall and simulated robots, and what they mean for the mission. Each action goes on record
-//! with the person who took it. The robots are put down in another hall only if nothing is lost by that. The simulation
-//! itself is not known here.
+//! Actions on a simulated hall and simulated robots, and their effect on the mission. Each action is recorded with
+//! the person who took it. The robots are put down in another hall only if nothing is lost by that. The simulation
+//! itself is not part of the core.
 
 use std::sync::Arc;
 
@@ -26,10 +26,10 @@ impl Engine {
 
     /// Puts the robots down at home in another hall. No mission may be under way; a mission that is over is archived.
     /// The simulated robots in `robots` count as unreached until they report that they stand there. The ticket is
-    /// answered when all of this is on record.
+    /// answered when all these changes are recorded.
     ///
     /// # Errors
-    /// Why the robots cannot be put down now: something would be lost. Nothing has changed then.
+    /// The reason why the robots cannot be put down now: something would be lost. In this case nothing has changed.
     pub fn put_down_in(&mut self, venue: Venue, robots: &[RobotId], issuer: Issuer, now: Now) -> Result<Ticket, Refused> {
         self.may_be_put_down()?;
         self.begin(now);

@@ -1,6 +1,7 @@
-//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). The
-//! STOPs of a sender get an entry each. When there are more than a few per second they share an entry, so that nobody
-//! can fill the store by pressing endlessly (safety A5, A6). The halt itself was sent before, and waits for nothing.
+//! The answers to STOP, and the records of STOPs. Each answer waits until the robot stands, but never for long
+//! (safety S8). Each STOP of a sender gets its own entry. If there are more than a few per second, they share an
+//! entry. Endless STOPs therefore cannot fill the store (safety A5, A6). The halt itself was sent before, and waits
+//! for nothing.
 
 use std::collections::VecDeque;
 use std::net::IpAddr;
@@ -16,30 +17,31 @@ use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
 use crate::units::{Epoch, Ticket, WallTime};
 
-/// A person presses less often, and a disk can write more. The senders are those who pressed in the last seconds.
+/// A person presses less often than this, and a disk can write more. `senders` limits how many recent senders are
+/// counted separately.
 const RECORDS: CoalescingLimits =
     CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
-/// Longest time that the answer to a stop waits for the robot's report that it stands.
+/// Maximum time that the answer to a stop waits for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Time within which a STOP with the same id counts as the same press, because a page without an answer keeps trying.
-/// After a release of the robot it counts as a new press.
+/// Time within which a STOP with the same id counts as the same press of the button. A web page without an answer
+/// sends its STOP again. After the robot was released, such a STOP counts as a new press.
 const SAME_PRESS: Duration = Duration::from_secs(60);
 
-/// Maximum number of presses with an id that are remembered: more than there are pages. When there are more, the oldest
-/// is forgotten.
+/// Maximum number of remembered presses with an id. It is more than the number of open pages. At the limit, the
+/// oldest press is forgotten.
 const PRESSES: usize = 128;
 
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
-    /// The answers that wait, oldest first, each with its latest time. The doors bound their number, because each
-    /// belongs to a sender that waits.
+    /// The waiting answers, oldest first, each with the latest time for it. The interfaces limit their number,
+    /// because each answer belongs to a sender that waits.
     waiting: Vec<(Ticket, Duration)>,
-    /// When the next order may be given, if it was put off for the sake of an answer.
+    /// When the next order may be given, if it was delayed because of an answer.
     put_off: Option<Duration>,
     pub(super) records: CoalescedEntries<StopRequest>,
-    /// Oldest first.
+    /// The remembered presses, oldest first.
     named: VecDeque<Named>,
 }
 
@@ -80,7 +82,7 @@ impl Engine {
         }
     }
 
-    /// Gives the next order, if there is one. After answers to stops the order is put off, so that the robot still
+    /// Gives the next order, if there is one. After answers to stops the order is delayed, so that the robot still
     /// stands in the revision that these answers name.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
@@ -101,7 +103,7 @@ impl Engine {
         }
     }
 
-    /// Puts `count` stops of one sender on record, now or together with others of the same sender.
+    /// Records `count` stops of one sender, now or together with other stops of the same sender.
     pub(super) fn record_stop(&mut self, request: &Request, count: u64) {
         if count == 1 && self.is_same_press(request) {
             return;
@@ -111,7 +113,7 @@ impl Engine {
         self.write_stops(due);
     }
 
-    /// Whether the press of this stop is on record already; remembers it if not.
+    /// Whether the press of this stop is recorded already. If not, the press is remembered.
     fn is_same_press(&mut self, request: &Request) -> bool {
         let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
         let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
@@ -130,12 +132,12 @@ impl Engine {
 
     pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = CoalescedEntry<StopRequest>>) {
         for CoalescedEntry { last: StopRequest { issuer, id, wall }, count, lasted } in stops {
-            // In whole milliseconds, as it is stored.
+            // The time is stored in whole milliseconds.
             let within = (!lasted.is_zero()).then(|| Duration::new(lasted.as_secs(), lasted.subsec_millis() * 1_000_000));
             let (issuer, id, asked) = if count == 1 {
                 (issuer, id, Asked::Command(Command::Stop))
             } else {
-                // Several people may share a key.
+                // Several people may share a key, so only the name of the key is written.
                 (Issuer { who: issuer.key(), ..issuer }, None, Asked::Stops { count, within })
             };
             let said = Said::Asked { asked: asked.clone(), meant: None, issuer: issuer.clone(), refused: None };
@@ -146,7 +148,8 @@ impl Engine {
     }
 }
 
-/// The name by which a sender is told apart; for senders on this machine without a name, the address.
+/// Returns the name that distinguishes this sender from others. For a sender on this machine without a name, it is
+/// the address.
 fn sender(issuer: &Issuer) -> Sender {
     let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
     let name = if is_here && *issuer.who == *OPERATOR { Arc::clone(&issuer.from) } else { issuer.key() };

@@ -1,5 +1,6 @@
-//! The pair's trees at work in the hall: when they are ticked, what they see, and what becomes of their proposals,
-//! which go through the one gate. While anything holds the pair nobody ticks the trees, so their time stands still.
+//! The pair's behaviour trees at work: when they are ticked, what they see, and what happens to their proposals. The
+//! proposals go through the one gate. While anything holds the pair, the trees are not ticked, so their time is
+//! paused.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,9 +24,9 @@ use crate::world::resource::Resource;
 #[derive(Clone, Debug)]
 pub(super) struct Ticked {
     pub(super) team: Team,
-    /// Time of the last tick since the start of the program; `None` before the first tick, and after a hold.
+    /// Time of the last tick, since the start of the program. `None` before the first tick, and after a hold.
     at: Option<Duration>,
-    /// Whether something has happened since the last tick, so that the next tick is due at once.
+    /// Whether something has happened since the last tick. The next tick is then due at once.
     is_awake: bool,
 }
 
@@ -43,14 +44,14 @@ impl Engine {
             && self.may_move(self.robots.searching_id()).is_ok()
     }
 
-    /// One of the pair has reported something, or a record is in the store: the trees are ticked at once.
+    /// Makes the trees tick at once, because a robot of the pair has reported something or a record is stored.
     pub(super) fn wake_team(&mut self) {
         if let Some(ticked) = &mut self.team {
             ticked.is_awake = true;
         }
     }
 
-    /// Time under a hold does not count as the trees' time.
+    /// Pauses the trees' time, because time under a hold does not count.
     pub(super) fn stop_trees_clock(&mut self) {
         if let Some(ticked) = &mut self.team {
             ticked.at = None;
@@ -124,7 +125,7 @@ impl Engine {
         look(&view)
     }
 
-    /// After a restart the trees are shown in their earlier state, before anything goes on.
+    /// After a restart, shows the trees in their earlier state before anything continues.
     pub(super) fn recall_team(&mut self) {
         if self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.team.is_some()) {
             let ticked = self.resumed_team();
@@ -133,8 +134,7 @@ impl Engine {
         }
     }
 
-    /// Makes a new view of the trees after each tick. Only state without which the trees could not resume goes on
-    /// record.
+    /// Makes a new view of the trees after each tick. Only the state that the trees need to resume is recorded.
     fn note_tick(&mut self, team: &Team) {
         self.trees = Arc::new(TreesView::of(team.trees(), team.blackboard()));
         let state = team.state();
@@ -144,7 +144,7 @@ impl Engine {
         }
     }
 
-    /// Calls the operator. Nothing goes on before the alarm is acknowledged and START given.
+    /// Calls the operator. Nothing continues before the alarm is acknowledged and START is given.
     fn call_operator(&mut self, saying: Saying) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let cause = AlarmCause::Call(retrieval.luggage, saying);
@@ -156,7 +156,7 @@ impl Engine {
         self.raise(Hold::Alarm, None);
     }
 
-    /// The piece is in the container. The robots that fetched still have to go out.
+    /// Handles a piece that is in the container. The robots that fetched it still have to go out.
     pub(super) fn secured(&mut self) -> Turn {
         let Some(Retrieval { luggage, fetcher, .. }) = self.state.retrieval.clone() else { return Turn::Rest };
         self.world.touch(Resource::Luggage);

@@ -1,5 +1,5 @@
-//! Situations of an engine that no door can create at will. The outcome of every pair of phase and input stands in
-//! `by_hand`, what is shown meanwhile in `shown`.
+//! Tests of situations that no interface can create at will. `by_hand` tests the outcome of every pair of phase and
+//! input. `shown` tests what is shown meanwhile.
 
 mod by_hand;
 mod clock;
@@ -46,8 +46,8 @@ fn phase(name: PhaseName) -> Phase {
     }
 }
 
-/// An engine in a phase and under holds, with a linked robot in the middle of a cell away from home, and one pending
-/// piece.
+/// Returns an engine in this phase and under these holds. A linked robot stands at the centre of a cell away from
+/// home, and one piece is pending.
 fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     let mut engine = Engine::new(Settings::default(), Strategy::Snail, "test".into());
     let quick = Duration::from_millis(1);
@@ -83,7 +83,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     engine
 }
 
-/// Performs records at once, as a store in memory does; returns the orders that were given.
+/// Stores records at once, like a store in memory. Returns the orders that were given.
 fn settle(engine: &mut Engine) -> Vec<Action> {
     let mut orders = Vec::new();
     while let Some(effect) = engine.poll_effect() {
@@ -155,7 +155,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
     }
 }
 
-/// Safety V1: the first verdict that is stored is final, and a danger that comes before a safe is stored replaces it.
+/// Safety V1: the first stored verdict is final. A danger that arrives before a safe is stored replaces the safe.
 #[test]
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |engine: &mut Engine, verdict| {
@@ -179,7 +179,7 @@ fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     assert_eq!(engine.phase_name(), PhaseName::ReturningWithAlarm);
 }
 
-/// Safety S2: starting motion waits for the record; a stop does not.
+/// Safety S2: a motion starts only after its record is stored. A stop does not wait for a record.
 #[test]
 fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_once() {
     let order = |effect: &Effect| matches!(effect, Effect::Order(..));

@@ -1,4 +1,4 @@
-//! The snapshot: the state as the doors show it. `on_record` holds back what has to be on record first.
+//! Makes the snapshot: the state as the interfaces show it. `on_record` delays the parts that must be recorded first.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,7 +20,7 @@ use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
-/// The views that combine several parts of the state, so that `touch_derived` has to compare them.
+/// The views that combine several parts of the state. `touch_derived` must compare them.
 pub(super) struct Shown {
     pub(super) mission: MissionView,
     pub(super) robot: RobotView,
@@ -65,14 +65,14 @@ impl Engine {
         robots.collect()
     }
 
-    /// The holds of a robot other than the one that searches: its own lost link, its own wait for START, and every
-    /// other hold of the mission.
+    /// Returns the holds of a robot that does not search: its own lost link, its own wait for START, and all other
+    /// holds of the mission.
     pub(super) fn holds_of(&self, robot: &Robot) -> Vec<Hold> {
         let of_all = |hold: &Hold| !matches!(hold, Hold::RobotLink | Hold::AwaitingStart) && self.state.holds.contains(*hold);
         Hold::ALL.into_iter().filter(|hold| of_all(hold) || robot.holds.contains(*hold)).collect()
     }
 
-    /// The snapshot; it shares long lists that have not changed with the snapshot before.
+    /// Returns the snapshot. Long lists that have not changed are shared with the previous snapshot.
     pub(super) fn view(&self, shown: Shown) -> Snapshot {
         let revisions = self.world.revisions();
         let same =
@@ -93,7 +93,8 @@ impl Engine {
         }
     }
 
-    /// Shows the results of commands and the pieces found as far as they are on record, and warnings and halts at once.
+    /// Returns the view of the mission. Results of commands and found pieces are shown only as far as they are
+    /// recorded. Warnings and halts are shown at once.
     fn mission_view(&self) -> MissionView {
         let shown = &self.on_record.shown;
         let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
@@ -122,7 +123,8 @@ impl Engine {
         }
     }
 
-    /// A hold is shown as soon as it stands. A hold that a command has cleared is shown until that is on record.
+    /// Returns the holds to show. A hold is shown as soon as it is raised. A hold that a command has cleared is shown
+    /// until that is recorded.
     fn holds_shown(&self) -> Vec<Hold> {
         let by_command = |hold: &Hold| hold.cleared_by_start() || matches!(hold, Hold::TooHigh | Hold::Alarm);
         let stands =
@@ -160,8 +162,8 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.unsearched(), left: self.time_left(), reach }
     }
 
-    /// The remaining time, shown during a search even while something holds or interrupts it. It is estimated from all
-    /// that is known, on record or not.
+    /// Returns the remaining time. It is shown during a search, even while something holds or interrupts the search.
+    /// The estimate uses everything that is known, recorded or not.
     fn time_left(&self) -> Option<TimeLeft> {
         if !matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_)) {
             return None;
@@ -177,8 +179,8 @@ impl Engine {
         self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused))
     }
 
-    /// The refusals as they are shown. A refusal by holds is shown at once. Any other new refusal is shown as
-    /// `NotOnRecord` until its cause is on record.
+    /// Returns the refusals to show. A refusal by holds is shown at once. Any other new refusal is shown as
+    /// `NotOnRecord` until its cause is recorded.
     fn refusals_shown(&self) -> Refusals {
         if self.on_record.is_current() {
             return self.on_record.shown.refusals.clone();
@@ -191,7 +193,7 @@ impl Engine {
         })
     }
 
-    /// `why` also gets the refusal that is shown at each button.
+    /// Calls `why` for each button, and returns the results. `why` also gets the refusal that the button shows.
     fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<Refused>) -> Option<Refused>) -> Refusals {
         let plain = InputContext::default();
         let turn = InputContext { step: Some(Move::TurnLeft), ..InputContext::default() };

@@ -1,5 +1,5 @@
-//! The watch over the configured temperature sensors: how long each may be silent. The table defines what silence means
-//! for the mission.
+//! Watches how long each configured temperature sensor is silent. The transition table defines what silence means for
+//! the mission.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,7 +11,7 @@ pub(super) struct SensorWatchdog(Vec<Watched>);
 struct Watched {
     sensor: Arc<str>,
     patience: Duration,
-    /// When the silence of the sensor will have lasted too long; `None` once it has.
+    /// When the sensor will count as silent, unless it reports before; `None` if it counts as silent already.
     due: Option<Duration>,
 }
 
@@ -26,7 +26,7 @@ impl SensorWatchdog {
         self.0.iter().any(|watched| *watched.sensor == *sensor)
     }
 
-    /// The sensor reported; true when it was the last silent sensor.
+    /// Handles a report of the sensor. Returns true if this was the last silent sensor.
     pub(super) fn hear(&mut self, sensor: &str, since_start: Duration) -> bool {
         let Some(watched) = self.0.iter_mut().find(|watched| *watched.sensor == *sensor) else { return false };
         let was_silent = watched.due.replace(since_start.saturating_add(watched.patience)).is_none();
@@ -37,7 +37,7 @@ impl SensorWatchdog {
         self.0.iter().filter_map(|watched| watched.due).min()
     }
 
-    /// A sensor whose silence has just lasted too long; returned once.
+    /// Returns a sensor that has just become silent. Each silence is returned only once.
     pub(super) fn falls_silent(&mut self, since_start: Duration) -> Option<Arc<str>> {
         let watched = self.0.iter_mut().find(|watched| watched.due.is_some_and(|due| due <= since_start))?;
         watched.due = None;

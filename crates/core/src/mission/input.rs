@@ -1,5 +1,5 @@
-//! All inputs of a mission, by name: the columns of the table. The details of an input (which piece, which cell) stand
-//! beside it, in `InputContext`.
+//! All inputs of a mission, by name. The transition table has rules for each of them. `InputContext` has the details
+//! of an input, such as the piece or the cell.
 
 use std::sync::Arc;
 
@@ -58,18 +58,18 @@ named! {
 }
 
 impl Input {
-    /// In the order of mission §4.
+    /// The inputs that are commands, in the order of mission §4.
     pub(crate) const COMMANDS: [Input; 16] = *Input::ALL.first_chunk().expect("they are listed first");
 
-    /// In the order in which they occur in a mission.
+    /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
 }
 
-/// The details of an input. The input decides which fields matter; the other fields stay empty.
+/// The details of an input. The input decides which fields are set. The other fields stay empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputContext {
     pub(crate) issuer: Option<Issuer>,
-    /// The epoch that a stop has raised; for any other command, the epoch in which it was sent.
+    /// For a stop, the epoch that the stop has raised. For any other command, the epoch in which it was sent.
     pub(crate) epoch: Option<Epoch>,
     /// The piece that the command names, or that a verdict without a number means.
     pub(crate) luggage: Option<LuggageId>,
@@ -83,14 +83,15 @@ pub(crate) struct InputContext {
     pub(crate) strategy: Option<Strategy>,
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
-    /// The reason of the hold that the input raises, if there is more to say.
+    /// The reason of the hold that the input raises, if there is one to tell.
     pub(crate) why: Option<HoldReason>,
-    /// Why there is no photo, in words.
+    /// The reason why there is no photo, as text.
     pub(crate) words: Option<String>,
 }
 
 impl InputContext {
-    /// The input for a command, with its details. `pending` is the piece that a verdict without a number would mean.
+    /// Returns the input for a command, with its details. `pending` is the piece that a verdict without a number
+    /// would mean.
     pub(crate) fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
         let context = InputContext { issuer: Some(issuer.clone()), ..InputContext::default() };
         match command {

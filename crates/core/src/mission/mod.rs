@@ -1,5 +1,5 @@
-//! The mission: the one total table that defines every input in every phase. Phases stand in
-//! `crate::state`; `crate::engine` carries the acts out.
+//! The mission: one complete table that defines every input in every phase. `crate::state` has the phases, and
+//! `crate::engine` carries out the acts.
 
 mod input;
 mod print;

@@ -5,8 +5,8 @@ use super::table::{InputRow, row};
 use super::{Input, rules};
 use crate::phase::PhaseName;
 
-/// The whole table: what is the same in every phase, then a section per phase with a line per input. Inputs that change
-/// nothing are gathered at the end of each section.
+/// Returns the whole table: first the inputs that are the same in every phase, then a section for each phase with a
+/// line for each input. Inputs that change nothing are listed at the end of each section.
 #[must_use]
 pub fn table_markdown() -> String {
     let mut text = String::from(
@@ -54,7 +54,7 @@ fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> Stri
     text
 }
 
-/// `has_case` is true if the cell of this rule has a rule for a case.
+/// Returns the text of a rule. `has_case` is true if the same cell of the table also has a rule with a case.
 fn rule_in_words(rule: Rule, has_case: bool) -> String {
     match rule {
         Rule::RefuseIf(bar) => format!("refused if {}", bar.in_words()),

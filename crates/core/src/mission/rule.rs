@@ -1,21 +1,21 @@
-//! The vocabulary of the table: guards that may forbid an input, cases, and outcomes. They are only named and explained
-//! here; `crate::engine` tests the guards and cases and carries out the acts.
+//! The elements of the transition table: guards that may forbid an input, cases, and outcomes. This module only
+//! names and explains them. `crate::engine` tests the guards and cases and carries out the acts.
 
 use crate::hold::Hold;
 use crate::phase::PhaseName;
 
-/// One line of a cell of the table; the first line that applies decides.
+/// One rule in a cell of the table. The first rule that applies decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rule {
     RefuseIf(Guard),
-    /// Refused if this guard forbids the input, but these acts are carried out all the same.
+    /// If this guard forbids the input, the input is refused, but these acts are carried out all the same.
     RefuseIfThen(Guard, &'static [Act]),
     When(Case, To, &'static [Act]),
-    /// Always the last line of its cell.
+    /// Always the last rule of its cell.
     Go(To, &'static [Act]),
-    /// Always the last line of its cell.
+    /// Always the last rule of its cell.
     Never(Guard),
-    /// The rule of the interrupted phase, which stays interrupted. Always the only line of its cell.
+    /// The rule of the interrupted phase applies, and that phase stays interrupted. Always the only rule of its cell.
     AsInterrupted,
 }
 
@@ -28,7 +28,7 @@ pub(crate) enum To {
 
 named! {
     by in_words;
-    /// What may forbid an input; each guard is a refusal with its reason.
+    /// A condition that forbids an input. Each guard has its own refusal with a reason.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Guard {
         Held = "a hold that this command does not clear still stands",
@@ -74,7 +74,7 @@ named! {
     }
 }
 
-/// What is done; each act is one small change, explained by `Act::in_words`.
+/// One small change of the state or of the robot. `Act::in_words` explains each act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Act {
     Release,

@@ -1,4 +1,4 @@
-//! Resumes a team after a restart. Its routes are not restored, but planned anew.
+//! Resumes a team after a restart. Its routes are not restored; they are planned again.
 
 use super::leaves::routes::Routes;
 use super::team::Team;
@@ -26,7 +26,7 @@ impl Team {
     /// Resumes a state, as if there had been no restart.
     ///
     /// # Errors
-    /// If it is the state of other trees. A team that begins anew must be used then.
+    /// If it is the state of other trees. The caller must then use a new team.
     pub fn resume(state: TeamState) -> Result<Team, StateError> {
         Team::new().resumed(state)
     }

@@ -1,5 +1,5 @@
-//! The pair that fetches a piece: its trees with their leaves, and the ways of its robots. The engine decides who may
-//! move when, and what goes on record.
+//! The two robots that fetch a piece: their behaviour trees with the leaves, and their ways. The engine decides who
+//! may move when, and what is recorded.
 
 mod kept;
 mod leaves;

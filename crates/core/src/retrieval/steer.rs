@@ -1,11 +1,11 @@
-//! How a base turns and drives from one place to the next. The places come from `way`.
+//! Decides how a base turns and drives from one place to the next. The places come from `way`.
 
 use crate::command::Move;
 use crate::effect::Action;
 use crate::place::{BasePose, Place};
 use crate::units::{Cell, Heading};
 
-/// Whether a base may back into the next cell. A robot sees what it meets only when it drives forwards.
+/// Whether a base may drive backwards into the next cell. A robot sees what it meets only when it drives forwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gear {
     /// The base turns until it faces the direction in which it drives.
@@ -14,8 +14,8 @@ pub enum Gear {
     Either,
 }
 
-/// The next action of a base on its way to a neighbouring place; `None` when the base is there, or the place is not
-/// beside it.
+/// Returns the next action of a base on its way to a neighbouring place; `None` if the base is there, or if the place
+/// is not beside it.
 #[must_use]
 pub fn steer(stands: BasePose, to: Place, gear: Gear) -> Option<Action> {
     if !stands.place.is_beside(to) {

@@ -1,6 +1,6 @@
-//! The team: the trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order, and what follows when
-//! one of them ends. The team moves nothing and calls nobody: the engine ticks it, announces its sayings, and passes
-//! its proposals through a gate.
+//! The team: the behaviour trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order. The team
+//! also handles the end of each tree. It moves nothing and calls nobody. The engine ticks the team, announces its
+//! sayings, and passes its proposals through a gate.
 //!
 //! ```text
 //!   view ─► SRM1 ─► SRM2 ─► Supervisor ─► proposals, sayings
@@ -8,7 +8,7 @@
 //!   SUCCESS of the Supervisor: it runs again while anything is left to fetch (phase 8), else Done
 //!   FAILURE: a named fault, or the parcel is lost: after an acknowledged call the Supervisor runs again where it lies
 //! ```
-//! Nobody ticks the team while anything holds the robots, so its time stands still.
+//! While anything holds the robots, the team is not ticked, so its time is paused.
 
 use std::time::Duration;
 
@@ -32,15 +32,15 @@ pub const FILES: [(&str, &str); 3] = [
     ("scenario1-Supervisor", include_str!("../../../../config/behaviours/scenario1-Supervisor.xml")),
 ];
 
-/// The entry with the parcel's place. The entry is updated while the parcel is carried, so that a parcel that falls as
-/// the program ends is found again.
+/// The blackboard entry with the parcel's place. The entry is updated while the parcel is carried. If the parcel
+/// falls when the program ends, it is found again with this entry.
 const PARCEL: &str = "parcel";
 
 const SUPERVISOR: usize = 2;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TickOutcome {
-    /// At most one action for each robot.
+    /// The proposed actions, at most one for each robot.
     pub proposals: Vec<Proposal>,
     pub sayings: Vec<Saying>,
 }
@@ -55,13 +55,13 @@ pub struct Team {
     pub(super) losses: u32,
     /// Whether the tree of the Supervisor has reported the loss in this run.
     pub(super) has_called: bool,
-    /// A parcel that stands at its destination, still in the grippers.
+    /// A parcel that stands at its destination and is still in the grippers.
     pub(super) dropped: Option<Parcel>,
     pub(super) delivered: Vec<Piece>,
     /// Number of runs of the Supervisor that have begun.
     pub(super) runs: u32,
     words: Option<String>,
-    /// How long the two robots have disagreed whether they hold something.
+    /// How long the two robots have disagreed on whether they hold something.
     waited: Duration,
 }
 
@@ -74,7 +74,7 @@ impl Team {
     /// Reads the trees of SRM1, SRM2 and the Supervisor from these files.
     ///
     /// # Errors
-    /// The fault of the first file that is no tree of these leaves.
+    /// The fault of the first file that is not a tree of these leaves.
     pub fn of(files: [&str; 3]) -> Result<Team, TreeError> {
         let mut blackboard = Blackboard::new();
         let catalogue = catalogue();
@@ -102,8 +102,8 @@ impl Team {
         let _ = self.blackboard.set(entry, value);
     }
 
-    /// Ticks the three trees once, `since_last` after the last time. Does nothing once the work is done, or cannot go
-    /// on.
+    /// Ticks the three trees once, `since_last` after the previous tick. Does nothing if the work is done or cannot
+    /// continue.
     pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> TickOutcome {
         let mut outcome = TickOutcome::default();
         match self.stage {
@@ -113,7 +113,7 @@ impl Team {
         }
         let [one, two] = view.bases.map(|base| base.arm.holds);
         if let Some(parcel) = one.filter(|_| one == two) {
-            // Trees without such an entry do not need it.
+            // If the trees have no such entry, they do not need it.
             let _ = self.blackboard.set(PARCEL, written(parcel.place));
         }
         let mut output = Output::default();
@@ -127,8 +127,8 @@ impl Team {
         outcome
     }
 
-    /// The two robots report separately, so after a loss one may still report that it holds the parcel. No run begins
-    /// until both agree; after `REPORTING` that is a fault.
+    /// Whether the next run must wait. The two robots report separately, so after a loss one may still report that it
+    /// holds the parcel. No run begins until both agree. If they still disagree after `REPORTING`, that is a fault.
     fn waits_to_begin(&mut self, view: &View<'_>, since_last: Duration) -> bool {
         let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
         let waits = self.said[SUPERVISOR] != Status::Running && one != two;
@@ -159,8 +159,8 @@ impl Team {
             }
         };
         if performer.output.fault.is_some() && said == Status::Running {
-            // Leaves that run beside the failed leaf would only delay the end, and the reason of the failure would be
-            // forgotten by then.
+            // The other leaves of this tree are halted. They would only delay the end, and the reason of the failure
+            // would then be forgotten.
             self.trees[index].halt(&mut self.blackboard, &mut performer);
             performer.output.sayings.clear();
             said = Status::Failure;
@@ -185,7 +185,8 @@ impl Team {
         }
     }
 
-    /// The Supervisor failed without a named fault: the parcel is not in the grippers, although it should be there.
+    /// Handles a failure of the Supervisor without a named fault. The parcel is not in the grippers, although it
+    /// should be there.
     fn lose(&mut self, outcome: &mut TickOutcome) {
         self.routes.forget();
         self.dropped = None;
@@ -203,13 +204,13 @@ impl Team {
         &self.stage
     }
 
-    /// In the order SRM1, SRM2, Supervisor.
+    /// Returns the trees in the order SRM1, SRM2, Supervisor.
     #[must_use]
     pub const fn trees(&self) -> &[Tree; 3] {
         &self.trees
     }
 
-    /// The last status of each tree; IDLE before its first tick.
+    /// Returns the last status of each tree; IDLE before its first tick.
     #[must_use]
     pub const fn said(&self) -> [Status; 3] {
         self.said

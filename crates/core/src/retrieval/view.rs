@@ -1,6 +1,6 @@
 //! What the leaves of the trees read, and what they return: proposals to the two robots, and calls to the operator. A
-//! proposal by itself moves nothing: the engine passes it through the gate, or not. A proposal is repeated at each tick
-//! while it is wanted.
+//! proposal by itself moves nothing. The engine decides at the gate whether it is carried out. A proposal is repeated
+//! at each tick while it is wanted.
 
 use std::collections::BTreeSet;
 
@@ -13,14 +13,14 @@ use crate::world::hall_map::HallMap;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseView {
-    /// Where the last completed order left the robot.
+    /// The place and heading of the robot at the end of its last completed order.
     pub stands: BasePose,
-    /// Whether the robot stands away from `stands`, and has to be recentred first.
+    /// Whether the robot is away from `stands` and must be recentred first.
     pub off_centre: bool,
     /// The order that the robot has not answered.
     pub open: Option<Action>,
-    /// Number of consecutive orders, of any kind, that the robot answered by `Failed` or not at all. Any other answer
-    /// resets the count.
+    /// Number of consecutive orders, of any kind, that the robot answered with `Failed` or did not answer. Any other
+    /// answer resets the count.
     pub failures: u32,
     pub arm: ArmState,
 }
@@ -28,15 +28,14 @@ pub struct BaseView {
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     pub map: &'a HallMap,
-    /// Whether home leads on to the places outside.
+    /// Whether a way leads from home to the places outside.
     pub way_out: bool,
-    /// Places of robots outside the pair, which both avoid.
+    /// The places of other robots, which both robots of the pair avoid.
     pub others: &'a [Place],
-    /// The known cells of the piece that is to be fetched next; none when nothing is left to fetch. While the piece is
+    /// The known cells of the piece that is to be fetched next; empty if nothing is left to fetch. While the piece is
     /// held, these are the cells that it has left free.
     pub piece: &'a BTreeSet<Cell>,
-    /// The only piece that may be fetched, if there is just one: another piece counts neither as recognised nor as
-    /// held.
+    /// The only piece that may be fetched, if there is just one. No other piece then counts as recognised or as held.
     pub wanted: Option<Piece>,
     /// Where the parcel is to be put: the target area, or the container.
     pub target: Place,

@@ -1,5 +1,5 @@
-//! Ways for the pair: of one base alone, of both with a parcel between them, and the places from which they lift it.
-//! The turns of a base are in `steer`; what happens when there is no way is decided elsewhere.
+//! Ways for the pair: ways of one base alone, ways of both bases with a parcel between them, and the places from
+//! which they lift it. `steer` has the turns of a base. Other modules decide what happens if there is no way.
 //!
 //! ```text
 //!   a train is led by one of its bases; the others follow, each to where the one before it was:
@@ -8,8 +8,8 @@
 //!   . 1 P 2 .   ─ 1 leads north ►  . P 2 . .
 //! ```
 //!
-//! A search begins at the one place that is fixed, mostly the end of the way, so that it answers for all places at the
-//! other end. Unknown cells are taken to be free, as in the search of the hall, but a way through known cells is
+//! A search begins at the fixed place, which is mostly the end of the way. One search then answers for all places at
+//! the other end. Unknown cells are assumed to be free, as in the search of the hall. A way through known cells is
 //! preferred to a way that is a little shorter. A robot that meets an obstacle asks again.
 
 use std::cmp::Reverse;
@@ -19,40 +19,41 @@ use crate::place::Place;
 use crate::units::Cell;
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
-/// The cost of a step into a cell in which no robot has been, as a multiple of other steps: a parcel that may explode
+/// The cost of a step into a cell in which no robot has been, as a multiple of other steps. A parcel that may explode
 /// is carried round such cells, unless the detour is long.
 const UNKNOWN: u32 = 5;
 
-/// Number of cells that ways may lead beyond the known area, so that a train has room to turn at any corner of it.
+/// Number of cells that a way may lead beyond the known area. With this margin, a train has room to turn at any
+/// corner of the area.
 const MARGIN: i32 = 4;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Floor<'a> {
     pub map: &'a HallMap,
-    /// Whether home leads on to the places outside.
+    /// Whether a way leads from home to the places outside.
     pub way_out: bool,
     /// The cells of the piece, which are free once it is lifted.
     pub freed: &'a BTreeSet<Cell>,
-    /// Places that nobody may enter, because robots stand there.
+    /// Places that no base may enter, because robots stand there.
     pub taken: &'a [Place],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Train {
-    /// The places of SRM1 and of SRM2, each beside the parcel, and not the same.
+    /// The places of SRM1 and of SRM2. Both are beside the parcel, and they are not the same.
     pub bases: [Place; 2],
     pub parcel: Place,
 }
 
 impl Train {
-    /// The train after one base has led one step into a place, and the others have followed.
+    /// Returns the train after one base has led one step into a place, and the others have followed.
     fn step(self, leader: usize, to: Place) -> Train {
         let mut bases = [self.parcel; 2];
         bases[leader] = to;
         Train { bases, parcel: self.bases[leader] }
     }
 
-    /// The base that leads from this train to the next train, and where it goes.
+    /// Returns the base that leads from this train to the next train, and the place to which it goes.
     #[must_use]
     pub fn leader(self, next: Train) -> (usize, Place) {
         let leader = usize::from(next.bases[1] != self.parcel);
@@ -62,15 +63,15 @@ impl Train {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stands {
-    /// The cell of the piece beside which both stand, and over which the piece is carried.
+    /// The cell of the piece at which it is gripped and carried. Both bases stand beside this cell.
     pub grip: Cell,
     /// The cells of the two bases, in the order in which the bases were given.
     pub bases: [Cell; 2],
 }
 
 impl Floor<'_> {
-    /// The places on a base's way from `from` to `to`, without the first and with the last; `None` when there is no
-    /// way.
+    /// Returns the places on a base's way from `from` to `to`, without the first and with the last; `None` if there
+    /// is no way.
     #[must_use]
     pub fn approach(&self, from: Place, to: Place) -> Option<Vec<Place>> {
         if from == to {
@@ -84,14 +85,14 @@ impl Floor<'_> {
         self.costs_of_a_base(area, to, |place| place == from).way(area, from, |place| place == to, next)
     }
 
-    /// The places from which to lift a piece that covers these cells. The first base and then the second can get there
-    /// from `bases`, both can carry the piece to `drop`, and the way in all is shortest. `None` if the known map has no
-    /// such places.
+    /// Returns the places from which to lift a piece that covers these cells. The bases can get there from `bases`,
+    /// first the first base and then the second. Both can then carry the piece to `drop`, and the total way is the
+    /// shortest. `None` if the known map has no such places.
     #[must_use]
     pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
         let area = self.area(bases.into_iter().chain([drop]).chain(piece.iter().copied().map(Place::Cell)));
         let carrying = self.costs_of_a_train(area, drop, |_| false);
-        // The piece's own cells are free only for the train.
+        // Only a train may enter the cells of the piece. A single base may not.
         let standing = Floor { freed: &BTreeSet::new(), ..*self };
         let taken = self.taken_too(bases[1]);
         let first = Floor { taken: &taken, ..standing }.costs_of_a_base(area, bases[0], |_| false);
@@ -115,8 +116,8 @@ impl Floor<'_> {
         best.map(|(_, stands)| stands)
     }
 
-    /// The trains on the way from this train to a train whose parcel is at `drop`, without the first; `None` when there
-    /// is no way.
+    /// Returns the trains on the way from this train to a train whose parcel is at `drop`, without the first; `None`
+    /// if there is no way.
     #[must_use]
     pub fn carry(&self, train: Train, drop: Place) -> Option<Vec<Train>> {
         let area = self.area(train.bases.into_iter().chain([train.parcel, drop]));
@@ -132,13 +133,13 @@ impl Floor<'_> {
         self.taken.iter().copied().chain(in_hall).collect()
     }
 
-    /// All known cells and the cells among these places, with a margin.
+    /// Returns the area of all known cells and the cells among these places, with a margin.
     fn area(&self, places: impl IntoIterator<Item = Place>) -> Bounds {
         let cells = places.into_iter().filter_map(Place::cell);
         cells.fold(self.map.known_bounds().including(Cell::HOME), Bounds::including).grown(MARGIN)
     }
 
-    /// `None` where nobody can enter.
+    /// Returns the cost of a step to this place; `None` if nobody can enter it.
     fn cost(&self, place: Place) -> Option<u32> {
         let Place::Cell(cell) = place else { return self.way_out.then_some(1) };
         if self.taken.contains(&place) {
@@ -157,8 +158,8 @@ impl Floor<'_> {
         place.neighbours(self.way_out).filter(inside).filter(|next| self.cost(*next).is_some())
     }
 
-    /// The trains one step on, whichever base leads. No base enters a place of its own train, not even the place that
-    /// the last base is just leaving.
+    /// Returns the trains one step away, with either base as the leader. No base enters a place of its own train, not
+    /// even the place that the last base is just leaving.
     fn next_trains(&self, area: Bounds, train: Train) -> impl Iterator<Item = Train> {
         let clear = move |to: &Place| *to != train.parcel && !train.bases.contains(to);
         [0, 1].into_iter().flat_map(move |leader| {
@@ -173,7 +174,8 @@ impl Floor<'_> {
         })
     }
 
-    /// Searches from `drop`. A train can take back every step, so a way that leads away from `drop` also leads to it.
+    /// Searches from `drop` to all trains. A train can take back every step, so a way that leads away from `drop`
+    /// also leads to it.
     fn costs_of_a_train(&self, area: Bounds, drop: Place, is_enough: impl Fn(Train) -> bool) -> Costs {
         let free = |place: &Place| self.cost(*place).is_some();
         let beside: Vec<Place> = drop.neighbours(self.way_out).filter(free).collect();
@@ -228,7 +230,7 @@ impl Node for Place {
     }
 }
 
-/// Number of places beside a parcel where a base can stand: in the four directions, further out, and further in.
+/// Number of sides of a parcel on which a base can stand: the four directions, further out, and further in.
 const SIDES: usize = 6;
 const OUTWARDS: usize = 4;
 const INWARDS: usize = 5;
@@ -248,7 +250,7 @@ impl Node for Train {
     }
 }
 
-/// The side of `of` on which `other` lies, numbered as at `SIDES`.
+/// Returns the side of `of` on which `other` is, with the numbers of `SIDES`.
 fn side(of: Place, other: Place) -> usize {
     match (of, other) {
         (Place::Cell(of), Place::Cell(other)) => of.neighbours().iter().position(|cell| *cell == other).unwrap_or(0),
@@ -267,14 +269,14 @@ fn at_side(of: Place, side: usize) -> Place {
     }
 }
 
-/// The least cost from every place, or every train, of an area to where a search began.
+/// The lowest cost from every place, or every train, of an area back to the beginning of a search.
 struct Costs(Vec<u32>);
 
 impl Costs {
     const NONE: u32 = u32::MAX;
 
-    /// Stops at the first node for which `is_enough` holds: the costs from there back to `begin` are known by then.
-    /// `next` adds the steps from a node.
+    /// Searches from `begin`, and stops at the first node for which `is_enough` holds. The costs from that node back
+    /// to `begin` are then known. `next` adds the steps from a node.
     fn search<N: Node>(
         area: Bounds,
         begin: impl IntoIterator<Item = N>,
@@ -313,8 +315,8 @@ impl Costs {
         self.0.get(node.number(area)).copied().filter(|cost| *cost != Costs::NONE)
     }
 
-    /// The way from `from` to a beginning of the search, always by the node with the least cost, the step to it
-    /// included.
+    /// Returns the way from `from` to a beginning of the search. It always takes the node with the lowest cost,
+    /// including the step to that node.
     fn way<N: Node>(
         &self,
         area: Bounds,

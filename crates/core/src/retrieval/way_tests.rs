@@ -1,4 +1,4 @@
-//! The ways of the pair, in drawings and against an independent search.
+//! Tests of the ways of the pair, with drawings and against an independent search.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -6,8 +6,8 @@ use super::*;
 use crate::rng::RandomStream;
 use crate::units::Revision;
 
-/// A hall from a drawing: `.` visited, `?` unknown, `#` wall, `b` the piece, `o` another piece; the first cell is (0,
-/// 0), home.
+/// A hall from a drawing: `.` is visited, `?` unknown, `#` wall, `b` the piece, `o` another piece. The first cell is
+/// (0, 0), home.
 struct Drawn {
     map: HallMap,
     piece: BTreeSet<Cell>,
@@ -88,7 +88,7 @@ fn a_piece_with_one_free_side_cannot_be_fetched() {
 
 #[test]
 fn srm1_goes_to_the_far_side_where_it_would_bar_the_way() {
-    // Both stands are at the end of one lane: whoever is first goes further.
+    // Both places are at the end of one lane, so the first base there goes further in.
     let (stands, _) =
         walled(&[".....", "####.", "##b..", "##..#"]).fetch().expect("the far side is reached by way of the near one");
     assert_eq!(stands.bases, [Cell::new(2, 3), Cell::new(3, 2)]);
@@ -139,13 +139,13 @@ fn without_a_way_out_a_parcel_is_carried_from_cell_to_cell() {
     assert_eq!(floor.stands([at(0, 0), at(0, 2)], &drawn.piece, Place::ENTRANCE), None);
 }
 
-/// Whether the piece can be fetched at all: every standing pair that two bases can reach, one after the other, and from
-/// each every train that it can become, until one has its parcel outside. It uses nothing of the code above: it works
-/// on drawings, with letters.
+/// Whether the piece can be fetched at all. It tries every pair of places that the two bases can reach, one after the
+/// other. From each pair it tries every train that can follow, until one has its parcel outside. It uses nothing of
+/// the code above, but works on the letters of drawings.
 fn can_be_fetched(rows: &[Vec<char>]) -> bool {
     type Spot = (i32, i32);
     const HOME: Spot = (0, 0);
-    /// Outside, one and two steps from home.
+    /// Places outside, one and two steps from home.
     const GATE: Spot = (1000, 0);
     const FAR: Spot = (1001, 0);
     let letter = |(x, y): Spot| {

@@ -1,14 +1,14 @@
-//! The default strategy: it uses the strategy that does best in a hall like this one, as far as the hall is known. To
-//! find luggage soon, the search begins along the walls, and continues there if luggage stands there. Otherwise the
-//! tuned score does best, with weights for this kind of hall.
+//! The default strategy. It uses the strategy that is best for a hall like this one, as far as the hall is known. To
+//! find luggage soon, the search begins along the walls. It continues there if luggage stands along the walls.
+//! Otherwise it uses the tuned score, with weights for this kind of hall.
 
 use super::entries::Visit;
 use super::view::{Objective, View};
 use super::ways::Ways;
 use super::{scored, spiral};
 
-/// Number of cells along walls that are looked at before the strategy decides where luggage stands. A larger number
-/// would find luggage sooner in halls that are lined with it, and later in all other halls.
+/// Number of cells along walls to look at before deciding where luggage stands. With a larger number, luggage along
+/// the walls would be found sooner, and luggage in all other halls would be found later.
 const LOOKED_AT: u32 = 50;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

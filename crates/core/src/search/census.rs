@@ -1,8 +1,8 @@
-//! Counts where luggage stands, as far as it is known: along walls, or inside the hall. From these counts a search
-//! draws its expectations about the rest of the hall.
+//! Counts where the known luggage stands: along walls, or inside the hall. From these counts, a search estimates
+//! where more luggage stands.
 
-/// Counts of visited cells and of cells with luggage. A cell is along a wall when one of the eight cells round it is
-/// known to be wall; all other cells are inside.
+/// Counts of visited cells and of cells with luggage. A cell is along a wall if one of the eight cells round it is
+/// known to be wall. All other cells are inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Census {
     pub(super) visited_along: u32,
@@ -13,26 +13,26 @@ pub struct Census {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Terrain {
-    /// Hardly any luggage inside.
+    /// Hardly any luggage inside the hall.
     Open,
-    /// Some luggage, or too little is known.
+    /// Some luggage, or not enough is known yet.
     Usual,
-    /// Luggage everywhere.
+    /// Much luggage in the whole hall.
     Dense,
 }
 
-/// Cells added to every count, a tenth of them luggage: the assumption before anything is known.
+/// Cells that are added to every count, one tenth of them luggage. This is the assumption before anything is known.
 const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 
-/// In percent: a hall with less luggage than `OPEN` inside is open; a hall with more luggage than `DENSE` in all is
-/// dense.
+/// Limits for the share of luggage, in percent. A hall with a smaller share than `OPEN` inside is open. A hall with a
+/// larger share than `DENSE` in total is dense.
 const OPEN: u64 = 7;
 const DENSE: u64 = 15;
 
-/// Least number of pieces along the walls that says anything.
+/// Minimum number of pieces along the walls from which anything is concluded.
 const FEW: u32 = 4;
 
-/// `cells` includes the cells with luggage.
+/// Number of cells with luggage, and number of all cells. `cells` includes the cells with luggage.
 #[derive(Clone, Copy)]
 struct Share {
     luggage: u32,
@@ -44,7 +44,7 @@ impl Share {
         Share { luggage: self.luggage + IMAGINED.luggage, cells: self.cells + IMAGINED.cells }
     }
 
-    /// Luggage in percent of the cells, rounded down.
+    /// Returns the share of luggage in percent of the cells, rounded down.
     const fn hundredths(self) -> u64 {
         self.luggage as u64 * 100 / self.cells as u64
     }
@@ -92,7 +92,8 @@ impl Census {
         }
     }
 
-    /// Whether luggage is half again as frequent along the walls as inside.
+    /// Whether luggage is more than 1.5 times as frequent along the walls as inside, with at least `FEW` pieces along
+    /// the walls.
     #[must_use]
     pub fn is_lined(self) -> bool {
         let inside = self.inside().guessed();

@@ -1,5 +1,5 @@
-//! To and fro, column after column (boustrophedon): along a column as far as it goes, then into the column beside it.
-//! Cells left behind an obstacle are visited when nothing is nearer.
+//! Searches column by column, in turn up and down (boustrophedon). The robot drives along a column as far as
+//! possible, then into the next column. Cells that were left behind an obstacle are visited when nothing is nearer.
 
 use super::entries::{CellEntry, Visit, best_entry};
 use super::view::View;

@@ -1,34 +1,35 @@
-//! The costs of moves, so that a search can weigh steps, turns and bumps against each other.
+//! The costs of moves. With these costs, a search compares steps, turns and bumps.
 
 use std::fmt;
 use std::time::Duration;
 
-/// The cost of each kind of move, in quarters of a step: small whole numbers, so that a search can sort by them.
+/// The cost of each kind of move, in quarters of a step. These are small whole numbers, so that a search can sort by
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
     pub turn: u32,
-    /// A step that meets an obstacle, and the way back.
+    /// A step that meets an obstacle, including the way back.
     pub bump: u32,
 }
 
-/// The cost of one step forward, in the same unit. The score has tables over the cost of a way in this unit, so another
-/// unit would make another score.
+/// The cost of one step forward, in quarters of a step. The tables of the score use the cost of a way in this unit,
+/// so another unit would change the score.
 pub const STEP: u32 = 4;
 
-/// Greatest cost of a turn: it bounds the memory of a search.
+/// Maximum cost of a turn or a bump. It limits the memory of a search.
 const MOST: u32 = 100;
 
 impl Costs {
-    /// The costs for a robot with these times for a step and a quarter turn, rounded to quarters of a step. A bump
-    /// takes about a step.
+    /// Returns the costs for a robot with these times for a step and a quarter turn, rounded to quarters of a step. A
+    /// bump takes about as long as a step.
     #[must_use]
     pub fn of(step: Duration, turn: Duration) -> Costs {
         let steps = turn.as_secs_f64() / step.as_secs_f64().max(1e-3);
         Costs { turn: units(steps), bump: STEP }
     }
 
-    /// The costs with these weights, rounded to quarters of a step. `None` if a step weighs nothing, or if a turn or a
-    /// bump weighs more than 25 steps.
+    /// Returns the costs with these weights, rounded to quarters of a step. `None` if a step weighs nothing, or if a
+    /// turn or a bump weighs more than 25 steps.
     #[must_use]
     pub fn weighed(step: f64, turn: f64, bump: f64) -> Option<Costs> {
         let in_steps = [turn / step, bump / step];
@@ -37,7 +38,7 @@ impl Costs {
         are_sound.then(|| Costs { turn: units(in_steps[0]), bump: units(in_steps[1]) })
     }
 
-    /// Parses `STEP,TURN,BUMP`, such as `1,1.5,1`; `None` unless the text is three valid weights.
+    /// Parses `STEP,TURN,BUMP`, such as `1,1.5,1`. Returns `None` unless the text has three valid weights.
     #[must_use]
     pub fn read(written: &str) -> Option<Costs> {
         let numbers: Option<Vec<f64>> = written.split(',').map(|number| number.trim().parse().ok()).collect();
@@ -48,18 +49,18 @@ impl Costs {
     pub const EVEN: Costs = Costs { turn: STEP, bump: STEP };
 }
 
-/// From quarters of a step, the unit of `Costs`, to thousandths, the unit of the score.
+/// Converts quarters of a step (the unit of `Costs`) to thousandths of a step (the unit of the score).
 pub(crate) fn in_thousandths(cost: u32) -> i32 {
     i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
 }
 
-/// The greatest cost of a way within this many thousandths of a step.
+/// Returns the highest cost of a way that is at most this many thousandths of a step.
 pub(crate) fn affordable(thousandths: i32) -> u32 {
     let thousandths = u64::try_from(thousandths).unwrap_or(0);
     u32::try_from(thousandths * u64::from(STEP) / 1000).unwrap_or(u32::MAX)
 }
 
-/// The form that `read` accepts: `STEP,TURN,BUMP` in steps.
+/// Writes the form that `read` accepts: `STEP,TURN,BUMP`, in steps.
 impl fmt::Display for Costs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let steps = |cost: u32| f64::from(cost) / f64::from(STEP);

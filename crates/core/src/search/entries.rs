@@ -1,5 +1,5 @@
-//! The entries of a grid: places from which an unknown cell can be entered, or a piece that is still to be inspected
-//! can be met. Every strategy except the snail weighs entries in its own way.
+//! The entries of a grid. An entry is a place from which the robot can enter an unknown cell, or can meet a piece
+//! that is not inspected yet. Every strategy except the snail weighs entries in its own way.
 
 use super::costs::{affordable, in_thousandths};
 use super::far::turn;
@@ -11,20 +11,21 @@ use crate::units::{Cell, Heading};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellEntry {
-    /// The state from which the target is entered, and the way to that state.
+    /// The cell and heading from which the target is entered, with the cost of the way there.
     pub(crate) at: Reached,
     pub(crate) target: Spot,
 }
 
-/// A cell to enter, and the moves that lead into it, the last step included.
+/// A cell to enter, and the moves that lead into it, including the last step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Visit {
     pub(crate) cell: Cell,
     pub(crate) route: Vec<Move>,
 }
 
-/// The entry with the least sum of the way there, in thousandths of a step, and its worth. `worth` is lower for cells
-/// that should come sooner. `worth` is never below `least`, so the search ends once no later entry can be better.
+/// Returns the entry with the lowest sum of its way and its `worth`, both in thousandths of a step. `worth` is lower
+/// for cells that should be visited sooner. It is never below `least`, so the search ends once no later entry can be
+/// better.
 pub(crate) fn best_entry(
     view: &View<'_>,
     ways: &mut Ways,
@@ -75,7 +76,7 @@ pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) ->
     }
 }
 
-/// The nearest entry by steps alone, however far away.
+/// Returns the nearest entry by number of steps, at any distance.
 fn far(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Option<Visit> {
     let grid = view.grid;
     let opens = |spot: Spot| {

@@ -1,11 +1,11 @@
-//! Ways that lead far, counted in steps alone, cell by cell, without the cost of turns. In a hall of a million cells
-//! such a way is found in a few milliseconds. Of ways with equally many steps, one that goes straight on is chosen.
+//! Finds long ways. Only steps count, cell by cell, without the cost of turns. In a hall of a million cells, such a
+//! way is found in a few milliseconds. Among ways with equally many steps, a way that goes straight on is chosen.
 
 use super::grid::{Grid, Spot, onward};
 use crate::command::Move;
 use crate::units::{Heading, Pose};
 
-/// Reuses its working memory for the next search.
+/// Searches for ways by steps. Its working memory is reused for the next search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
     /// The state of each cell in this search, in one byte, so that a large hall fits into the processor's cache.
@@ -18,8 +18,8 @@ const UNTOUCHED: u8 = 0;
 
 const SHUT: u8 = 1;
 
-/// The marks of the waves go up by one and start again after three: neighbours are at most one wave apart, so the mark
-/// tells which of them was reached before.
+/// The marks of the waves. Each wave has the next mark, and `FIRST` comes again after `LAST`. Three marks are enough,
+/// because neighbours are at most one wave apart.
 const FIRST: u8 = 2;
 const LAST: u8 = 4;
 
@@ -35,7 +35,7 @@ impl Steps {
         Some(self.trace(grid, start, end))
     }
 
-    /// Spreads in waves, so that the first wanted cell that is reached is among the nearest.
+    /// Spreads over the cells in waves. The first wanted cell that is reached is therefore one of the nearest.
     fn flood(
         &mut self,
         grid: &Grid,
@@ -75,7 +75,7 @@ impl Steps {
         None
     }
 
-    /// Traces the way back from its end, straight on where that is as short.
+    /// Traces the way back from its end. It goes straight on where this needs no more steps.
     fn trace(&self, grid: &Grid, start: Pose, end: Spot) -> (Pose, Vec<Move>) {
         let (from, mut spot) = (grid.spot(start.cell), end);
         let mut headings: Vec<Heading> = Vec::new();
@@ -119,7 +119,7 @@ mod tests {
     use crate::units::Cell;
     use crate::world::hall_map::Bounds;
 
-    /// A way by steps alone has as few steps as the exact one, and leads where it should.
+    /// Checks that a way by steps has as few steps as the exact way, and leads to the right cell.
     #[test]
     fn a_far_way_takes_as_few_steps_as_there_are() {
         let mut dice = crate::rng::RandomStream::new(3, "far");

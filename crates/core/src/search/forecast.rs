@@ -1,44 +1,45 @@
-//! Estimates how much of a search is left, as a range: from the unknown part of the hall inside the known walls, and
-//! from the pace so far. The bounds of the range come from random halls; `hallsweep-evaluation evaluate --time-left`
-//! measures how often they hold on other halls.
+//! Estimates how much of a search is left, as a range. It uses the unknown part of the hall inside the known
+//! walls, and the pace so far. The bounds of the range come from random halls.
+//! `hallsweep-evaluation evaluate --time-left` measures how often they are right in other halls.
 
 use super::grid::{Grid, Square};
 use crate::command::Strategy;
 use crate::units::Cell;
 
-/// A range of the remaining effort, in the unit of the pace.
+/// A range of the remaining effort, in the unit of `a_cell` (the effort per cell).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Effort that is rarely undercut; `hallsweep-evaluation evaluate --time-left` measures how often.
+    /// Lower bound. The real effort is rarely smaller; `hallsweep-evaluation evaluate --time-left` measures how
+    /// often.
     pub least: f64,
-    /// Effort that is rarely exceeded; `None` while a side of the hall is not known to end.
+    /// Upper bound. The real effort is rarely larger. `None` while it is not known that every side of the hall ends.
     pub most: Option<f64>,
 }
 
-/// Least number of cells that gives a pace.
+/// Minimum number of cells from which a pace is calculated.
 pub const FEW: u32 = 8;
 
-/// A side of the hall counts as known to end if at least this share of it is known to be wall.
+/// Minimum known share of wall on a side of the hall. From this share on, the side counts as an end of the hall.
 const ENDS: f64 = 0.25;
 
-/// Factor for the least remaining effort while the hall may go on. It multiplies the effort for the unknown cells at
+/// Factor for the lower bound while the hall may extend further. It multiplies the effort for the unknown cells at
 /// the pace so far.
 const OPEN: f64 = 0.65;
 
-/// Factors for a hall whose ends are known. Each row has the known share up to which it holds, the least factor and the
-/// greatest.
+/// Factors for a hall whose ends are known. Each row has the known share up to which it applies, the factor of the
+/// lower bound, and the factor of the upper bound.
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
 struct Extent {
-    /// Cells inside, without walls.
+    /// Number of cells inside the walls.
     cells: u32,
     known: u32,
     is_closed: bool,
 }
 
-/// The remaining effort of a robot at `from`, at `a_cell` per cell; `None` when nothing that can be reached is open, so
-/// that the robot goes home.
+/// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. Returns `None` if nothing that
+/// can be reached is open, so that the robot goes home.
 #[must_use]
 pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
     if !grid.has_open() {
@@ -47,7 +48,7 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
     let extent = Extent::of(grid);
     let way_home = f64::from(from.x.abs() + from.y.abs());
     let at_this_pace = a_cell * (f64::from(extent.cells - extent.known) + way_home);
-    // The snail goes home more often the larger the hall turns out to be.
+    // In a larger hall, the snail goes home more often.
     if !extent.is_closed || strategy == Strategy::Snail {
         return Some(Forecast { least: OPEN * at_this_pace, most: None });
     }
@@ -57,7 +58,7 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
 }
 
 struct Span {
-    /// Number of known wall cells in its two outermost lines.
+    /// Number of known wall cells in each of its two outermost lines.
     walls: [u32; 2],
     inside: u32,
 }
@@ -71,7 +72,8 @@ impl Span {
         Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
     }
 
-    /// Whether at least the share `ENDS` of each outermost line, which has `length` cells, is known to be wall.
+    /// Whether each of the two outermost lines is known to have at least the share `ENDS` of wall cells. A line has
+    /// `length` cells.
     fn ends(&self, length: u32) -> bool {
         self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))
     }
@@ -95,7 +97,8 @@ impl Extent {
 mod tests {
     use super::*;
 
-    /// Known so far: `.` visited, `#` wall, `T` luggage, a space nothing; home in the middle of the first line.
+    /// Returns a grid from a drawing: `.` is visited, `#` wall, `T` luggage, and a space unknown. Home is in the
+    /// middle of the first line.
     fn grid(rows: &[&str]) -> Grid {
         let mut grid = Grid::of(&crate::world::hall_map::HallMap::new(Cell::HOME, crate::units::Revision(1)));
         for (y, row) in (0..).zip(rows) {

@@ -1,5 +1,5 @@
-//! The nearest unknown cell, with the pocket rule: a cell with more unvisited neighbours comes later, so that few lone
-//! cells are left behind to come back for.
+//! Chooses the nearest unknown cell. By the pocket rule, a cell with more unvisited neighbours is chosen later. Then
+//! few single cells are left behind that need a second trip.
 
 use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;
@@ -7,7 +7,8 @@ use super::view::View;
 use super::ways::Ways;
 use crate::units::Heading;
 
-/// Penalty for each unvisited neighbour of a cell, in thousandths of a step; 2000 to 3000 do about as well.
+/// Penalty for each unvisited neighbour of a cell, in thousandths of a step. Values from 2000 to 3000 work equally
+/// well.
 const NEIGHBOUR: i32 = 2500;
 
 pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {

@@ -1,6 +1,6 @@
-//! The occupancy grid that a search reads: one byte per cell in one block of memory. Spare room on every side makes a
-//! look round a cell a few plain reads. The map that the doors show is in `crate::world::hall_map`; both receive the
-//! same marks.
+//! The occupancy grid that a search reads: one byte per cell in one block of memory. With spare memory on every side,
+//! the cells round a cell can be read without checks. The map that the interfaces show is in
+//! `crate::world::hall_map`. Both get the same marks.
 
 use super::census::Census;
 use crate::units::{Cell, Heading};
@@ -10,7 +10,7 @@ use crate::world::hall_map::{Bounds, HallMap, Mark, is_in_reach};
 #[repr(u8)]
 pub enum Square {
     Unknown = 0,
-    /// Seen to be free, and not visited yet.
+    /// The cell was seen to be free, but not visited yet.
     Seen = 1,
     Visited = 2,
     /// A wall, or anything else that is not luggage.
@@ -24,14 +24,15 @@ impl Square {
         matches!(self, Square::Unknown | Square::Seen | Square::Target)
     }
 
-    /// Whether it is known which obstacle stands there.
+    /// Whether the kind of the obstacle is known.
     #[must_use]
     pub const fn is_settled(self) -> bool {
         matches!(self, Square::Obstacle | Square::Luggage)
     }
 }
 
-/// Distance from the edge of the memory beyond which the cells round a cell can be read without a check of the bounds.
+/// Minimum distance of a cell from the edge of the memory. From this distance on, the cells round it can be read
+/// without a check of the bounds.
 pub(crate) const RIM: i32 = 8;
 
 /// Number of spare cells on every side of the known cells in a new grid.
@@ -53,7 +54,7 @@ pub struct Grid {
     room: Bounds,
     known: Bounds,
     counts: Counts,
-    /// One step to the north, east, south and west, as a distance in memory.
+    /// The distance in memory of one step to the north, east, south and west.
     steps: [isize; 4],
 }
 
@@ -71,7 +72,7 @@ impl Grid {
             steps: [-width, 1, width, -1],
         };
         if !is_in_reach(room.least) || !is_in_reach(room.most) {
-            // Cells beyond the reach are never stored, so a search that counted them as unknown would never end.
+            // Cells beyond the reach are never stored. If they counted as unknown, a search would never end.
             for spot in 0..size {
                 if !is_in_reach(grid.cell(spot)) {
                     grid.squares[spot] = Square::Obstacle;
@@ -133,7 +134,7 @@ impl Grid {
         self.counts.census
     }
 
-    /// The contribution of a cell and its neighbours to the counts.
+    /// Returns what a cell and its neighbours contribute to the counts.
     fn counts_round(&self, spot: Spot) -> Counts {
         let around = |spot: Spot| self.steps.into_iter().map(move |step| onward(spot, step));
         let is_at_edge =
@@ -145,7 +146,7 @@ impl Grid {
         }
     }
 
-    /// The contribution of a cell and the eight cells round it to the census.
+    /// Returns what a cell and the eight cells round it contribute to the census.
     fn census_round(&self, spot: Spot) -> Census {
         let down = self.steps[2];
         let around = |spot: Spot| {
@@ -165,7 +166,7 @@ impl Grid {
         census
     }
 
-    /// The least rectangle with home and every cell of which anything was ever known.
+    /// Returns the smallest rectangle with home and every cell of which anything was ever known.
     pub(crate) const fn known(&self) -> Bounds {
         self.known
     }
@@ -180,7 +181,7 @@ impl Grid {
         if self.has_room_for(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
     }
 
-    /// Doubles the memory on every side that is too near to the cell.
+    /// Doubles the memory on every side whose edge is too near to the cell.
     fn make_room(&mut self, cell: Cell) {
         let (room, more) = (self.room, self.room.width().max(self.room.height()));
         let mut wider = room.grown(-RIM - 1).including(cell);
@@ -226,7 +227,7 @@ impl Grid {
         self.squares[spot]
     }
 
-    /// Distance in memory to the next cell in this direction.
+    /// Returns the distance in memory to the next cell in this direction.
     pub(crate) const fn step(&self, heading: Heading) -> isize {
         self.steps[heading as usize]
     }
@@ -241,7 +242,7 @@ mod tests {
     use super::*;
     use crate::rng::RandomStream;
 
-    /// Counts that are updated with each mark equal a fresh count, even when the memory has grown on the way.
+    /// Counts that are updated with each mark must equal a fresh count, even if the memory has grown meanwhile.
     #[test]
     fn the_counts_follow_every_mark() {
         const SQUARES: [Square; 6] =

@@ -1,6 +1,6 @@
 //! The order in which a hall is searched: one file per strategy, one list of all strategies, and the ways that they
-//! use. A strategy reads a view and says what to do next; it performs nothing. This module ensures for all strategies
-//! that nothing reachable is left out.
+//! use. A strategy reads a view and returns what to do next. It moves nothing. This module ensures that no strategy
+//! leaves out anything reachable.
 //!
 //! ```text
 //!   map ─ marks ─► Grid ─┐
@@ -37,7 +37,7 @@ use crate::command::Strategy;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Search {
     Snail(Snail),
-    /// A strategy without memory.
+    /// A strategy that stores no progress.
     Of(Strategy),
 }
 
@@ -47,8 +47,8 @@ impl Strategy {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
     }
 
-    /// Whether the strategy has to be asked as soon as anything new is seen. Other strategies go on to their chosen
-    /// goal, and are asked only when it is reached or proves blocked.
+    /// Whether the strategy must be asked again as soon as anything new is seen. Other strategies keep their chosen
+    /// goal. They are asked only when the goal is reached or proves to be blocked.
     #[must_use]
     pub const fn heeds_news(self) -> bool {
         matches!(self, Strategy::Auto | Strategy::Scored)
@@ -77,7 +77,7 @@ impl Search {
         }
     }
 
-    /// The strategy's progress, as plain numbers for the record.
+    /// Returns the strategy's progress, as plain numbers for the record.
     #[must_use]
     pub fn notes(&self) -> Vec<i64> {
         match self {
@@ -86,7 +86,8 @@ impl Search {
         }
     }
 
-    /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
+    /// Returns the next goal. It is called when the last goal is reached, has turned out to be an obstacle, or cannot
+    /// be reached.
     pub fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
         let visit = match self {
             Search::Snail(snail) => return snail.next(view, ways),
@@ -100,7 +101,8 @@ impl Search {
     }
 }
 
-/// Ensures completeness: a strategy may propose nothing more although the hall is not searched completely.
+/// Returns the proposed goal. If there is no proposal but the hall is not searched completely, returns the nearest
+/// open place.
 fn guarded(proposed: Option<Visit>, view: &View<'_>, ways: &mut Ways) -> NextGoal {
     match proposed.or_else(|| nearest(view, ways, |_| true)) {
         Some(Visit { cell, route }) => NextGoal::Visit(cell, route),
@@ -117,7 +119,7 @@ mod tests {
     use crate::units::{Cell, Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
-    /// What a robot at home, with these walls round it, does when its strategy proposes this.
+    /// Returns what a robot at home does, with these walls round it, when its strategy proposes `proposed`.
     fn next(walls: &[Cell], proposed: Option<Visit>) -> NextGoal {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
         for wall in walls {

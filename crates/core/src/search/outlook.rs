@@ -1,13 +1,13 @@
-//! The outlook of an unknown cell: the cells round it, seen in the direction in which the robot would enter it, as the
-//! numbers that `scored` weighs. Left and right count alike: an outlook is mirrored so that the heavier side lies on
-//! the right.
+//! The outlook of an unknown cell: the cells round it, seen in the direction in which the robot would enter it.
+//! `scored` weighs the outlook as numbers. Left and right count alike: an outlook is mirrored so that the heavier
+//! side is on the right.
 //!
 //! ```text
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
 //!      aside  −2, −1 left of that line, 0 on it, 1, 2 right
 //! ```
-//! A cell counts as unknown (0), as visited (1) or as blocked (2). A cell that was only seen counts as unknown where
-//! the hall is to be covered, and as visited where luggage is to be found.
+//! A cell counts as unknown (0), as visited (1) or as blocked (2). If the hall is to be covered, a cell that was only
+//! seen counts as unknown. If luggage is to be found, it counts as visited.
 
 use super::entries::CellEntry;
 use super::grid::{Grid, Spot, Square, onward};
@@ -24,11 +24,11 @@ const BLOCKED: u8 = 2;
 pub struct Outlook {
     /// The values of the linear part, in the order of `LINEAR_NAMES`, in thousandths.
     pub linear: [i16; LINEAR],
-    /// The row in each table, counted from the first row of all.
+    /// The row in each table. Rows are numbered over all tables together.
     pub rows: [u32; TABLES.len()],
 }
 
-/// The direction of an entry, relative to the heading of the robot where it stands.
+/// The direction of an entry, compared with the robot's heading at its present place.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Turn {
     StraightOn,
@@ -44,11 +44,11 @@ pub(crate) struct Looking<'a> {
     heading: Heading,
     cell: Cell,
     gait: Gait,
-    /// What a cell that was only seen counts as.
+    /// The value of a cell that was only seen.
     seen: u8,
 }
 
-/// A place in the window: ahead of the target, and aside.
+/// A place in the window: number of cells ahead of the target, and number of cells to the side.
 type WindowPosition = (isize, isize);
 
 struct Sight<'a> {
@@ -57,12 +57,12 @@ struct Sight<'a> {
     forward: isize,
     right: isize,
     is_mirrored: bool,
-    /// The cells round the target, `[ahead + 2][aside + 2]`.
+    /// The cells round the target, with the indexes `[ahead + 2][aside + 2]`.
     window: [[u8; 5]; 7],
     turn: Turn,
     /// Number of unknown cells in a row behind the target, up to `RUN`.
     run: usize,
-    /// Number of unknown cells connected with the target, counted up to one more than `SMALL`.
+    /// Number of unknown cells that are connected with the target. The count stops at `SMALL` + 1.
     component: usize,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Looking<'a> {
         }
     }
 
-    /// Number of unknown cells connected with this target, counted up to one more than `SMALL`.
+    /// Returns the number of unknown cells that are connected with this target. The count stops at `SMALL` + 1.
     fn component(&self, target: Spot) -> usize {
         let mut cells = [target; SMALL + 1];
         let (mut count, mut done) = (1, 0);
@@ -212,7 +212,7 @@ impl<'a> Sight<'a> {
         ]
     }
 
-    /// How much further from home the target lies than the robot does, in tens of cells.
+    /// Returns how much further from home the target is than the robot. The result is 100 for each cell.
     fn gain(&self, distance: fn(i32, i32) -> i32) -> i16 {
         let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
         let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
@@ -274,8 +274,8 @@ impl<'a> Sight<'a> {
         places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
     }
 
-    /// The turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. If the entry is elsewhere,
-    /// the last move of the way there counts, if it is a turn.
+    /// Returns the turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. If the entry is in
+    /// another place, the last move of the way there counts, if it is a turn.
     fn entering(&self) -> usize {
         let side = |is_right: bool| usize::from(is_right == self.is_mirrored) + 1;
         match (self.turn, self.entry.at.by) {
@@ -287,17 +287,18 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// Number of unknown cells beside the target on one side, up to 3.
+    /// Returns the number of unknown cells beside the target on one side, up to 3.
     fn width(&self, side: isize) -> usize {
         (1..=3).take_while(|away| self.beyond((0, away * side)) == 0).count()
     }
 
-    /// How far the edge on one side stays closed along the run.
+    /// Returns for how many cells of the run the edge on one side is closed without a gap.
     fn edge(&self, side: isize) -> usize {
         (0..RUN.cast_signed()).take_while(|ahead| self.beyond((*ahead, side)) != 0).count()
     }
 
-    /// Where two blocked cells in a row lie beside the target: 1 to 3 to the right, 4 to 6 to the left, 0 nowhere near.
+    /// Returns where two blocked cells in a row are beside the target: 1 to 3 to the right, 4 to 6 to the left, 0
+    /// nowhere near.
     fn wall(&self) -> usize {
         let is_wall = |aside: isize| self.beyond((0, aside)) == 2 && self.beyond((1, aside)) == 2;
         (1..=3usize)

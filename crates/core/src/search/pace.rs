@@ -1,5 +1,5 @@
-//! The mean time per cell in the search so far, measured by the robot's moves: the basis of a forecast. It is measured
-//! anew in each run of the program.
+//! The mean time per cell in the search so far, measured from the robot's moves. A forecast is based on it. It is
+//! measured again in each run of the program.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use super::forecast::FEW;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
     driven: Duration,
-    /// Number of cells that were known already when the first move was counted.
+    /// Number of cells that were already known when the first move was counted.
     before: Option<u32>,
 }
 
@@ -18,7 +18,7 @@ impl Pace {
         self.driven = self.driven.saturating_add(took);
     }
 
-    /// The mean time per cell; `None` while there are too few cells for a mean.
+    /// Returns the mean time per cell; `None` while there are too few cells for a mean.
     pub(crate) fn a_cell(&self, looked_at: u32) -> Option<Duration> {
         let cells = looked_at.checked_sub(self.before?).filter(|cells| *cells >= FEW)?;
         Some(self.driven / cells).filter(|time| !time.is_zero())

@@ -1,5 +1,5 @@
-//! The planner: the occupancy grid as the engine knows it, and the cheapest ways over it to a cell or a pose. The
-//! strategy decides where to go, and the mission whether the robot may move.
+//! The planner: the engine's occupancy grid, and the cheapest ways on it to a cell or a pose. The strategy decides
+//! where to go. The mission decides whether the robot may move.
 
 use super::Search;
 use super::costs::{Costs, STEP};
@@ -11,12 +11,11 @@ use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Bounds, HallMap};
 
-/// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is still to be
-/// inspected.
+/// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is not inspected yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Through {
     Known,
-    /// Unknown cells too, which are taken to be free.
+    /// Unknown cells too, which are assumed to be free.
     Unknown,
 }
 
@@ -49,14 +48,14 @@ impl Planner {
         search.next(&View { grid, pose, gait, terms }, ways)
     }
 
-    /// Whether a way over visited cells leads there.
+    /// Whether a way over visited cells leads to the goal.
     pub(crate) fn knows_way(&self, start: Pose, goal: Cell) -> bool {
         let passable = |spot: Spot| self.grid.here(spot) == Square::Visited;
         Ways::default().way_to_cell(&self.grid, self.costs, start, goal, passable).is_some()
     }
 
-    /// The cheapest way to `goal`; empty when the robot stands there, `None` when there is none. A goal beyond the
-    /// known cells is approached by way of their edge, as if everything beyond were free.
+    /// Returns the cheapest way to `goal`. It is empty if the robot stands there, and `None` if there is no way. If
+    /// the goal is beyond the known cells, the way leads over their edge, as if everything beyond were free.
     pub(crate) fn way_to_cell(&mut self, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
         way(&self.grid, &mut self.ways, self.costs, start, goal, through)
     }
@@ -82,8 +81,8 @@ impl Planner {
 }
 
 impl Ways {
-    /// The cheapest way to a cell, with unknown cells taken to be free. If the cell lies beyond the known cells, the
-    /// way leads towards it.
+    /// Returns the cheapest way to a cell. Unknown cells are assumed to be free. If the cell is beyond the known
+    /// cells, the way leads towards it.
     #[must_use]
     pub fn way_over_unknown(&mut self, grid: &Grid, costs: Costs, start: Pose, goal: Cell) -> Option<Vec<Move>> {
         way(grid, self, costs, start, goal, Through::Unknown)
@@ -103,8 +102,8 @@ fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, thro
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
-/// The way towards a goal outside `area`: it leads to the edge from which the rest is cheapest, if everything beyond is
-/// free.
+/// Returns the way towards a goal outside `area`. The way leads to the edge from which the rest is cheapest, if
+/// everything beyond is free.
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;
@@ -129,7 +128,7 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
     if all {
         return None;
     }
-    // The goal lies too far away for a search over cell × heading.
+    // The goal is too far away for a search over cell × heading.
     let passable = |spot: Spot| may_enter(grid, area, spot, Through::Unknown);
     ways.steps.way(grid, start, passable, |spot| !inner.contains(grid.cell(spot))).map(|(_, way)| way)
 }
@@ -142,7 +141,7 @@ fn may_enter(grid: &Grid, area: Bounds, spot: Spot, through: Through) -> bool {
     }
 }
 
-/// Where a move leads when nothing is in the way.
+/// Returns the pose after a move if nothing is in the way.
 pub(crate) fn after(pose: Pose, step: Move) -> Pose {
     match step {
         Move::Forward => Pose { cell: pose.ahead(), ..pose },
@@ -153,7 +152,7 @@ pub(crate) fn after(pose: Pose, step: Move) -> Pose {
     }
 }
 
-/// The cells a way passes, without the start.
+/// Returns the cells that a way passes, without the start.
 pub(crate) fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) -> Vec<Cell> {
     let mut pose = start;
     let mut cells = Vec::new();
@@ -173,8 +172,8 @@ mod tests {
     use crate::units::Revision;
     use crate::world::hall_map::Mark;
 
-    /// A map from a drawing: `.` visited, `?` unknown, `#` wall, `b` a bag still to be inspected; the first cell is (0,
-    /// 0).
+    /// Returns a map from a drawing: `.` is visited, `?` unknown, `#` wall, `b` a bag that is not inspected yet. The
+    /// first cell is (0, 0).
     fn map(rows: &[&str]) -> HallMap {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
         for (y, row) in (0..).zip(rows) {
@@ -240,7 +239,7 @@ mod tests {
         assert!(ends_at(&way).cell != Cell::HOME, "{way:?}");
     }
 
-    /// The guided search is as exact as the plain one.
+    /// Checks that the guided search is as exact as the plain search.
     #[test]
     fn the_way_to_a_cell_is_the_shortest_there_is() {
         let mut dice = crate::rng::RandomStream::new(1, "planner");

@@ -1,5 +1,5 @@
-//! The tuned score: chooses the unknown cell with the least sum of the way there and the worth of its surroundings. The
-//! weights come from `hallsweep-evaluation tune`.
+//! The tuned score. It chooses the unknown cell with the lowest sum of the way there and the worth of its
+//! surroundings. The weights come from `hallsweep-evaluation tune`.
 
 use super::costs::in_thousandths;
 use super::entries::{CellEntry, Visit, best_entry};
@@ -20,13 +20,13 @@ pub(super) fn next(view: &View<'_>, ways: &mut Ways) -> Option<Visit> {
 pub struct Candidate {
     pub cell: Cell,
     pub heading: Heading,
-    /// The way plus the worth, in thousandths of a step.
+    /// The cost of the way plus the worth of the surroundings, in thousandths of a step.
     pub score: i32,
     pub outlook: Outlook,
 }
 
-/// The entry of least score by these weights, and the moves that enter it. `seen` is called for every entry that was
-/// weighed. All entries with a score up to `slack` above the best are among them.
+/// Returns the entry with the lowest score by these weights, and the moves that enter it. `seen` is called for every
+/// entry that was weighed. These include all entries with a score up to `slack` above the lowest score.
 pub fn choose(
     view: &View<'_>,
     ways: &mut Ways,

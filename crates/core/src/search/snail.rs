@@ -1,10 +1,11 @@
-//! The seeds' *chiocciola* (snail): it goes towards (1,1), (2,2), …, each time visits everything unknown in the square
-//! [0..k]×[0..k], and returns home. Then it visits whatever is left, nearest first (mission §5).
+//! The *chiocciola* (snail) of the original specification. It goes towards (1,1), (2,2), … in turn. Each time it
+//! visits everything unknown in the square [0..k]×[0..k] and returns home. Then it visits whatever is left, nearest
+//! first (mission §5).
 //!
-//! The seeds say "no plan to (k,k) means that the walls are found"; taken literally, this leaves halls incomplete. Here
-//! the square stops growing only when nothing unknown outside it can be reached south-east of home. A ring beyond a far
-//! wall aims at the last column or row in front of the wall, as the seeds clamp their goals. The search is over when
-//! nothing unknown can be reached anywhere.
+//! The original says "no plan to (k,k) means that the walls are found". Taken literally, this rule leaves halls
+//! incomplete. Here the square stops growing only when nothing unknown outside it can be reached south-east of home.
+//! If (k,k) is beyond a far wall, the goal is moved to the last column or row in front of it, as in the original. The
+//! search is over when nothing unknown can be reached anywhere.
 
 use super::entries::{Visit, nearest};
 use super::grid::{Square, onward};
@@ -22,15 +23,15 @@ pub struct Snail {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SnailStage {
     Corner,
-    /// Visit the unknown cells in the ring's square.
+    /// Visit the unknown cells in the square of the ring.
     Fill,
     NextRing,
-    /// Both far walls are known: visit what is left.
+    /// Both far walls are known. Visit the unknown cells that are left.
     Finish,
     Done,
 }
 
-/// The stages by their numbers in notes. New stages go to the end.
+/// The stages, in the order of their numbers in notes. A new stage must be added at the end.
 const STAGES: [SnailStage; 5] =
     [SnailStage::Corner, SnailStage::Fill, SnailStage::NextRing, SnailStage::Finish, SnailStage::Done];
 
@@ -41,19 +42,19 @@ impl Default for Snail {
 }
 
 impl Snail {
-    /// The snail's progress, as plain numbers for the record.
+    /// Returns the snail's progress, as plain numbers for the record.
     pub(super) fn notes(&self) -> Vec<i64> {
         vec![i64::from(self.ring), STAGES.iter().position(|stage| *stage == self.stage).unwrap_or(0) as i64]
     }
 
-    /// The snail that made these notes; impossible notes give a new snail.
+    /// Returns the snail that made these notes. Impossible notes give a new snail.
     pub(super) fn from_notes(notes: &[i64]) -> Snail {
         let ring = notes.first().and_then(|ring| i32::try_from(*ring).ok()).filter(|ring| (1..=2 * REACH).contains(ring));
         let stage = notes.get(1).and_then(|place| STAGES.get(usize::try_from(*place).ok()?));
         ring.zip(stage).map_or_else(Snail::default, |(ring, stage)| Snail { ring, stage: *stage })
     }
 
-    /// What to do now that the last goal is reached, or given up.
+    /// Returns the next goal. It is called when the last goal is reached or given up.
     pub(super) fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
         loop {
             match self.stage {
@@ -70,8 +71,8 @@ impl Snail {
                     return NextGoal::GoHome;
                 }
                 SnailStage::NextRing => {
-                    // Both far walls are known when south-east of home nothing unknown can be reached outside the
-                    // ring's square.
+                    // Both far walls are known when nothing unknown outside the ring's square can be reached
+                    // south-east of home.
                     let ring = self.ring;
                     let beyond = nearest(view, ways, |cell| cell.x >= 0 && cell.y >= 0 && cell.x.max(cell.y) > ring);
                     self.stage = if beyond.is_none() { SnailStage::Finish } else { SnailStage::Corner };
@@ -90,7 +91,7 @@ impl Snail {
         }
     }
 
-    /// (k,k), or the last column and row in front of a far wall.
+    /// Returns (k,k), or the last column and row in front of a far wall.
     fn corner(&self, view: &View<'_>, ways: &mut Ways) -> Cell {
         let mut most = view.pose.cell;
         let grid = view.grid;
@@ -117,7 +118,7 @@ mod tests {
     use crate::units::{Pose, Revision};
     use crate::world::hall_map::{HallMap, Mark};
 
-    /// A passage that was driven through and is now blocked leaves unknown cells behind it that nobody can reach.
+    /// If a passage is blocked after the robot drove through it, nobody can reach the unknown cells behind it.
     #[test]
     fn a_search_ends_although_a_passage_was_blocked_behind_which_the_unknown_goes_on() {
         let mut map = HallMap::new(Cell::HOME, Revision(1));

@@ -1,5 +1,5 @@
-//! Round and round from the walls inwards: visited or blocked cells stay on the robot's right hand for as long as
-//! possible.
+//! Goes round the hall in rings, from the walls inwards. Visited or blocked cells stay on the robot's right hand for
+//! as long as possible.
 
 use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;

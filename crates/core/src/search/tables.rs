@@ -1,5 +1,5 @@
-//! The parts of a score: the numbers of its linear part, and its tables, by their names in files of weights. `outlook`
-//! turns an outlook into these numbers and rows.
+//! The parts of a score, by their names in files of weights: the numbers of its linear part, and its tables.
+//! `outlook` turns an outlook into these numbers and rows.
 
 /// Number of values in the linear part of a score.
 pub const LINEAR: usize = 28;
@@ -67,10 +67,10 @@ pub const STARTS: [usize; TABLES.len() + 1] = {
 
 pub const ROWS: usize = STARTS[TABLES.len()];
 
-/// Greatest length of a run, or of an edge along it, in cells.
+/// Maximum length of a run, or of an edge along a run, in cells.
 pub(super) const RUN: usize = 6;
 
-/// Connected unknown cells are counted up to this number.
+/// A group of connected unknown cells counts as small up to this number of cells.
 pub(super) const SMALL: usize = 10;
 
 const fn power(base: usize, exponent: u32) -> usize {

@@ -1,4 +1,5 @@
-//! What a strategy reads, and what it may want. A strategy sees the grid alone, and never the map that the doors show.
+//! What a strategy reads, and what it can return. A strategy sees only the grid, never the map that the interfaces
+//! show.
 
 use super::costs::Costs;
 use super::grid::Grid;
@@ -22,7 +23,7 @@ named! {
     pub enum Sensing {
         #[default]
         Bump = "bump",
-        /// The robot sees obstacles by its front sonar, before it drives.
+        /// The robot sees obstacles by its front sonar before it reaches them.
         Sonar = "sonar",
     }
 }
@@ -30,12 +31,12 @@ named! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
     pub objective: Objective,
-    /// Reach of the robot's sonar, in cells; 0 for a robot that finds obstacles by driving into them.
+    /// Range of the robot's sonar, in cells; 0 for a robot that finds obstacles by driving into them.
     pub sonar_cells: u8,
     pub costs: Costs,
 }
 
-/// How a robot came to where it stands, as far as the outlook of an entry depends on it.
+/// The last turn of the robot and its way since then. The outlook of an entry depends on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gait {
     /// The last turn: −1 to the left, 1 to the right, 0 none yet.
@@ -66,7 +67,7 @@ pub struct View<'a> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Goal {
-    /// A cell to be visited, or found to be an obstacle.
+    /// Visit a cell, or find that it is an obstacle.
     Visit(Cell),
     Home,
 }
@@ -83,11 +84,11 @@ impl Goal {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NextGoal {
-    /// Go to this cell, or find out what stands there, by these moves. Without moves, take the cheapest way, with
-    /// unknown cells taken to be free.
+    /// Go to this cell by these moves, or find out what stands there. If there are no moves, take the cheapest
+    /// way and assume that unknown cells are free.
     Visit(Cell, Vec<Move>),
-    /// Go home, and ask again there.
+    /// Go home. At home, ask the strategy again.
     GoHome,
-    /// Nothing that can be reached is unknown.
+    /// Nothing unknown can be reached.
     Finished,
 }

@@ -1,10 +1,10 @@
-//! Ways from where the robot stands, the cheapest first: over cell × heading, because turns cost as well as steps. The
-//! strategy decides where to go, and the mission whether the robot may move.
+//! Finds ways from the robot's place, the cheapest first. A state is a cell with a heading, because turns cost as
+//! well as steps. The strategy decides where to go. The mission decides whether the robot may move.
 //!
-//! States wait by their cost in a ring of buckets as long as the most expensive move: as costs are whole numbers,
-//! adding and taking a state need constant time. With an estimate of the remaining cost the same loop is A*. A state is
-//! settled when it is taken out for the first time. When a search has settled more than `MOST` states, the goal is
-//! searched for by steps alone (`far`), which is several times faster, but not exact.
+//! Waiting states are sorted by cost in a ring of buckets, which is as long as the most expensive move. Costs are
+//! whole numbers, so adding and taking a state need constant time. With an estimate of the remaining cost, the same
+//! loop is A*. A state is settled when it is taken out for the first time. When a search has settled more than `MOST`
+//! states, the goal is searched for by steps alone (`far`). That is several times faster, but not exact.
 
 use super::costs::{Costs, STEP};
 use super::far::Steps;
@@ -12,10 +12,11 @@ use super::grid::{Grid, Spot, Square, onward};
 use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 
-/// Reuses its working memory for the next search.
+/// Finds ways. Its working memory is reused for the next search.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    /// For each state the number of the search that settled it, so that nothing is cleared between searches.
+    /// For each state, the number of the search that settled it. With this number, nothing needs to be cleared
+    /// between searches.
     settled: Vec<u32>,
     came_by: Vec<u8>,
     search: u32,
@@ -23,32 +24,34 @@ pub struct Ways {
     pub(super) steps: Steps,
 }
 
-/// Number of states that a search settles before it counts as a search that leads far: about a millisecond.
+/// Number of states that a search may settle before its goal counts as far away. Settling them takes about a
+/// millisecond.
 const MOST: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reached {
     pub(crate) spot: Spot,
     pub(crate) heading: Heading,
-    /// The cost of the way to it, in the units of `Costs`.
+    /// The cost of the way to this state, in the units of `Costs`.
     pub(crate) cost: u32,
-    /// The last move; `None` where the robot stands.
+    /// The last move; `None` for the state where the robot stands.
     pub(crate) by: Option<Move>,
 }
 
 const MOVES: [Move; 3] = [Move::Forward, Move::TurnLeft, Move::TurnRight];
 
-/// No move led here: the robot stands here.
+/// No move led to this state, because the robot stands there.
 const NONE: u8 = 3;
 
 impl Ways {
-    /// Visits the states that can be reached over visited cells, the cheapest first, until they cost more than the
-    /// limit that `reached` returns. False when there were more than `MOST` states.
+    /// Visits the states that can be reached over visited cells, the cheapest first. It ends when they cost more than
+    /// the limit that `reached` returns. Returns false if there were more than `MOST` states.
     pub(crate) fn spread(&mut self, grid: &Grid, costs: Costs, start: Pose, reached: impl FnMut(Reached) -> u32) -> bool {
         self.search(grid, costs, start, |_| 0, |spot| grid.here(spot) == Square::Visited, reached)
     }
 
-    /// The cheapest way to a cell over `passable` cells, guided by the least number of remaining steps.
+    /// Returns the cheapest way to a cell over `passable` cells. The search is guided by the lowest possible number
+    /// of remaining steps.
     pub(crate) fn way_to_cell(
         &mut self,
         grid: &Grid,
@@ -78,8 +81,8 @@ impl Ways {
         self.way_to_cell(grid, costs, start, goal, |spot| grid.here(spot) == Square::Visited)
     }
 
-    /// `left` is a lower bound of the cost from a state to the goal, and decreases by no more than the cost of a move.
-    /// False when there were more than `MOST` states.
+    /// Visits states in the order of their total cost. `left` is a lower bound of the cost from a state to the goal.
+    /// It decreases by no more than the cost of a move. Returns false if there were more than `MOST` states.
     pub(crate) fn search(
         &mut self,
         grid: &Grid,
@@ -96,7 +99,7 @@ impl Ways {
         let price = [STEP, costs.turn, costs.turn];
         let length = self.ring.len();
         let from = grid.spot(start.cell);
-        // Total costs: the cost so far plus the lower bound of the rest.
+        // Total costs: the cost so far plus the lower bound of the remaining cost.
         let (mut whole, mut worth) = (left(from), u32::MAX);
         self.ring[whole as usize % length].push(pack(from, start.heading, NONE));
         let (mut waiting, mut settled) = (1usize, 0);
@@ -135,11 +138,11 @@ impl Ways {
             (self.settled, self.came_by, self.search) = (vec![0; states], vec![0; states], 0);
         }
         self.search += 1;
-        // A step away from the goal raises the total cost by two steps.
+        // A step away from the goal raises the total cost by the cost of two steps.
         self.ring.resize_with((2 * STEP).max(costs.turn) as usize + 1, Vec::new);
     }
 
-    /// The moves that led to a state which the last search has settled.
+    /// Returns the moves that led to a state. The last search must have settled this state.
     #[must_use]
     pub fn way_to(&self, grid: &Grid, end: (usize, Heading)) -> Vec<Move> {
         let (mut spot, mut heading) = end;
@@ -159,7 +162,8 @@ impl Ways {
     }
 }
 
-/// The fields from the high end: the spot, two bits of heading, two bits of the move that leads there.
+/// Packs a state into one number. From the high end, it has the spot, two bits of heading, and two bits of the move
+/// that leads there.
 const fn pack(spot: Spot, heading: Heading, by: u8) -> u64 {
     ((spot as u64) << 4) | ((heading as u64) << 2) | by as u64
 }

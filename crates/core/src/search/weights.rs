@@ -6,7 +6,7 @@
 //!   behindUnknown 1870          a line for each number of the linear part that counts
 //!   [round] 0:-120 7:15 …       and one for each table, with the rows that count
 //! ```
-//! Everything is in thousandths of a step, the unit of the way to an entry.
+//! All numbers are in thousandths of a step, the unit of the way to an entry.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -16,18 +16,18 @@ use super::outlook::Outlook;
 use super::tables::{LINEAR, LINEAR_NAMES, ROWS, STARTS, TABLES};
 use super::view::{Objective, Terms};
 
-/// The worth of each number of an outlook, in thousandths of a step.
+/// The weight of each number of an outlook, in thousandths of a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Weights {
     pub linear: [i32; LINEAR],
     pub rows: Vec<i16>,
-    /// Lower bound of an outlook's worth: it bounds the search.
+    /// Lower bound of the worth of any outlook. It limits how far a search must go.
     pub least: i32,
 }
 
 struct Set {
     objective: Objective,
-    /// Reach of the sonar, in cells.
+    /// Range of the sonar, in cells.
     sonar_cells: u8,
     turn: u32,
     terrain: Terrain,
@@ -58,14 +58,14 @@ static SETS: [Set; 10] = [
     set!(Cover, 1, 4, Usual, "cover-sonar"),
     set!(Find, 0, 4, Usual, "find-bump"),
     set!(Find, 0, 6, Usual, "find-slow-turns"),
-    // Where the sonar sees two cells, both of the next sets fit equally well, and the first is taken.
+    // For a sonar that sees two cells, the next two sets fit equally well. The first of them is used.
     set!(Find, 3, 4, Usual, "find-far-sonar"),
     set!(Find, 1, 4, Usual, "find-sonar"),
 ];
 
 impl Set {
-    /// How far these weights are from the task, with the most important difference first. Whether turns cost anything
-    /// matters more than the terrain, the terrain matters more than how much they cost.
+    /// Returns how far these weights are from the task, with the most important difference first. Whether turns cost
+    /// anything matters more than the terrain. The terrain matters more than how much turns cost.
     fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, u8, bool, bool, u32) {
         let turn = terms.costs.turn;
         (
@@ -88,20 +88,20 @@ pub struct WeightsError {
 }
 
 impl Weights {
-    /// Weights by which only the way counts.
+    /// Returns weights with which only the way counts.
     #[must_use]
     pub fn nothing() -> Weights {
         Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
     }
 
-    /// The weights that were tuned for this task, or else for the most similar task.
+    /// Returns the weights that were tuned for this task, or otherwise for the most similar task.
     #[must_use]
     pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
         let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));
         &nearest.expect("at least one set is shipped").weights
     }
 
-    /// Reads the form that the head of this module shows.
+    /// Reads the file format that is shown at the top of this module.
     ///
     /// # Errors
     /// The first invalid line.
@@ -130,7 +130,7 @@ impl Weights {
                 weights.linear[number.ok_or_else(|| wrong(name, "the name of a weight"))?] = value;
             }
         }
-        // Every file of weights has a line `least`: a file without it is cut off, or something else.
+        // Every file of weights has a line `least`. A file without this line is cut off, or is another kind of file.
         if has_least {
             Ok(weights)
         } else {
@@ -138,7 +138,8 @@ impl Weights {
         }
     }
 
-    /// A file of these weights that names their origin. Rows of less than `smallest` are left out.
+    /// Returns the text of a file with these weights, which names their origin. Rows whose weight is closer to 0 than
+    /// `smallest` are left out.
     #[must_use]
     pub fn write(&self, origin: &str, smallest: i16) -> String {
         let mut text: String = origin.lines().map(|line| format!("# {line}\n")).collect();
@@ -159,7 +160,7 @@ impl Weights {
         text
     }
 
-    /// The worth of an outlook in thousandths of a step, without the way; never below `least`.
+    /// Returns the worth of an outlook in thousandths of a step, without the way. It is never below `least`.
     #[must_use]
     pub fn worth(&self, outlook: &Outlook) -> i32 {
         let linear: i64 = self.linear.iter().zip(outlook.linear).map(|(weight, n)| i64::from(*weight) * i64::from(n)).sum();
@@ -168,7 +169,7 @@ impl Weights {
     }
 }
 
-/// `ROW:WEIGHT` in a table with this many rows.
+/// Reads `ROW:WEIGHT` for a table with this many rows.
 fn read_row(word: &str, size: usize) -> Option<(usize, i16)> {
     let (row, weight) = word.split_once(':')?;
     let row = row.parse().ok().filter(|row| *row < size)?;

@@ -1,5 +1,5 @@
-//! Facts as English sentences, for a person who reads the journal line by line. The form for programs, which can be
-//! read back, is not here.
+//! Facts as English sentences, for a person who reads the journal. Another module has the form that programs read
+//! back.
 
 use std::fmt::Display;
 
@@ -13,7 +13,7 @@ use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
 use crate::world::luggage::{Luggage, PhotoState};
 
-/// The sentence of a fact, without a line break.
+/// Returns the English sentence for a fact, without a line break.
 #[must_use]
 pub fn words(fact: &Fact) -> String {
     said(fact).replace(['\n', '\r'], " ")
@@ -82,14 +82,14 @@ fn said(fact: &Fact) -> String {
     }
 }
 
-/// A time as `13:00:05`, without its sign.
+/// Formats a time as `13:00:05`, without its sign.
 #[must_use]
 pub fn hours(ms: i64) -> String {
     let seconds = ms.unsigned_abs() / 1000;
     format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// A phase together with the phase that it interrupts, or with the stage of its inspection: each stage is recorded.
+/// Returns the text of a phase. It also names the phase that is interrupted, or the stage of the inspection.
 fn in_words(phase: &Phase) -> String {
     let name = phase.name().in_words();
     if let Some(interrupted) = phase.interrupted() {
@@ -105,7 +105,7 @@ fn in_words(phase: &Phase) -> String {
     }
 }
 
-/// The reason of a hold, without the advice to the operator.
+/// Returns the reason of a hold, without the advice to the operator.
 fn cause(hold: &Hold) -> &'static str {
     let words = hold.in_words();
     words.find([':', ';']).map_or(words, |end| &words[..end])
@@ -140,9 +140,9 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 }
 
 impl Fact {
-    /// The command as it was finally answered. Entries are never changed, and a verdict *safe* is accepted before it is
-    /// durable. When a *danger* for the same piece arrives before that, the safe is refused after all (safety V1).
-    /// `was_dangerous` says of each piece whether it was found dangerous.
+    /// Returns the command with its final answer. Entries never change, and a verdict *safe* is recorded as accepted
+    /// before it is durable. If a *danger* for the same piece arrives first, the *safe* is refused after all
+    /// (safety V1). `was_dangerous` tells whether a piece was found dangerous.
     #[must_use]
     pub fn as_it_was(self, was_dangerous: impl FnOnce(LuggageId) -> bool) -> Fact {
         let Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused: None } = self else { return self };

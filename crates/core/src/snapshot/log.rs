@@ -1,4 +1,5 @@
-//! The latest lines of what happened, numbered. The journal stores everything; the log stores what fits a page.
+//! The latest numbered lines about what happened. The log keeps a limited number of lines; the journal stores
+//! everything.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -6,12 +7,12 @@ use std::sync::Arc;
 use crate::snapshot::said::Said;
 use crate::units::{Seq, WallTime};
 
-/// Number of lines: as many as a person scrolls through. Older lines are in the journal.
+/// Maximum number of lines in the log. Older lines are in the journal.
 pub const LOG_LINES: usize = 256;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
-    /// The number of the line, from 1 without gaps.
+    /// The number of the line, counted from 1 without gaps.
     pub number: u64,
     pub wall: WallTime,
     pub tone: Tone,
@@ -22,7 +23,7 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Tone {
-        /// A line that is shown once it is on record; lines of the other tones are shown at once (safety R4).
+        /// The line is shown only after it is recorded. Lines of the other tones are shown at once (safety R4).
         Info = "info",
         /// Something was refused or is held.
         Warning = "warning",
@@ -35,7 +36,8 @@ named! {
 pub(crate) struct Log {
     lines: VecDeque<Arc<LogLine>>,
     written: u64,
-    /// Lines that wait for their record, oldest first, each with the entry that it waits for, if that is known.
+    /// Lines that wait until their journal entry is stored, oldest first. Each has the number of that entry, if it is
+    /// known.
     waiting: VecDeque<WaitingLine>,
 }
 
@@ -47,8 +49,8 @@ struct WaitingLine {
 }
 
 impl Log {
-    /// Adds a line: a line of tone `Info` waits for its record, any other line is shown at once. Returns whether the
-    /// line is shown. When too many lines wait, the oldest is dropped; the journal still has it.
+    /// Adds a line. A line of tone `Info` waits for its record; any other line is shown at once. Returns whether the
+    /// line is shown. When too many lines wait, the oldest one is dropped; the journal still has it.
     pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, said: Said) -> bool {
         if tone != Tone::Info {
             self.put(wall, tone, said);
@@ -61,8 +63,8 @@ impl Log {
         false
     }
 
-    /// Shows the lines whose entry is on record; true when there are any. Lines that were added since the last call
-    /// wait for `written`.
+    /// Shows the lines whose entry is stored. Returns true if there are any. Lines added since the last call wait for
+    /// the entry `written`.
     pub(crate) fn show(&mut self, written: Seq, kept: Seq) -> bool {
         for line in self.waiting.iter_mut().rev().take_while(|line| line.seq.is_none()) {
             line.seq = Some(written);
@@ -74,12 +76,12 @@ impl Log {
         due > 0
     }
 
-    /// The entries that lines wait for are lost, so these lines wait for the next entry instead.
+    /// Handles the loss of entries. Lines that waited for a lost entry now wait for the next entry.
     pub(crate) fn lose(&mut self) {
         self.waiting.iter_mut().for_each(|line| line.seq = None);
     }
 
-    /// Shows a line at once, without a wait for a record.
+    /// Shows a line at once, without waiting for its record.
     pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, said: Said) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {

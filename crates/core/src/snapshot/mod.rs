@@ -1,4 +1,4 @@
-//! The state of everything at one revision, immutable and cheap to share: what the doors show.
+//! A snapshot: the whole state at one revision, immutable and cheap to share. The interfaces show snapshots.
 
 pub mod fact_words;
 pub mod log;
@@ -28,11 +28,11 @@ use crate::world::temperature::TemperatureView;
 
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// The run of the program: revisions of another run mean nothing here.
+    /// Identifies the run of the program. Revisions of different runs cannot be compared.
     pub run: Arc<str>,
     /// Number of changes so far.
     pub revision: Revision,
-    /// For each resource the revision of its last change, in the order of `Resource::ALL`.
+    /// The revision of the last change of each resource, in the order of `Resource::ALL`.
     pub revisions: [Revision; Resource::COUNT],
     pub mission: MissionView,
     pub robot: RobotView,
@@ -45,7 +45,7 @@ pub struct Snapshot {
     pub temperature: TemperatureView,
     /// All alarms, oldest first.
     pub alarms: Arc<[AlarmView]>,
-    /// The retrieval under way, or in fault, as far as it is on record.
+    /// The retrieval that is under way or in fault, as far as it is recorded.
     pub retrieval: Option<Arc<RetrievalView>>,
     /// The latest lines, oldest first.
     pub log: Arc<[Arc<LogLine>]>,
@@ -62,15 +62,15 @@ impl Snapshot {
         self.luggage.get(id)
     }
 
-    /// The piece that waits for its verdict: the piece being inspected, else the oldest.
+    /// Returns the piece that waits for its verdict: the inspected piece, otherwise the oldest waiting piece.
     #[must_use]
     pub fn pending(&self) -> Option<&Arc<Luggage>> {
         let inspected = self.mission.inspected.and_then(|id| self.luggage(id)).filter(|luggage| luggage.is_pending());
         inspected.or_else(|| self.luggage.pending().next())
     }
 
-    /// Why the robots cannot be put down in another hall now, as far as that is shown (`Engine::put_down_in`); `None`
-    /// when they can.
+    /// Returns why the robots cannot be put down in another hall now, as far as this snapshot shows it; `None` if
+    /// they can. `Engine::put_down_in` does it.
     #[must_use]
     pub fn bound_to_hall(&self) -> Option<Refused> {
         let is_over = matches!(self.mission.phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
@@ -87,10 +87,10 @@ impl Snapshot {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionView {
-    /// 0 before the first.
+    /// The number of the mission; 0 before the first mission.
     pub id: MissionId,
     pub phase: PhaseName,
-    /// The phase that is interrupted by a drive by hand or a fault.
+    /// The phase that a drive by hand or a fault has interrupted.
     pub interrupted: Option<PhaseName>,
     pub fault: Option<FaultCause>,
     pub holds: Vec<Hold>,
@@ -98,45 +98,45 @@ pub struct MissionView {
     pub goal: Option<Cell>,
     /// The cells that the robot plans to pass on the way to its goal, the next one first.
     pub route: Arc<[Cell]>,
-    /// The cells that the robot came through, the latest last.
+    /// The cells that the robot has passed, the latest last.
     pub trail: Arc<[Cell]>,
     /// The piece in front of the robot, once it has a number.
     pub inspected: Option<LuggageId>,
     pub strategy: Strategy,
-    /// The epoch, raised by every stop.
+    /// A number that every stop increases.
     pub epoch: Epoch,
     pub progress: Progress,
-    /// Number of milliseconds by which the clock was set since the mission began.
+    /// Total of all clock changes since the mission began, in milliseconds.
     pub clock_set_ms: i64,
     pub refusals: Refusals,
 }
 
-/// The progress of the search. Nobody knows before the end how large the hall is.
+/// The progress of the search. The size of the hall may be unknown until the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Number of visited cells.
     pub visited: usize,
-    /// Number of places that can be looked at next: unknown cells beside visited ones, and obstacles still to be
-    /// inspected.
+    /// Number of places that can be searched next: unknown cells beside visited ones, and obstacles that are not
+    /// inspected yet.
     pub unknown: usize,
-    /// The remaining driving time of the search, without photos and answers; `None` while it cannot be estimated, or
-    /// nothing is open.
+    /// The remaining driving time of the search, without photos and answers. `None` while it cannot be estimated, or
+    /// if nothing is left to search.
     pub left: Option<TimeLeft>,
-    /// `None` where the hall is not known beforehand.
+    /// The known size of the hall; `None` if the hall is not known beforehand.
     pub reach: Option<Reach>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeLeft {
-    /// The remaining time will hardly be shorter.
+    /// Lower estimate. The remaining time is unlikely to be shorter.
     pub least: Duration,
-    /// The remaining time will hardly be longer; `None` while the hall may go on.
+    /// Upper estimate. The remaining time is unlikely to be longer. `None` while the hall may extend further.
     pub most: Option<Duration>,
 }
 
 impl Progress {
-    /// How much of the hall is searched: 100 when nothing is open. `None` before that, because nobody knows how large
-    /// the hall is.
+    /// Returns 100 when nothing is left to search. Before that, it returns `None`, because nobody knows how large the
+    /// hall is.
     #[must_use]
     pub const fn percent(self) -> Option<u8> {
         if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }

@@ -1,4 +1,5 @@
-//! The view of a retrieval: its progress, the trees at work and their blackboard. The robots are shown in `robot`.
+//! The view of a retrieval: its progress, its behaviour trees and the values that they share. `robot` has the view of
+//! the robots.
 
 use std::sync::Arc;
 
@@ -6,16 +7,16 @@ use crate::not_fetched::{Fetcher, NotFetched};
 use crate::units::{Cell, LuggageId};
 use behaviour_trees::{Blackboard, Status, Tree};
 
-/// A retrieval under way, or in fault.
+/// A retrieval that is under way or in fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RetrievalView {
     pub luggage: LuggageId,
     pub fetcher: Fetcher,
     pub stage: &'static str,
     pub reason: Option<NotFetched>,
-    /// The known cells in which the piece lies now; none while it is off the floor.
+    /// The known cells in which the piece lies now; empty while it is off the floor.
     pub piece: Vec<Cell>,
-    /// Empty when the piece is fetched without trees.
+    /// The behaviour trees; empty if the piece is fetched without trees.
     pub trees: Arc<TreesView>,
 }
 
@@ -24,7 +25,7 @@ pub struct TreesView {
     pub ticks: u64,
     /// The trees in the order in which they are ticked.
     pub trees: Vec<TreeView>,
-    /// Names and values; entries without a value are left out.
+    /// The names and values of the blackboard's entries. Entries without a value are left out.
     pub blackboard: Vec<(Arc<str>, String)>,
 }
 
@@ -49,13 +50,13 @@ pub struct TreeView {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeShown {
-    /// The names of the subtrees around the node and then its own name, joined with `/`.
+    /// The names of the subtrees that contain the node, followed by the node's name, joined with `/`.
     pub path: Arc<str>,
     pub name: Arc<str>,
     pub kind: Arc<str>,
-    /// 0 for the root.
+    /// The depth of the node; 0 for the root.
     pub depth: usize,
-    /// The status that the node returned in the last tick if it was ticked then, else its present status.
+    /// The status from the last tick, if the node was ticked then; otherwise its present status.
     pub status: Status,
     /// Whether `status` comes from the last tick.
     pub is_ticked: bool,

@@ -1,5 +1,5 @@
-//! The view of a robot: where it stands, what it does, what it last sensed. While the robot cannot be reached, this is
-//! its last report.
+//! The view of a robot: its place, its action and its last readings. While the robot cannot be reached, the view
+//! shows its last report.
 
 use std::sync::Arc;
 
@@ -11,19 +11,21 @@ use crate::units::{Pose, WallTime};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobotView {
     pub state: RobotState,
-    /// Whether the robot was told to halt, or lost its link on the move, and has not reported since that it stands
+    /// True after a halt, or after the link was lost during a move, until the robot reports that it stands
     /// (safety S8).
     pub halting: bool,
-    /// The cell and heading of its last completed order.
+    /// The cell and heading at the end of its last completed order.
     pub pose: Pose,
-    /// Whether the robot stands away from that cell's centre (after a halt in mid-step).
+    /// Whether the robot is off the centre of that cell, after a halt during a step.
     pub off_centre: bool,
-    /// Number of steps from home at which the robot stands outside the entrance; 0: the robot is in the hall.
+    /// Number of steps from home if the robot stands outside the entrance; 0 if it is in the hall.
     pub outside: u8,
-    /// The last reading of the front sonar, in centimetres; `None` beyond its range or before the first.
+    /// The last reading of the front sonar, in centimetres. `None` if nothing was in range, or before the first
+    /// reading.
     pub sonar_cm: Option<u16>,
     pub led_blinking: bool,
-    /// Since when the robot cannot be reached, so that all of this is as last reported; `None` while it can be reached.
+    /// When the link to the robot was lost. All values are then the last reported ones. `None` while the robot can be
+    /// reached.
     pub unreached_since: Option<WallTime>,
 }
 
@@ -31,11 +33,11 @@ pub struct RobotView {
 pub struct RobotShown {
     pub id: RobotId,
     pub view: RobotView,
-    /// `None` before its link is up.
+    /// The parts of the robot; `None` before its link is up.
     pub parts: Option<Parts>,
-    /// The holds of all robots, and of this robot alone.
+    /// The holds on all robots and the holds on this robot alone.
     pub holds: Vec<Hold>,
     pub arm: Option<ArmState>,
-    /// Why the robot cannot be reached, while that is so and a reason is known.
+    /// The reason why the robot cannot be reached, if known; `None` while it can be reached.
     pub unreached: Option<Arc<str>>,
 }

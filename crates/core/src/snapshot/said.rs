@@ -1,5 +1,5 @@
-//! The lines of the log as values, from which other languages make their sentences. `Display` is the English sentence,
-//! as programs read it. `log` decides when a line is shown, and how many lines there are.
+//! The lines of the log as values, so that each language can make its own sentences. `Display` gives the English
+//! sentence for programs. `log` decides when a line is shown and how many lines there are.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,58 +16,59 @@ use crate::units::{Cell, LuggageId, Pose};
 use crate::world::alarm::AlarmCause;
 use behaviour_trees::state::StateError;
 
-/// A line of the log. `Display` is the sentence.
+/// A line of the log. `Display` gives its English sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
     /// Somebody sent a command, or did something to the simulator.
     Asked {
         asked: Asked,
-        /// The piece that was meant, if the words do not name it.
+        /// The piece that the request means, if its text does not name the piece.
         meant: Option<LuggageId>,
         issuer: Issuer,
         refused: Option<Refused>,
     },
-    /// Danger overtook an accepted verdict of safe before it was on record, so the verdict was refused for this reason.
+    /// A danger arrived before an accepted verdict of safe was recorded. The verdict of safe was refused, for this
+    /// reason.
     Overtaken(Refused),
     Held(Hold, Option<HoldReason>),
     Over(Hold),
-    /// From the first phase to the second.
+    /// The phase changed from the first to the second.
     Phase(PhaseName, PhaseName),
     Fault(FaultCause),
     Alarm(AlarmCause),
-    /// A piece was found, and is on record.
+    /// A piece was found and recorded.
     Found {
         luggage: LuggageId,
         cell: Cell,
         has_photo: bool,
     },
     PhotographedAgain(LuggageId),
-    /// There is no new photo of a piece, so the earlier photo stays.
+    /// A new photo failed, so the earlier photo of this piece stays.
     PhotoStays(LuggageId),
     Secured(LuggageId),
     NoWay(Cell),
-    /// A robot reports that it stands in another place than the one on record; `None`: the robot that searches.
+    /// The robot reports a place that differs from the recorded one. `None` means the robot that searches.
     Stands(Option<RobotId>, Pose),
     Robot(RobotId, Trouble),
     TreesBeginAnew(StateError),
     StartedAgain,
-    /// With the signal that ended the program.
+    /// The program was ended by the signal with this name.
     Ended(String),
     PutDown,
-    /// A fact of the journal, recalled from before a restart or from another moment. `Said::fact` makes such a line.
+    /// A fact from the journal, from before a restart or from another time. `Said::fact` makes such a line.
     Fact(Arc<Fact>),
-    /// Words from elsewhere, such as words about a damaged file.
+    /// Any other text, such as a message about a damaged file.
     Words(String),
 }
 
-/// Troubles of a robot or its link. Words come from the robot, or from the link to it.
+/// A problem of a robot or of its link. Texts come from the robot or from the link.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trouble {
-    /// The robot reports that it stands in this cell, where no hall reaches.
+    /// The robot reports that it stands in this cell, which is too far away for any hall.
     TooFar(Cell),
-    /// The robot's last reading was too hot, and it no longer has a thermometer.
+    /// The robot's last reading was too hot, and the robot has no thermometer any more.
     NoThermometer,
-    /// The robot's link is still lost, now for this reason; the hold stands already.
+    /// The robot's link is still lost, and the reason is now this one. The hold is raised already.
     StillUnreached(String),
     Unreached(String),
     /// The robot met something as it left this cell.
@@ -121,8 +122,8 @@ impl fmt::Display for Said {
 }
 
 impl Said {
-    /// A line about a fact. Lines are stored for long, so large parts that are not shown (a photo, the whole state) are
-    /// left out.
+    /// Makes a line about a fact. Lines are stored for a long time, so large parts that are not shown are left out (a
+    /// photo, the whole state).
     #[must_use]
     pub fn fact(fact: &Fact) -> Said {
         if let Fact::Luggage { record, .. } = fact {
@@ -231,7 +232,7 @@ mod tests {
         check(Trouble::Unanswered, "srm1 did not finish its order in time: look after it");
     }
 
-    /// Lines are many, and stay in memory.
+    /// There are many lines, and they stay in memory.
     #[test]
     fn a_line_of_the_journal_keeps_no_map_and_no_photo() {
         let state = Fact::State(Box::new(PersistentState::first(Strategy::Snail)));

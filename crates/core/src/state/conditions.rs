@@ -1,5 +1,4 @@
-//! The circumstances of a mission, put on record because they may change later: where the mission was, and which
-//! temperature counted as too hot.
+//! The place of a mission and its temperature threshold. They are recorded because they may change later.
 
 use std::fmt;
 use std::sync::Arc;
@@ -15,19 +14,19 @@ pub struct Conditions {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
-    /// The name of the hall. For a foreign place it is what is known of the place, such as the address of the robot
-    /// there.
+    /// The name of the hall. If the hall has no name here, this is something known about it, such as the address of
+    /// the robot there.
     pub name: Arc<str>,
-    /// The side of a cell, in metres, where it is known.
+    /// The length of a cell's side, in metres, if known.
     pub cell_m: Option<f64>,
-    /// Whether the searching robot measures its way by time, and no scene file tells where things are. A thing that is
-    /// met for the first time may then be shown one cell off.
+    /// Whether the searching robot measures its way by time, without a scene file that gives the positions of things.
+    /// Something that is met for the first time may then be shown one cell away from its true place.
     pub is_reckoned: bool,
-    /// `None` where the hall is not known beforehand.
+    /// The known size of the hall; `None` if the hall is not known beforehand.
     pub reach: Option<Reach>,
-    /// Robots that take part, the one that searches first; none if they are not on record.
+    /// The robots that take part, the one that searches first; empty if they are not recorded.
     pub robots: Arc<[Participant]>,
-    /// The seed of everything random in a simulated hall.
+    /// The seed of all random numbers in a simulated hall.
     pub seed: Option<u64>,
 }
 
@@ -36,15 +35,15 @@ pub struct Participant {
     pub name: Arc<str>,
     /// The kind of the robot, such as `sim` or `line`; the settings list all kinds.
     pub kind: Arc<str>,
-    /// `None` for a robot that is part of this program.
+    /// The address of the robot; `None` for a robot that is part of this program.
     pub address: Option<Arc<str>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reach {
-    /// Free cells that can be reached, the start included.
+    /// Number of free cells that can be reached, including the start.
     pub reachable: u32,
-    /// All free cells, including the cells that cannot be reached.
+    /// Number of all free cells, including the cells that cannot be reached.
     pub free: u32,
 }
 

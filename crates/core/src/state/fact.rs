@@ -1,5 +1,5 @@
-//! The facts of the journal: everything that may happen to a mission and its robots. An entry is a fact with its time;
-//! `effect` puts the entries of one input together.
+//! The facts of the journal: everything that may happen to a mission and its robots. An entry is a fact with its
+//! time. `effect` groups the entries of one input.
 
 use std::sync::Arc;
 
@@ -22,32 +22,32 @@ pub struct Entry {
     pub fact: Fact,
 }
 
-/// `crate::state` folds facts into the state.
+/// Something that happened, as the journal records it. `crate::state` applies facts to the state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// With the version of the program.
+    /// The program was started, in this version.
     ProgramStarted(String),
-    /// With the signal that ended the program, such as `SIGTERM`.
+    /// The program was ended by this signal, such as `SIGTERM`.
     ProgramEnded(String),
-    /// The machine's wall clock was set by this many milliseconds (back, if negative), or the machine slept. Earlier
-    /// entries have times of the earlier clock.
+    /// The machine's wall clock was set by this many milliseconds (negative: set back), or the machine slept. Earlier
+    /// entries keep the times of the earlier clock.
     ClockSet(i64),
-    /// Valid for all entries that follow.
+    /// The conditions for all entries that follow.
     Conditions(Conditions),
-    /// The whole state, so that a start need not read earlier entries.
+    /// The whole state, so that the program need not read earlier entries at its next start.
     State(Box<PersistentState>),
-    /// Refused commands go on record too (safety A6).
+    /// A command. Refused commands are recorded too (safety A6).
     Command {
         issuer: Issuer,
         id: Option<CommandId>,
         asked: Asked,
-        /// The epoch that the sender named; the epoch of the command's arrival is not on record.
+        /// The epoch that the sender named. The epoch at the command's arrival is not recorded.
         epoch: Option<Epoch>,
         luggage: Option<LuggageId>,
         refused: Option<Refused>,
     },
     MissionBegan(MissionId, Strategy),
-    /// With the bombs that were left in the hall.
+    /// The mission was archived. The list has the dangerous pieces that were left in the hall.
     MissionArchived(MissionId, Vec<LuggageId>),
     Phase(Phase),
     Holds(Vec<Hold>),
@@ -55,20 +55,21 @@ pub enum Fact {
     Goal(Option<Goal>, Search),
     Pose(Pose),
     RobotPose(RobotId, Pose),
-    /// Number of steps from home at which a robot now stands outside the entrance; 0: the robot is in the hall.
+    /// Number of steps from home if the robot stands outside the entrance; 0 if it is in the hall.
     Outside(RobotId, u8),
-    /// `None` once the retrieval has ended.
+    /// The state of the retrieval; `None` after its end.
     Retrieval(Option<Box<Retrieval>>),
     MetAgain(Cell, Piece),
     Secured(LuggageId),
     Led(bool),
-    /// The cell, and what the obstacle was taken for: `wall`, `luggage` or `unknown`.
+    /// The cell, and the recognised kind of the obstacle: `wall`, `luggage` or `unknown`.
     Obstacle(Cell, &'static str),
     Mark(Cell, Mark),
     Luggage {
-        /// The record without its verdict, which is a fact of its own.
+        /// The record without its verdict. `Verdict` records the verdict.
         record: Arc<Luggage>,
-        /// The new photo. `None` if there is none, or if the entry was read back: pictures are stored separately.
+        /// The new photo, if there is one. It is `None` in an entry that was read back, because pictures are stored
+        /// separately.
         photo: Option<Photo>,
     },
     Verdict {
@@ -83,7 +84,7 @@ pub enum Fact {
     AlarmRaised(AlarmId, Option<LuggageId>, AlarmCause),
     AlarmAcknowledged(AlarmId, Arc<str>),
     Strategy(Strategy),
-    /// With the heading of the robot, which stands at home.
+    /// The map was emptied. The robot stands at home with this heading.
     MapEmptied(Heading),
     WrittenOut(WrittenOut),
     /// All entries before this one were unpacked from an archive.
@@ -95,7 +96,7 @@ pub enum Fact {
 pub struct WrittenOut {
     /// The first and the last mission in the archive.
     pub missions: (MissionId, MissionId),
-    /// Entries up to here are in the archive only.
+    /// The last entry that was moved into the archive. It and all earlier entries are in the archive only.
     pub until: Seq,
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
@@ -108,8 +109,8 @@ pub struct Unpacked {
     pub file: String,
     /// The SHA-256 of the file, in 64 lower-case hexadecimal digits.
     pub digest: String,
-    /// The last entry that is not in the journal; 0 if none is missing.
+    /// The last entry that is missing from the journal; 0 if none is missing.
     pub behind: Seq,
-    /// The digest of the page with that entry, in 64 lower-case hexadecimal digits.
+    /// The digest of the page that contains this last entry, in 64 lower-case hexadecimal digits.
     pub page: String,
 }

@@ -1,6 +1,6 @@
-//! The state that outlives the program, and how it follows from the facts, one by one (safety R1): the same code is
-//! used live and when a journal is read back. Nothing else changes the state, except that some parts have to be
-//! reported anew after a restart (`after_restart`). The store writes facts and reads them back.
+//! The state that is kept when the program ends, and how each fact changes it (safety R1). The same code is used
+//! live and when a journal is read back. Only `after_restart` changes the state in another way: some parts must be
+//! reported again. The store writes facts and reads them back.
 
 mod conditions;
 pub mod fact;
@@ -30,7 +30,8 @@ use crate::robot::RobotId;
 use crate::search::Goal;
 use crate::units::Piece;
 
-/// Number of map cells that take as much on record as an entry; many do, because rows are written in runs.
+/// Number of map cells that need as much space on record as one entry. Many cells fit, because rows are written in
+/// runs.
 const CELLS_AN_ENTRY: usize = 64;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -41,15 +42,15 @@ pub struct PersistentState {
     pub under_way: bool,
     pub phase: Phase,
     pub holds: Holds,
-    /// The epoch, raised by every stop.
+    /// A number that every stop increases.
     pub epoch: Epoch,
     pub strategy: Strategy,
     pub search: Search,
     pub goal: Option<Goal>,
     pub blocked: BTreeSet<Cell>,
-    /// Where the last completed order left the robot that searches.
+    /// The pose of the searching robot at the end of its last completed order.
     pub pose: Pose,
-    /// Where the last completed orders left the other robots that have moved.
+    /// The poses of the other robots that have moved, at the end of their last completed orders.
     pub others: BTreeMap<RobotId, Pose>,
     /// Number of steps from home of each robot that stands outside the entrance.
     pub outside: BTreeMap<RobotId, u8>,
@@ -57,20 +58,20 @@ pub struct PersistentState {
     pub led_blinking: bool,
     pub map: HallMap,
     pub pieces: BTreeSet<Piece>,
-    /// The cells where a known piece was met once more.
+    /// The cells where a known piece was met again.
     pub met_again: BTreeMap<Cell, Piece>,
     pub luggage: LuggageRecords,
-    /// The number of the last piece of all missions.
+    /// The highest luggage number in all missions so far.
     pub last_luggage: LuggageId,
     /// All alarms, oldest first.
     pub alarms: Vec<Arc<Alarm>>,
-    /// The number of the last alarm of all missions.
+    /// The highest alarm number in all missions so far.
     pub last_alarm: AlarmId,
-    /// The operator's last reading; no thermometer would repeat it.
+    /// The operator's last reading. It is stored because no thermometer repeats it.
     pub reading: Option<Celsius>,
-    /// `None` where no journal has recorded them yet.
+    /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
-    /// Number of milliseconds by which the clock was set since the mission began.
+    /// Total of all clock changes since the mission began, in milliseconds.
     pub clock_set_ms: i64,
 }
 
@@ -105,8 +106,8 @@ impl PersistentState {
         }
     }
 
-    /// The size of a record of the whole state: the number of entries that take as many bytes, and as much time. Only
-    /// luggage and the map count, because the rest is negligible.
+    /// Returns the size of a record of the whole state, as the number of entries that need the same space and time.
+    /// Only luggage and the map count, because the rest is negligible.
     pub(crate) fn size_in_entries(&self) -> u64 {
         (self.luggage.len() + self.map.visited() / CELLS_AN_ENTRY) as u64
     }
@@ -142,7 +143,7 @@ impl PersistentState {
             Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
             Fact::Retrieval(retrieval) => self.retrieval = retrieval.as_deref().cloned(),
             Fact::MetAgain(cell, piece) => drop(self.met_again.insert(*cell, *piece)),
-            // The piece is in the container, so it is not met again.
+            // The piece is in the container, so nobody can meet it again.
             Fact::Secured(luggage) => self.luggage.change(*luggage, |record| record.secured = Some(wall)),
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
@@ -167,8 +168,8 @@ impl PersistentState {
         }
     }
 
-    /// The state when the program comes back. A hold with a cause outside is unknown until that cause is reported
-    /// again, and no robot is linked yet.
+    /// Returns the state after a restart. Holds with an outside cause are cleared until that cause is reported again.
+    /// The hold for a lost link is raised, because no robot is linked yet.
     #[must_use]
     pub(crate) fn after_restart(mut self) -> PersistentState {
         for hold in [Hold::Temperature, Hold::TemperatureStale, Hold::Store] {
@@ -178,7 +179,7 @@ impl PersistentState {
         self
     }
 
-    /// Unacknowledged alarms outlive the mission.
+    /// Ends the mission. Alarms that are not acknowledged stay.
     pub(crate) fn put_away(&mut self) {
         self.under_way = false;
         self.search_anew();
@@ -198,7 +199,8 @@ impl PersistentState {
         self.search_anew();
     }
 
-    /// A cell that was free once and is blocked now may be tried again after a fault.
+    /// Writes a mark on the map. Cells that were visited and are now blocked are noted, because they may be tried
+    /// again after a fault.
     fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) {
         if self.map.at(cell) == Mark::Visited && mark.is_obstacle() {
             self.blocked.insert(cell);
@@ -208,8 +210,8 @@ impl PersistentState {
         self.map.mark(cell, mark, revision);
     }
 
-    /// A new record of a known piece gets the verdict that was given in the meantime, and the time since which the
-    /// piece waits.
+    /// Stores a luggage record. If the piece is known already, it keeps its verdict and the time since which it
+    /// waits.
     fn keep(&mut self, record: &Arc<Luggage>) {
         let known = self.luggage.get(record.id);
         let (verdict, secured) = known.map_or((None, None), |known| (known.verdict.clone(), known.secured));
@@ -219,7 +221,7 @@ impl PersistentState {
         self.last_luggage = self.last_luggage.max(record.id);
     }
 
-    /// Shifts the times that were noted earlier, as if the clock had always been set as it is now.
+    /// Adjusts recorded times, as if the clock had always been set as it is now.
     fn set_clock(&mut self, by_ms: i64) {
         self.clock_set_ms = self.clock_set_ms.saturating_add(by_ms);
         let waiting: Vec<LuggageId> = self.luggage.iter().filter(|record| record.is_pending()).map(|record| record.id).collect();

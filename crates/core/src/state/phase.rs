@@ -1,4 +1,4 @@
-//! The phases of a mission, each with exactly the data it needs (mission §4). The transitions stand in `table`.
+//! The phases of a mission, each with exactly the data it needs (mission §4). `table` has the transitions.
 
 use crate::command::Move;
 use crate::phase::{FaultCause, PhaseName};
@@ -7,12 +7,12 @@ use crate::units::{Cell, LuggageId, Piece, Pose};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
     Idle,
-    /// Searching, the last way home included.
+    /// Searching, including the last way home.
     Exploring,
-    /// At a piece of luggage, from the bump on.
+    /// Inspecting a piece of luggage, from the moment when the robot meets it.
     Inspecting(Inspection),
     Driving {
-        /// The cell of a goto; `None` for a single move.
+        /// The destination of a goto; `None` for a single move.
         goal: Option<Cell>,
         next: Option<Move>,
         interrupted: Box<Phase>,
@@ -23,7 +23,7 @@ pub enum Phase {
     AtHome,
     /// On the way home after danger.
     ReturningWithAlarm,
-    /// The robot is home, and a bomb is known to be in the hall.
+    /// The robot is home, and a dangerous piece is known to be in the hall.
     BombLocated,
     Retrieving,
     BagSecured,
@@ -60,12 +60,12 @@ impl Phase {
         if let Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } = self { Some(interrupted) } else { None }
     }
 
-    /// The phase that goes on when every interruption ends: this one, unless it is itself an interruption.
+    /// Returns the phase that continues when every interruption ends. A phase that interrupts nothing returns itself.
     pub(crate) fn underlying(&self) -> &Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// The phase below this many interruptions; the innermost phase if there are fewer interruptions.
+    /// Returns the phase below this many interruptions, or the innermost phase if there are fewer interruptions.
     pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
         if depth == 0 || self.interrupted().is_none() {
             return self;
@@ -78,7 +78,7 @@ impl Phase {
         self.below_mut(usize::MAX)
     }
 
-    /// The inspection under way, interrupted or not.
+    /// Returns the inspection under way, even if it is interrupted.
     #[must_use]
     pub fn inspection(&self) -> Option<&Inspection> {
         if let Phase::Inspecting(inspection) = self.underlying() { Some(inspection) } else { None }
@@ -88,7 +88,7 @@ impl Phase {
         if let Phase::Fault { cause, .. } = self { Some(cause) } else { None }
     }
 
-    /// Whether the robot moves in this phase, unless something holds it.
+    /// Whether the robot moves in this phase if nothing holds the robot.
     pub(crate) const fn is_motion(&self) -> bool {
         match self {
             Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
@@ -99,7 +99,7 @@ impl Phase {
         }
     }
 
-    /// Whether a mission is under way: raising a hold then also raises `awaitingStart`.
+    /// Whether a mission is under way. If so, raising a hold also raises `awaitingStart`.
     #[must_use]
     pub fn is_mission(&self) -> bool {
         !matches!(self.underlying(), Phase::Idle | Phase::Explored | Phase::BagSecured) || self.fault().is_some()
@@ -109,7 +109,7 @@ impl Phase {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
     pub cell: Cell,
-    /// The piece that the camera recognised, if it could.
+    /// The number that the camera recognised, if it recognised one.
     pub piece: Option<Piece>,
     pub pose: Pose,
     pub stage: Stage,
@@ -117,13 +117,13 @@ pub struct Inspection {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Returning to the centre of the cell from which the robot came: the only stage that is motion.
+    /// Returning to the centre of the cell from which the robot came. The robot moves only in this stage.
     BackingUp,
     TakingPhoto,
     Recording(LuggageId),
-    /// The record is in the store; the operator decides.
+    /// The record is in the store, and the operator must decide.
     AwaitingVerdict(LuggageId),
-    /// The operator may decide, and the photo is being taken again.
+    /// The photo is being taken again, and the operator may decide meanwhile.
     RetakingPhoto(LuggageId),
 }
 

@@ -1,4 +1,4 @@
-//! Readings of thermometers, as the journal has them. `world::temperature` decides what follows from a reading.
+//! Readings of thermometers from the journal. `world::temperature` decides what a reading means.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::world::temperature::Thermometer;
 pub struct Speaking(BTreeSet<Arc<str>>);
 
 impl Speaking {
-    /// Returns whether any source is not silent after this fact.
+    /// Takes a fact. Returns whether any source is speaking afterwards.
     pub fn hear(&mut self, fact: &Fact) -> bool {
         if let Fact::Temperature(source, _) = fact {
             self.0.insert(Arc::clone(source));
@@ -26,10 +26,11 @@ impl Speaking {
     }
 }
 
-/// Feeds the readings of the journal, oldest first, to a thermometer. They have the same effect as when they came.
+/// Feeds the readings of the journal, oldest first, to a thermometer. They have the same effect as when they first
+/// arrived.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
-        // Entries count as a minute apart, so that each reading is shown.
+        // Entries are treated as one minute apart, so that each reading is shown.
         let now = Now { wall: *wall, since_start: Duration::from_secs(60 * minute) };
         if let Fact::Temperature(source, celsius) = fact {
             thermometer.read(source, *celsius, now);

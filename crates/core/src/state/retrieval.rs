@@ -1,5 +1,5 @@
-//! The stored state of a retrieval, from which it goes on after a restart. The next actions of its robots follow from
-//! this and from their own reports of where they stand.
+//! The stored state of a retrieval. After a restart, this state and the robots' own reports of their places decide
+//! their next actions.
 
 use std::collections::BTreeSet;
 
@@ -7,17 +7,17 @@ use crate::not_fetched::{Fetcher, NotFetched};
 use crate::state::TeamState;
 use crate::units::{AlarmId, Cell, LuggageId};
 
-/// A retrieval under way, or in fault.
+/// A retrieval that is under way or in fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Retrieval {
     pub luggage: LuggageId,
     pub fetcher: Fetcher,
     pub stage: RetrievalStage,
-    /// The known cells on which the piece stands; none while it is off the floor.
+    /// The known cells on which the piece stands; empty while it is off the floor.
     pub piece: BTreeSet<Cell>,
-    /// The robots' last call to the operator, which holds them until it is acknowledged.
+    /// The robots' last call to the operator. The robots are held until this call is acknowledged.
     pub call: Option<AlarmId>,
-    /// The state of the pair's trees, once they have been ticked.
+    /// The state of the pair's behaviour trees; `None` before their first tick.
     pub team: Option<TeamState>,
 }
 
@@ -28,10 +28,11 @@ pub enum RetrievalStage {
     Fetching,
     /// The robot that fetches by itself has the piece at home and is about to release it.
     LettingGo,
-    /// The robots that fetched go back outside. The piece is in the container, or cannot be fetched for this reason.
+    /// The robots that fetched go back outside. With `None`, the piece is in the container. Otherwise the value says
+    /// why the piece cannot be fetched.
     GoingOut(Option<NotFetched>),
-    /// The robot that searches comes home, while all others are outside. Then the piece counts as secured, or, for this
-    /// reason, as not fetched.
+    /// The robot that searches comes home, while all other robots are outside. With `None`, the piece then counts as
+    /// secured. Otherwise the value says why it was not fetched.
     ComingHome(Option<NotFetched>),
 }
 

@@ -1,5 +1,5 @@
-//! The state that the team of the pair needs to go on after a restart. Routes are planned anew; the robots themselves
-//! report where they stand and what they hold.
+//! The state that the pair's behaviour trees need to continue after a restart. Routes are planned again. The robots
+//! themselves report where they stand and what they hold.
 
 use crate::arm::Parcel;
 use crate::pair::RetrievalFault;
@@ -10,7 +10,7 @@ use behaviour_trees::{Status, Value};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TeamStage {
     Working,
-    /// The parcel is lost; work goes on when the call has been acknowledged.
+    /// The parcel is lost. Work continues after the call to the operator is acknowledged.
     Lost,
     Done,
     Faulted(RetrievalFault),
@@ -18,7 +18,7 @@ pub enum TeamStage {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeamState {
-    /// SRM1, SRM2 and the Supervisor.
+    /// The trees of SRM1, SRM2 and the Supervisor, in this order.
     pub trees: [TreeState; 3],
     pub said: [Status; 3],
     pub blackboard: Vec<(String, Value)>,
@@ -26,7 +26,7 @@ pub struct TeamState {
     pub losses: u32,
     /// Whether this run of the Supervisor has reported a loss.
     pub has_called: bool,
-    /// A parcel that stands at its destination, still in the grippers.
+    /// A parcel that stands at its destination and is still in the grippers.
     pub dropped: Option<Parcel>,
     /// The pieces that were released at their destination, in order.
     pub delivered: Vec<Piece>,
@@ -35,7 +35,7 @@ pub struct TeamState {
 }
 
 impl TeamState {
-    /// Whether both states go on alike. Counted ticks and elapsed time may differ.
+    /// Whether both states lead to the same next actions. Numbers of ticks and elapsed times may differ.
     #[must_use]
     pub fn stands_as(&self, other: &TeamState) -> bool {
         let trees = self.trees.iter().zip(&other.trees).all(|(one, two)| one.stands_as(two));

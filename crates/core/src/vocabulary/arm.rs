@@ -1,13 +1,13 @@
-//! Actions of an arm, and the state that it reports. How an action is done, and how well a parcel is held, is left to
-//! the robot.
+//! The actions of a robot arm, and the state that the arm reports. The robot itself decides how it does an action and
+//! how it holds a parcel.
 //!
-//! Quantities are whole numbers of small units, so that every value is read back exactly as it was written.
+//! Quantities are whole numbers of small units. A whole number is read back exactly as it was written.
 
 use crate::place::Place;
 use crate::units::Piece;
 
-/// One bounded action of an arm, or of the camera on it. Starting a controller takes no time. The controller then goes
-/// on by itself, even under a halt, until the parcel is released.
+/// One bounded action of a robot arm, or of the camera on the arm. A controller starts at once. It then runs by
+/// itself, even while the robot is halted, until the parcel is released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmAction {
     /// Look for a parcel at this place, or near it. The answer is `RobotEvent::Found`.
@@ -62,16 +62,16 @@ named! {
     pub enum Gripper {
         #[default]
         Open = "open",
-        /// The gripper is closed, round a parcel or round nothing.
+        /// The gripper is closed, with or without a parcel.
         Closed = "closed",
     }
 }
 
-/// A piece, and the place where it lies, or over which it is held.
+/// A piece of luggage and its place. If the piece is lifted, this is the place below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parcel {
     pub piece: Piece,
-    /// The place of the piece. For a piece that covers several cells, it is the cell by which the piece is lifted.
+    /// The place of the piece. If the piece covers several cells, this is the cell at which the piece is lifted.
     pub place: Place,
 }
 
@@ -85,20 +85,20 @@ pub struct Controllers {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArmState {
     pub gripper: Gripper,
-    /// The place of the parcel at which the gripper is, not necessarily closed.
+    /// The place of the parcel that the gripper has reached. The gripper may still be open.
     pub aligned: Option<Place>,
-    /// The parcel that is held: both grippers are closed round it.
+    /// The parcel that is held. The grippers of both robots are closed round it.
     pub holds: Option<Parcel>,
-    /// Whether the parcel is off the floor, all the way up.
+    /// Whether the parcel is at its full height above the floor.
     pub lifted: bool,
-    /// Whether the parcel that is held stands on the floor. On the way up or down it is neither on the floor nor
-    /// lifted.
+    /// Whether the held parcel stands on the floor. While the parcel moves up or down, `on_floor` and `lifted` are
+    /// both false.
     pub on_floor: bool,
     pub controllers: Controllers,
     /// The gripping force, in millinewtons; 0 when nothing is held.
     pub force_mn: i32,
-    /// How far the paddle is from upright, in microradians.
+    /// The angle between the paddle and its upright position, in microradians.
     pub angle_urad: i32,
-    /// The distance of the bases minus the wanted distance, in micrometres.
+    /// The distance between the two bases minus the wanted distance, in micrometres.
     pub gap_um: i32,
 }

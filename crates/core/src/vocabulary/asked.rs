@@ -1,5 +1,5 @@
-//! Requests as the log and the journal record them: one command, many STOPs in one entry, a change of the simulator,
-//! the last of many refused requests, or the words of a door. The journal's form is not here.
+//! Requests as the log and the journal record them, such as one command or several STOPs in one entry. Another module
+//! defines the file format of the journal.
 
 use std::fmt;
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub enum Asked {
     /// STOPs that share one entry.
     Stops {
         count: u64,
-        /// Time from the first STOP to the last, in whole milliseconds; `None` when they came at once.
+        /// Time from the first STOP to the last, in whole milliseconds; `None` if all arrived at the same time.
         within: Option<Duration>,
     },
     Simulated(Simulated),
@@ -25,12 +25,13 @@ pub enum Asked {
         /// Number of requests before the last one.
         more: u64,
     },
-    /// A request in words: a door has no command for it, or another version recorded it.
+    /// A request as text, because there is no `Command` for it, or because another version of the program recorded
+    /// it.
     Words(String),
 }
 
 impl Asked {
-    /// Names the piece that a verdict without a number was about.
+    /// Returns this request. If it is a verdict without a number, the number in `meant` is added.
     #[must_use]
     pub fn about(&self, meant: Option<LuggageId>) -> Asked {
         match (self, meant) {

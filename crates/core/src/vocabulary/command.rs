@@ -1,33 +1,33 @@
-//! What can be asked of hallsweep, and by whom. `refused` has the reasons for which a command may be refused. The doors
-//! decide how a command is written on a wire.
+//! The commands that hallsweep accepts, and their senders. `refused` lists the reasons for a refusal. Each interface
+//! (HTTP, CoAP, MQTT) defines its own encoding of the commands.
 
 use std::sync::Arc;
 
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 
-/// The source of the operator's own readings.
+/// Source name of temperature readings that the operator enters.
 pub const OPERATOR: &str = "operator";
 
-/// The source of the robot's own thermometer.
+/// Source name of readings from the robot's own thermometer.
 pub const ROBOT: &str = "robot";
 
-/// The common source of all readings for which there is no room among the sources that are told apart.
+/// Source name that all further sources share when too many sources report readings.
 pub const OTHERS: &str = "others";
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     pub command: Command,
-    /// The epoch that the sender saw. It matters to movement commands only.
+    /// The epoch (count of stops) that the sender saw. Only movement commands use it.
     pub epoch: Option<Epoch>,
-    /// The epoch in which the command arrived, which counts if the sender named none.
+    /// The epoch when the command arrived. It is used if the sender gave no epoch.
     pub arrived: Option<Epoch>,
-    /// Whether the command was sent before, at an unknown time. A movement command without an epoch may then be older
-    /// than a stop or a restart.
+    /// Whether the command was sent before, at an unknown time. Without an epoch, a movement command may then be
+    /// older than a stop or a restart.
     pub is_again: bool,
     pub issuer: Issuer,
-    /// The sender's own id for this command. A command that comes again under the same id gets the same answer, and is
-    /// not carried out again.
+    /// The sender's own id for this command. If a command is repeated with the same id, it gets the same answer and
+    /// is not executed again.
     pub id: Option<CommandId>,
 }
 
@@ -42,10 +42,10 @@ impl Request {
 pub struct CommandId(Arc<str>);
 
 impl CommandId {
-    /// Longest id, in bytes: longer than a UUID in any notation.
+    /// Maximum length of an id, in bytes. A UUID fits in any notation.
     pub const MOST: usize = 128;
 
-    /// `None` unless the text has 1 to `MOST` visible ASCII characters.
+    /// Returns an id if the text has 1 to `MOST` visible ASCII characters, otherwise `None`.
     #[must_use]
     pub fn new(text: &str) -> Option<CommandId> {
         let sound = (1..=CommandId::MOST).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_graphic());
@@ -58,15 +58,16 @@ impl CommandId {
     }
 }
 
-/// Everything an operator, or a tool acting for one, can ask for (mission §4). `Display` is what the log says.
+/// A command from an operator, or from a tool that acts for an operator (mission §4). `Display` gives its text in the
+/// log.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     Start,
-    /// The halt is raised before this command is even queued.
+    /// The halt is raised before this command enters the queue.
     Stop,
     BackHome,
     Retrieve,
-    /// Archive the mission and be idle.
+    /// Archive the mission and return to idle.
     Reset,
     Move(Move),
     Goto(Cell),
@@ -81,7 +82,7 @@ pub enum Command {
     Temperature(TemperatureReport),
 }
 
-/// What a command carries beside its code.
+/// The data of a command in addition to its code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carries<'a> {
     Nothing,
@@ -95,7 +96,7 @@ pub enum Carries<'a> {
 }
 
 impl Command {
-    /// The codes of all commands. They stand in the journal, so a code never changes.
+    /// The codes of all commands. The journal stores these codes, so a code never changes.
     pub const CODES: [&str; 12] = [
         "start",
         "stop",
@@ -159,7 +160,7 @@ impl Command {
         }
     }
 
-    /// Whether the command can release a halted robot.
+    /// Whether the command can let a halted robot move again.
     #[must_use]
     pub const fn releases(&self) -> bool {
         match self {
@@ -211,17 +212,17 @@ named! {
     /// A basic move (mission §3).
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Move {
-        /// One cell forward, `w`.
+        /// One cell forward (`w`).
         Forward = "forward",
-        /// One cell backward, `s`.
+        /// One cell backward (`s`).
         Backward = "backward",
-        /// 90° to the left, `a` (and `l` of old clients).
+        /// 90° to the left (`a`, or `l` from old clients).
         TurnLeft = "left",
-        /// 90° to the right, `d` (and `r` of old clients).
+        /// 90° to the right (`d`, or `r` from old clients).
         TurnRight = "right",
-        /// A small correction to the left, `z`; only some robots can.
+        /// A small correction to the left (`z`). Only some robots can do it.
         NudgeLeft = "a little left",
-        /// A small correction to the right, `x`; only some robots can.
+        /// A small correction to the right (`x`). Only some robots can do it.
         NudgeRight = "a little right",
     }
 }
@@ -243,22 +244,22 @@ named! {
     by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Verdict {
-        /// The search goes on.
+        /// The piece is harmless, and the search continues.
         Safe = "safe",
-        /// The robot comes home and the piece is fetched.
+        /// The piece is dangerous. The robot comes home, and the piece is fetched.
         Danger = "danger",
     }
 }
 
-/// An operator's note with a verdict, for whoever reads the record later.
+/// An operator's note on a verdict, for later readers of the record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note(Arc<str>);
 
 impl Note {
-    /// Longest note, in characters: some sentences, and no more than fits a line of the log.
+    /// Maximum length of a note, in characters. This is enough for some sentences and fits one line of the log.
     pub const MOST: usize = 500;
 
-    /// Removes blanks around the text; `None` unless 1 to `MOST` visible characters in one line are left.
+    /// Removes blanks around the text. Returns `None` unless one line of 1 to `MOST` visible characters is left.
     #[must_use]
     pub fn new(text: &str) -> Option<Note> {
         let text = text.trim();
@@ -281,27 +282,27 @@ impl std::fmt::Display for Note {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LuggageRef {
     Id(LuggageId),
-    /// The one piece whose verdict is pending: the meaning of a bare word from an old client.
+    /// The one piece that waits for a verdict. Old clients send a verdict without a number and mean this piece.
     Pending,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum TemperatureReport {
-    /// The button OK; concerns the hold `tooHigh` alone.
+    /// The button OK. It concerns only the hold `tooHigh`.
     Ok,
     TooHigh,
-    /// The operator's own reading, compared with the threshold.
+    /// A temperature that the operator entered. It is compared with the threshold.
     Reading(Celsius),
-    /// A reading of the configured sensor of this name.
+    /// A reading of the configured sensor with this name.
     Sensor(Arc<str>, Celsius),
 }
 
 impl TemperatureReport {
-    /// Longest name of a sensor, in characters.
+    /// Maximum length of a sensor's name, in characters.
     pub const MOST: usize = 64;
 
-    /// `None` unless the text has 1 to `MOST` visible characters, no blanks and no comma. The text must not be
-    /// `OPERATOR`, `ROBOT` or `OTHERS`.
+    /// Returns `None` unless the text has 1 to `MOST` visible characters, without blanks and commas. The names
+    /// `OPERATOR`, `ROBOT` and `OTHERS` are reserved and also give `None`.
     #[must_use]
     pub fn sensor_name(text: &str) -> Option<Arc<str>> {
         let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
@@ -313,21 +314,21 @@ impl TemperatureReport {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issuer {
     pub door: Door,
-    /// The sender's name, as far as it is known: the name of the key, and then, in brackets, the name of a person.
+    /// The sender: the name of the access key, followed by the name of the person in brackets if it is known.
     pub who: Arc<str>,
-    /// The sender's address, such as `192.0.2.7`; `here` where there is none.
+    /// The sender's address, such as `192.0.2.7`; `here` if there is no address.
     pub from: Arc<str>,
 }
 
 impl Issuer {
-    /// Somebody at a door that asks for no name.
+    /// Returns the sender that is used for an interface that asks for no name.
     #[must_use]
     pub fn operator(door: Door) -> Issuer {
         Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
     }
 
-    /// The name of the key without the name of a person, such as `operator` for `operator (Anna)`. This name counts for
-    /// shares and for repeats, so nobody gets several shares by using several names.
+    /// Returns the key's name without the person's name, such as `operator` for `operator (Anna)`. Shares and repeats
+    /// are counted by this name, so nobody gets several shares by using several names.
     #[must_use]
     pub fn key(&self) -> Arc<str> {
         self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))
@@ -335,19 +336,20 @@ impl Issuer {
 }
 
 impl std::fmt::Display for Issuer {
-    /// Written like `operator (console, 192.0.2.7)`.
+    /// Example: `operator (console, 192.0.2.7)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} ({}", self.who, self.door.0)?;
         if self.door == Door::LOCAL { f.write_str(")") } else { write!(f, ", {})", self.from) }
     }
 }
 
-/// A way in, by its word in records. The list of all ways in is not in the core.
+/// An interface that accepts commands, such as HTTP. The text is its name in records. The core has no list of all
+/// interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Door(pub &'static str);
 
 impl Door {
-    /// No door: the caller owns the engine, as the command line does (`hallsweep explore`).
+    /// No interface: the caller owns the engine, such as the command line (`hallsweep explore`).
     pub const LOCAL: Door = Door("local");
 }
 
@@ -355,7 +357,7 @@ impl Door {
 pub struct Accepted {
     /// The revision of the state that contains the command's effect.
     pub revision: super::units::Revision,
-    /// The epoch of the state after the command, which the next movement command may carry.
+    /// The epoch after the command. The next movement command may carry this epoch.
     pub epoch: Epoch,
     pub luggage: Option<LuggageId>,
 }
@@ -364,18 +366,20 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Strategy {
-        /// The default: along the walls if luggage is found sooner there, else the tuned score.
+        /// The default. It follows the walls if luggage is found sooner there; otherwise it uses the tuned score.
         #[default]
         Auto = "auto",
-        /// The cell with the least tuned score, which adds the way there and the worth of its surroundings.
+        /// Go to the cell with the lowest tuned score. The score adds the cost of the way and the value of the
+        /// surroundings.
         Scored = "scored",
-        /// The nearest unknown cell; lone cells come first.
+        /// Go to the nearest unknown cell. Single unknown cells come first.
         Frontier = "frontier",
-        /// To and fro, column after column.
+        /// Sweep the hall up and down, column by column.
         Columns = "columns",
-        /// Round and round, from the walls inwards.
+        /// Go round the hall in rings, from the walls inwards.
         Spiral = "spiral",
-        /// The seeds' *chiocciola*: growing squares, home after each.
+        /// The *chiocciola* (snail) of the original specification: growing squares, with a return home after each
+        /// square.
         Snail = "snail",
     }
 }

@@ -1,5 +1,5 @@
-//! What reaches the core from outside: robots' reports, sensors' readings, the store's reports. `effect` has what the
-//! core sends out.
+//! The inputs of the core: reports from robots, readings from sensors, and reports from the store. `effect` defines
+//! the outputs of the core.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,52 +12,53 @@ use crate::units::{Celsius, Heading, OrderId, Piece, Pose, Seq};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     Robot(RobotId, RobotEvent),
-    /// Everything up to this entry is stored for good.
+    /// All entries up to this one are stored durably.
     Recorded(Seq),
     StoreFailed(String),
-    /// The store still cannot write, now for this reason.
+    /// The store still cannot write, and the reason is now this one.
     StoreReason(String),
     StoreRestored,
 }
 
 /// A robot's report. A robot answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`,
-/// `PhotoFailed`, `Found` or `Failed`; the other reports may come at any time.
+/// `PhotoFailed`, `Found` or `Failed`. The other reports may arrive at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
-    /// Where the robot stands by its own reckoning. A robot that knows its place reports it just before `LinkUp`.
+    /// The robot's own estimate of its place. A robot that knows its place reports it just before `LinkUp`.
     Stands(Whereabouts),
-    /// Where a robot outside the entrance stands: the steps from home (`retrieval::Place::Outside`), its heading, and
-    /// whether it stands away from that place.
+    /// The robot stands outside the entrance. The values are the number of steps from home, the heading, and whether
+    /// the robot is away from the exact place.
     StandsOutside(u8, Heading, OffCentre),
-    /// The link stands (again), with what this robot can do.
+    /// The link is up, for the first time or again. The report tells what this robot can do.
     LinkUp(Capabilities),
-    /// The link is lost, for this reason; the robot halts by itself. No open order will be answered.
+    /// The link is lost, for this reason. The robot halts by itself and will not answer its open order.
     LinkLost(String),
-    /// The robot's time stands still, as that of a simulated robot may. The robot still obeys halts and answers them.
-    /// Nothing that is under way is overdue before `LinkUp` reports that time goes on, and how long actions take now.
+    /// The robot's time is paused, which is possible for a simulated robot. The robot still obeys and answers halts.
+    /// No order becomes overdue until `LinkUp` reports that time runs again, and how long actions now take.
     Paused,
-    /// A step, turn, recentring or movement of the arm is complete, or a controller is running.
+    /// The order is complete: a step, a turn, a recentring, an arm movement, or the start of a controller.
     Done(OrderId),
-    /// A step met an obstacle: the robot stands against it, away from the centre of the cell that it left, until it is
-    /// recentred.
+    /// A step met an obstacle. The robot now stands against the obstacle, off the centre of the cell from which it
+    /// came. It must be recentred.
     Blocked(OrderId, Obstacle),
-    /// A halt cut the order short, or came before it, so that the order was not begun. `off_centre` says whether the
-    /// robot now stands away from a cell centre or between two headings, to be recentred before anything else.
+    /// A halt ended the order early, or arrived before the order was begun. `off_centre` tells whether the robot is
+    /// now off a cell centre or between two headings. If so, it must be recentred first.
     Halted(OrderId, OffCentre),
     Photo(OrderId, Photo),
     PhotoFailed(OrderId, String),
     Failed(OrderId, String),
-    /// The answer to a look for a parcel; `None` when none was recognised.
+    /// The answer to `FindParcel`; `None` if no parcel was recognised.
     Found(OrderId, Option<Parcel>),
     /// The present state of the robot's arm. It is reported at every change of what the arm holds or does, before the
-    /// answer to the order that changed it, and every now and then while the arm holds something.
+    /// answer to the order that caused the change. While the arm holds something, the report is repeated from time to
+    /// time.
     Arm(ArmState),
-    /// The parcel has slipped out of the grippers and lies here now. Both robots of the pair report this.
+    /// The parcel slipped out of the grippers and now lies at this place. Both robots of the pair report this.
     ParcelLost(Parcel),
-    /// The front sonar: centimetres to what is ahead, `None` beyond its range.
+    /// The distance to the next thing ahead, from the front sonar, in centimetres; `None` if nothing is in range.
     Sonar(Option<u16>),
-    /// What the front sonar sees from the place where the current order leaves the robot. It is reported just before
-    /// that order is `Done`.
+    /// What the front sonar sees from the place where the current order ends. It is reported just before that order
+    /// is `Done`.
     Ahead(Ahead),
     Temperature(Celsius),
 }
@@ -65,34 +66,34 @@ pub enum RobotEvent {
 /// What is ahead of a robot that stands in the centre of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ahead {
-    /// Number of free cells, as far as the sonar is believed.
+    /// Number of free cells, up to the distance at which the sonar is trusted.
     pub free: u16,
-    /// The obstacle in the cell after the free ones, as the camera recognises it.
+    /// The obstacle in the cell behind the free cells, as the camera recognises it.
     pub obstacle: Option<Obstacle>,
 }
 
-/// Whether a halted robot stands away from where its last completed order left it.
+/// Whether a halted robot is away from the place where its last completed order ended.
 pub type OffCentre = bool;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whereabouts {
-    /// The cell and heading in which the last completed order left the robot.
+    /// The cell and heading at the end of the last completed order.
     pub pose: Pose,
-    /// Whether the robot stands away from there, to be recentred before anything else.
+    /// Whether the robot is away from this pose and must be recentred first.
     pub off_centre: OffCentre,
 }
 
-/// What a robot can do and how long that takes; reported when the link comes up.
+/// What a robot can do, and how long each action takes. The robot reports this when its link comes up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     pub step: Duration,
     /// Duration of a turn of 90°.
     pub turn: Duration,
-    /// Duration of one photo, transfer included.
+    /// Duration of one photo, including its transfer.
     pub photo: Duration,
-    /// Duration of the longest movement of its arm; zero when it has none.
+    /// Duration of the longest arm movement; zero if the robot has no arm.
     pub arm: Duration,
-    /// Whether the robot can make the moves `NudgeLeft` and `NudgeRight`, which are refused otherwise.
+    /// Whether the robot can do the moves `NudgeLeft` and `NudgeRight`. Otherwise these moves are refused.
     pub nudges: bool,
     pub parts: Parts,
 }
@@ -107,16 +108,16 @@ impl Capabilities {
     }
 }
 
-/// What the robot takes an obstacle for (mission §3).
+/// The kind of an obstacle, as the robot recognises it (mission §3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// A wall of the hall. The numbers say how many more cells of the same straight wall the camera sees to the robot's
-    /// left and right of the cell that was met; zero when it cannot tell.
+    /// A wall of the hall. The numbers count how many more cells of the same straight wall the camera sees to the
+    /// robot's left and right. They are zero if the camera cannot tell.
     Wall {
         left: u16,
         right: u16,
     },
-    /// A piece of luggage. The piece has the same number from whichever side it is met.
+    /// A piece of luggage. It has the same number on every side.
     Luggage(Piece),
     Unknown,
 }
@@ -124,7 +125,7 @@ pub enum Obstacle {
 #[derive(Clone, PartialEq, Eq)]
 pub struct Photo {
     pub bytes: Arc<[u8]>,
-    /// Such as `image/png`.
+    /// The media type, such as `image/png`.
     pub media_type: &'static str,
 }
 

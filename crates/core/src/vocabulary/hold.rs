@@ -1,4 +1,5 @@
-//! The holds on the robot: a set in addition to the phase. While the set is not empty nothing moves (mission §4).
+//! The holds: reasons why the robot must not move. The set of holds is separate from the phase. While the set is not
+//! empty, nothing moves (mission §4).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -7,7 +8,7 @@ use crate::units::Celsius;
 
 named! {
     ALL by name;
-    /// One reason for which the robot must not move.
+    /// One reason why the robot must not move.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Hold {
         Operator = "operator",
@@ -18,16 +19,16 @@ named! {
         RobotLink = "robotLink",
         Store = "store",
         Restart = "restart",
-        /// A verdict of danger could not be recorded. The hold ends when its alarm is acknowledged or danger is on
-        /// record.
+        /// A verdict of danger could not be recorded. The hold ends when its alarm is acknowledged or the danger is
+        /// recorded.
         Alarm = "alarm",
-        /// The cause of a hold may be gone, but nobody has pressed START since.
+        /// A hold was raised, and nobody has pressed START since then. The cause of that hold may be gone.
         AwaitingStart = "awaitingStart",
     }
 }
 
 impl Hold {
-    /// The hold, and what to do about it, in words for an operator.
+    /// Returns the hold and the advice for it, as text for an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
@@ -43,7 +44,7 @@ impl Hold {
         }
     }
 
-    /// The end of the hold, in words for an operator.
+    /// Returns the end of the hold as text for an operator.
     #[must_use]
     pub const fn over_in_words(self) -> &'static str {
         match self {
@@ -59,7 +60,7 @@ impl Hold {
         }
     }
 
-    /// Whether an accepted movement command clears the hold. Other holds must end by themselves.
+    /// Whether an accepted movement command clears the hold. Other holds end only when their own cause ends.
     pub(crate) const fn cleared_by_start(self) -> bool {
         matches!(self, Hold::Operator | Hold::Restart | Hold::AwaitingStart)
     }
@@ -79,17 +80,17 @@ impl Holds {
         self.0.contains(&hold)
     }
 
-    /// Raises a hold; true when it is new.
+    /// Raises a hold. Returns true if it was not raised before.
     pub(crate) fn raise(&mut self, hold: Hold) -> bool {
         self.0.insert(hold)
     }
 
-    /// Clears a hold; true when it stood. No other hold is changed.
+    /// Clears only this hold. Returns true if it was raised.
     pub(crate) fn clear(&mut self, hold: Hold) -> bool {
         self.0.remove(&hold)
     }
 
-    /// Clears the holds that a movement command clears; true when there were any.
+    /// Clears every hold that a movement command clears. Returns true if there was at least one.
     pub(crate) fn release(&mut self) -> bool {
         let before = self.0.len();
         self.0.retain(|hold| !hold.cleared_by_start());
@@ -114,12 +115,12 @@ impl FromIterator<Hold> for Holds {
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum HoldReason {
-    /// The reading that is too hot.
+    /// The reading that was too hot.
     Reading(Celsius),
     Silent(Arc<str>),
-    /// The sensor of this name has not reported since the program was started.
+    /// The sensor with this name has not reported since the start of the program.
     Unheard(Arc<str>),
-    /// In the words of the store, or of the link to a robot.
+    /// A text from the store, or from the link to a robot.
     Words(String),
 }
 

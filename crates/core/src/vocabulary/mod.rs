@@ -1,5 +1,5 @@
-//! The vocabulary of the core: what may be asked, what may be reported, what is refused, and the names of everything
-//! that is counted, held or carried. No module here knows the course of a mission; all others use these.
+//! The basic types of the core: commands, reports, refusals, and the names of everything that is counted, held or
+//! carried. No module here knows the course of a mission. All other modules use these types.
 
 pub mod arm;
 pub mod asked;

@@ -1,4 +1,5 @@
-//! Who fetches a piece, and why it was not fetched. `pair` has the reasons that end a run of the pair.
+//! Who fetches a dangerous piece, and why a piece was not fetched. `pair` has the reasons that stop the two robots of
+//! a pair.
 
 use std::fmt;
 
@@ -13,28 +14,28 @@ named! {
         Pair = "pair",
         /// The robot that searches also fetches.
         Discovery = "discovery",
-        /// Nobody: RETRIEVE is refused.
+        /// Nobody fetches, and RETRIEVE is refused.
         None = "none",
     }
 }
 
-/// Why a piece was not fetched. `Display` is what an operator reads.
+/// Why a piece was not fetched. `Display` gives the text for an operator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotFetched {
-    /// The pair could not go on. The text is the error of a tree, if that is the cause.
+    /// The pair of robots could not continue. The text is the error of a behaviour tree, if that was the cause.
     Pair(RetrievalFault, Option<String>),
     Alone(AloneFault),
-    /// The settings name another fetcher than the fetcher that began, which may stand anywhere with the piece in the
-    /// grip.
+    /// The settings name a different fetcher from the one that began. The one that began may stand anywhere, with the
+    /// piece in its grip.
     OtherFetcher {
         began: Fetcher,
-        /// The present setting.
+        /// The fetcher that the settings now name.
         set: Fetcher,
     },
-    /// The robots that fetched cannot go back outside. If they were to go without the piece, the second value is the
-    /// reason for that.
+    /// The robots that fetch cannot go back outside. If they were to go out without the piece, the second value says
+    /// why they did not have it.
     Stuck(StuckFault, Option<Box<NotFetched>>),
-    /// A reason that another version of the program recorded, in its words.
+    /// A reason that another version of the program recorded, as text.
     Other(String),
 }
 
@@ -67,7 +68,7 @@ impl AloneFault {
 
 named! {
     ALL by name;
-    /// What prevents the robots that fetched from leaving the hall.
+    /// The reason why robots that fetched a piece cannot leave the hall.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum StuckFault {
         RobotFails = "robotFails",

@@ -1,16 +1,16 @@
-//! The two robots of the pair, their calls to the operator, and the reasons why they cannot go on. Each has a name, and
-//! calls and reasons are in words as well.
+//! The two robots that fetch as a pair, their calls to the operator, and the reasons why they cannot continue. Each
+//! has a name. Calls and reasons also have a text.
 
 use crate::robot::RobotId;
 
 named! {
     ALL by name;
-    /// One of the two robots, named as in the seed.
+    /// One of the two robots, named as in the original specification.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Which {
-        /// The robot that leads the way.
+        /// The first robot, which leads the way.
         Srm1 = "SRM1",
-        /// The robot that comes when it is told where to go.
+        /// The second robot, which comes when it is told where to go.
         Srm2 = "SRM2",
     }
 }
@@ -47,9 +47,9 @@ named! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum RetrievalFault {
         NothingToFetch = "nothingToFetch",
-        /// As far as is known, the two cannot both stand beside the parcel and carry it to its destination.
+        /// On the known map, the two robots cannot both stand beside the parcel and carry it to its destination.
         NoWayToParcel = "noWayToParcel",
-        /// The two hold the parcel, and no way leads to its destination.
+        /// Both robots hold the parcel, but no way leads to its destination.
         NoWayToTarget = "noWayToTarget",
         NoWayBack = "noWayBack",
         WrongParcel = "wrongParcel",
@@ -81,10 +81,11 @@ impl RetrievalFault {
 
 named! {
     ALL by name;
-    /// A call of the pair to the operator: an alarm, which has to be acknowledged before the trees go on.
+    /// A call of the pair to the operator. It raises an alarm. The behaviour trees continue only after the alarm is
+    /// acknowledged.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Saying {
-        /// No parcel is recognised where one should be.
+        /// The robot recognises no parcel at the expected place.
         CallOperator = "callOperator",
         PackageLost = "packageLost",
     }

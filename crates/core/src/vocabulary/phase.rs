@@ -1,10 +1,10 @@
-//! The names of the phases, and why a mission is in fault. The data of each phase stand in `state::phase`.
+//! The names of the phases, and why a mission is in fault. `state::phase` has the data of each phase.
 
 use super::not_fetched::NotFetched;
 
 named! {
     ALL by name;
-    /// The phases by the names that every door shows; `state::Phase` explains them.
+    /// The names of the phases, as every interface shows them. `state::Phase` explains the phases.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum PhaseName {
         #[default]
@@ -47,9 +47,9 @@ impl PhaseName {
 pub enum FaultCause {
     NoWayHome,
     Unanswered,
-    /// The search went round in circles without giving an order.
+    /// The search repeated itself without giving an order.
     Undecided,
-    /// The robot reported a fault, in these words.
+    /// The robot reported this fault.
     Robot(String),
     NotFetched(NotFetched),
 }

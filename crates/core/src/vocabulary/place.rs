@@ -1,26 +1,28 @@
-//! Where the robots of a retrieval can be: in a cell of the hall, or outside the entrance, beyond home. The content of
-//! a cell is on the map.
+//! The places of robots during a retrieval: in a cell of the hall, or outside the entrance. The map says what a cell
+//! contains.
 
 use std::fmt;
 
 use crate::units::{Cell, Heading};
 
-/// A place that one base, or one parcel, fills.
+/// The place of one robot base or of one parcel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Place {
     Cell(Cell),
-    /// Outside the entrance: steps from home, at most [`Place::FURTHEST`]. There is room for all robots.
+    /// Outside the entrance, this number of steps from home, at most [`Place::FURTHEST`]. There is room for all
+    /// robots.
     Outside(u8),
 }
 
 impl Place {
-    /// Number of steps that a train must go out, so that its parcel stands one step from home, beside the container.
+    /// How many steps outside two robots with a parcel between them must go. The parcel then stands one step from
+    /// home, beside the container.
     pub const FURTHEST: u8 = 2;
 
-    /// Where robots wait to come in, and where the container stands.
+    /// The place where robots wait before they come in, and where the container stands.
     pub const ENTRANCE: Place = Place::Outside(1);
 
-    /// `None` outside the hall.
+    /// Returns the cell, or `None` for a place outside the hall.
     #[must_use]
     pub const fn cell(self) -> Option<Cell> {
         match self {
@@ -29,7 +31,7 @@ impl Place {
         }
     }
 
-    /// The places one step from here, the way out included if there is one.
+    /// Returns the places one step from here. If `way_out` is true, home is connected to the first place outside.
     pub fn neighbours(self, way_out: bool) -> impl Iterator<Item = Place> {
         let (cells, outer, inner) = match self {
             Place::Cell(cell) => (Some(cell.neighbours()), (way_out && cell == Cell::HOME).then_some(1), None),
@@ -42,7 +44,7 @@ impl Place {
         cells.into_iter().flatten().map(Place::Cell).chain(outer.map(Place::Outside)).chain(inner)
     }
 
-    /// Whether two different places are one step apart, the way out included.
+    /// Whether two different places are one step apart. The step between home and outside counts.
     #[must_use]
     pub fn is_beside(self, other: Place) -> bool {
         self.neighbours(true).any(|place| place == other)

@@ -1,5 +1,5 @@
-//! Every reason why a command can be refused, as a sentence for an operator and as a fixed code for programs. The doors
-//! decide how a refusal is sent.
+//! Every reason why a command can be refused, as a sentence for an operator and as a fixed code for programs. Each
+//! interface decides how it sends a refusal.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::robot::RobotId;
 use crate::units::{AlarmId, Cell, Epoch, LuggageId};
 
-/// Kind of a refusal, from which doors derive their own codes.
+/// Kind of a refusal. Each interface derives its own codes from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefusalKind {
     /// The state forbids the command.
@@ -18,7 +18,7 @@ pub enum RefusalKind {
     Unknown,
     /// The command cannot be recorded at present.
     Unavailable,
-    /// The command contradicts another one of the same sender.
+    /// The command contradicts an earlier command of the same sender.
     Mismatch,
     /// The role of the sender does not allow the command.
     Forbidden,
@@ -27,13 +27,14 @@ pub enum RefusalKind {
 /// Why a command was refused. `Display` is the sentence for an operator.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    /// Holds that a movement command does not clear. If the hold of the store is among them, the store's reason is
-    /// added, if it is known.
+    /// Holds that a movement command does not clear. The text is the reason of the store, if the store is among the
+    /// holds and its reason is known.
     #[error("not possible while held: {}", holds_in_words(.0, .1.as_deref()))]
     Held(Vec<Hold>, Option<String>),
     #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]
     Outdated { sent: Epoch, now: Epoch },
-    /// The command was delivered again, and names no epoch: a STOP or a restart may have come since it was sent.
+    /// The command was delivered again and has no epoch. A STOP or a restart may have happened since it was first
+    /// sent.
     #[error("outdated: it was sent before, and a STOP or a restart may have come since; look again, then give it anew")]
     SentBefore,
     #[error("not possible while {}", .0.in_words())]
@@ -56,12 +57,12 @@ pub enum Refused {
     BombUnfetched(LuggageId),
     #[error("there is no luggage #{0}")]
     UnknownLuggage(LuggageId),
-    /// A verdict without a number, as old clients send it, found no waiting piece.
+    /// An old client sent a verdict without a number, but no piece waits for a verdict.
     #[error("no luggage waits for a verdict")]
     NothingPending,
     #[error("luggage #{luggage} was already found {}: a verdict is final", .verdict.name())]
     Decided { luggage: LuggageId, verdict: Verdict },
-    /// Without a photo nobody can say that the piece is safe.
+    /// Without a photo, a piece cannot be declared safe.
     #[error("luggage #{0} has no usable photo: take it again, or answer danger")]
     NoPhoto(LuggageId),
     /// Only the piece in front of the robot can be photographed.
@@ -75,7 +76,7 @@ pub enum Refused {
     NoRetrievalRobot,
     #[error("{0} cannot be reached, and the retrieval needs it: mend its link first")]
     FetcherUnreached(RobotId),
-    /// A retrieval was interrupted and can continue; its robots are not where a new mission begins.
+    /// A retrieval was interrupted and can continue. This robot is not yet where a new mission begins.
     #[error("{0} is not back yet: press START, so that the retrieval goes on")]
     FetcherAbroad(RobotId),
     #[error("the fault still stands: {0}")]
@@ -85,17 +86,18 @@ pub enum Refused {
     /// The command was carried out, but the store failed before it was recorded.
     #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
     NotKept,
-    /// Shown at a button, and never sent as an answer: the last change may forbid the command, and is not recorded yet.
+    /// Shown at a button, and never sent as an answer. The last change is not recorded yet, and it may forbid the
+    /// command.
     #[error("what was done last is not on record yet: wait a moment")]
     NotOnRecord,
     #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]
     OtherContent(CommandId),
     #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]
     UnknownSensor(Arc<str>),
-    /// The role of the sender allows watching and STOP only; the sentence comes from the door.
+    /// The sender's role allows only watching and STOP. The interface provides the sentence.
     #[error("{0}")]
     NotAllowed(String),
-    /// A refusal in the words of a door, or of another version.
+    /// A refusal as text from an interface, or from another version of the program.
     #[error("{}", .0.words)]
     InWords(Refusal),
 }
@@ -110,8 +112,8 @@ pub struct Refusal {
     pub words: String,
 }
 
-/// Every code with its kind, for refusals that are read back. A test of a door compares the list with the variants. The
-/// list lacks the code of `NotOnRecord`, because no command is answered with it.
+/// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
+/// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
 pub const CODES: [(&str, RefusalKind); 28] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
@@ -179,7 +181,7 @@ impl Refused {
         }
     }
 
-    /// A short fixed word for programs. The code never changes; the sentence may.
+    /// A short fixed word for programs. The code never changes, but the sentence may change.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
@@ -217,7 +219,8 @@ impl Refused {
     }
 }
 
-/// Joins the sentences of the holds. The reason of the store comes first, because other holds may follow from it.
+/// Joins the sentences of the holds. The reason of the store comes first, because the store may be the cause of other
+/// holds.
 fn holds_in_words(holds: &[Hold], store_failure: Option<&str>) -> String {
     let store = store_failure.map(|why| format!("nothing can be recorded: {why}"));
     let others = holds.iter().filter(|hold| store.is_none() || **hold != Hold::Store).map(|hold| hold.in_words().to_owned());

@@ -1,17 +1,16 @@
-//! The name of a robot, its state, and its parts as far as a mission needs them. Before a robot gets a task, its parts
-//! are checked here.
+//! The name of a robot, its state, and its parts. A robot gets a task only if it has the parts that the task needs.
 
 use std::sync::Arc;
 
-/// The same name in settings, orders, reports and records.
+/// The name of a robot in settings, orders, reports and records.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RobotId(Arc<str>);
 
 impl RobotId {
-    /// Longest name, in bytes: it is shown in a topic, a path and a caption.
+    /// Maximum length of a name, in bytes. The name appears in a topic, a path and a caption.
     pub const MOST: usize = 32;
 
-    /// `None` unless the text has 1 to `MOST` small letters, digits and hyphens, the first a letter.
+    /// Returns `None` unless the text has 1 to `MOST` small letters, digits and hyphens, and begins with a letter.
     #[must_use]
     pub fn new(text: &str) -> Option<RobotId> {
         let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
@@ -39,7 +38,8 @@ impl std::fmt::Display for RobotId {
 
 named! {
     ALL by name;
-    /// What a robot does. All names are from the seeds except `movingArm`: the seeds have no arm.
+    /// What a robot is doing. All names are from the original specification, except `movingArm`: that specification
+    /// has no arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum RobotState {
         Stopped = "stopped",
@@ -62,7 +62,7 @@ named! {
         Sonar = "sonar",
         Led = "led",
         Thermometer = "thermometer",
-        /// The robot feels what it runs into.
+        /// The robot notices when it runs into something.
         Bump = "bump",
         Arm = "arm",
         Gripper = "gripper",
@@ -79,7 +79,7 @@ impl Parts {
     pub const ROUND_ROBOT: Parts =
         Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::AcknowledgedMoves]);
 
-    /// The parts of a robot that searches and has a hook, with which it takes a piece onto its back.
+    /// The parts of a robot that searches and has a hook. With the hook it takes a piece onto its back.
     pub const ROUND_ROBOT_WITH_HOOK: Parts = Parts::ROUND_ROBOT.with(Part::Gripper);
 
     /// The parts of each robot of the pair that fetches.
@@ -111,7 +111,7 @@ impl Parts {
         self.0 & (1 << part as u16) != 0
     }
 
-    /// In the order of `Part::ALL`.
+    /// Returns the parts in the order of `Part::ALL`.
     pub fn iter(self) -> impl Iterator<Item = Part> {
         Part::ALL.into_iter().filter(move |part| self.has(*part))
     }

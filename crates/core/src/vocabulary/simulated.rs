@@ -1,5 +1,5 @@
-//! What can be done to the hall and the robots while both are simulated, for log and journal. The simulation itself is
-//! not known here.
+//! Changes that a user makes to a simulated hall and its robots, for the log and the journal. The simulation itself
+//! is not part of the core.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -8,19 +8,19 @@ use std::sync::Arc;
 use crate::speed::Speed;
 use crate::units::Cell;
 
-/// An action of somebody on the simulator. `Display` is what the log says.
+/// A user's action on the simulator. `Display` gives its text in the log.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Simulated {
     Changed(Change),
-    /// Every robot was taken to the end of what it had under way.
+    /// Every robot was moved to the end of its current action.
     Step,
-    /// The robots were put down in the hall of this name.
+    /// The robots were placed in the hall with this name.
     PutDown(Arc<str>),
     Kept(String),
     Discarded(String),
 }
 
-/// The parts of the simulation that change; parts without a value stay as they are.
+/// The parts of the simulation that change. Parts without a value stay as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     pub speed: Option<Speed>,
@@ -29,7 +29,7 @@ pub struct Change {
     pub link_lost: Option<bool>,
     pub no_thermometer: Option<bool>,
     pub camera_fails: Option<bool>,
-    /// The cells in which something stands that is not part of the hall.
+    /// The cells that are blocked by something that is not part of the hall.
     pub blocked: Option<BTreeSet<Cell>>,
 }
 

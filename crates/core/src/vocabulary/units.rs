@@ -1,10 +1,10 @@
-//! The quantities of the field: cells, headings, poses, temperatures, time and identifying numbers. Nothing here reads
-//! a clock or knows how a value is written on a wire.
+//! The basic quantities: cells, headings, poses, temperatures, time and identifying numbers. Nothing here reads a
+//! clock or defines an encoding for clients.
 
 use std::fmt;
 use std::time::Duration;
 
-/// A square of the floor; its side is the robot's size. `x` grows to the east, `y` to the south (mission §3).
+/// A square of the floor. Its side is as long as the robot. `x` grows to the east, `y` to the south (mission §3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell {
     pub x: i32,
@@ -12,7 +12,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Where the robot starts and comes home to.
+    /// The cell where the robot starts and to which it returns.
     pub const HOME: Cell = Cell { x: 0, y: 0 };
 
     #[must_use]
@@ -20,7 +20,7 @@ impl Cell {
         Cell { x, y }
     }
 
-    /// The same cell, counted from `origin`.
+    /// Returns the position of this cell relative to `origin`.
     #[must_use]
     pub const fn relative_to(self, origin: Cell) -> Cell {
         Cell::new(self.x - origin.x, self.y - origin.y)
@@ -55,13 +55,13 @@ named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Heading {
-        /// Towards lesser `y`.
+        /// Towards smaller `y`.
         North = "north",
         /// Towards greater `x`.
         East = "east",
         /// Towards greater `y`; every robot starts with this heading.
         South = "south",
-        /// Towards lesser `x`.
+        /// Towards smaller `x`.
         West = "west",
     }
 }
@@ -119,12 +119,12 @@ impl Pose {
 pub struct Celsius(f64);
 
 impl Celsius {
-    /// The coldest reading believed, in °C.
+    /// The lowest reading that is accepted, in °C.
     pub const LEAST: f64 = -60.0;
-    /// The hottest reading believed, in °C.
+    /// The highest reading that is accepted, in °C.
     pub const MOST: f64 = 1000.0;
 
-    /// `None` when `degrees` is not a number or outside `LEAST..=MOST`.
+    /// Returns `None` if `degrees` is not a number or is outside `LEAST..=MOST`.
     #[must_use]
     pub fn new(degrees: f64) -> Option<Celsius> {
         (Celsius::LEAST..=Celsius::MOST).contains(&degrees).then_some(Celsius(degrees))
@@ -142,32 +142,32 @@ impl fmt::Display for Celsius {
     }
 }
 
-/// A moment of the wall clock, for display and records only; order follows from sequence numbers.
+/// A time of the wall clock, for display and records only. Sequence numbers decide the order of entries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WallTime {
     /// Milliseconds since 1970-01-01T00:00:00Z.
     pub unix_ms: i64,
-    /// Seconds east of UTC of the zone in which the moment is shown.
+    /// Offset of the displayed time zone from UTC, in seconds; positive in the east.
     pub offset_s: i32,
 }
 
 impl WallTime {
-    /// The same moment by a clock that was set by this many milliseconds since then.
+    /// Shifts the time by this many milliseconds, because the clock was set by that amount.
     #[must_use]
     pub const fn set_by(self, ms: i64) -> WallTime {
         WallTime { unix_ms: self.unix_ms.saturating_add(ms), ..self }
     }
 }
 
-/// The time as an argument: the core never asks for it.
+/// The current time. It is an argument, because the core never reads a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Now {
-    /// Since the program (or the simulated run) began; never goes back.
+    /// Time since the program (or the simulated run) began. It never decreases.
     pub since_start: Duration,
     pub wall: WallTime,
 }
 
-/// Declares number types for identifiers, so that one kind is never taken for another.
+/// Declares one number type for each kind of identifier, so that two kinds are never mixed up.
 macro_rules! numbers {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
         $(#[$doc])*
@@ -175,8 +175,8 @@ macro_rules! numbers {
         pub struct $name(pub u64);
 
         impl $name {
-            /// The number after this one, or the same if it is the greatest. Nothing counts that far, but a damaged
-            /// record may hold such a number, and that must not end the program.
+            /// Returns the next number, or the same number if it is the greatest possible one. Only a damaged record
+            /// can hold that number, and it must not end the program.
             #[must_use]
             pub const fn next(self) -> $name {
                 $name(self.0.saturating_add(1))
@@ -192,26 +192,25 @@ macro_rules! numbers {
 }
 
 numbers! {
-    /// A luggage record; counted from 1 over the whole store, never used twice.
+    /// The number of a luggage record, counted from 1 over the whole store and never used twice.
     LuggageId;
-    /// A mission; counted from 1 over the whole store.
+    /// The number of a mission, counted from 1 over the whole store.
     MissionId;
-    /// An alarm on the console; counted from 1.
+    /// The number of an alarm on the console, counted from 1.
     AlarmId;
-    /// An order to a robot; counted from 1.
+    /// The number of an order to a robot, counted from 1.
     OrderId;
-    /// How often the state has changed; each resource remembers the revision of its last change.
+    /// The number of changes of the state so far. Each resource stores the revision of its last change.
     Revision;
-    /// The epoch: raised by every stop, so that movement commands sent before the stop can be told from commands sent
-    /// after it.
+    /// A number that every stop increases. It shows whether a movement command was sent before or after a stop.
     Epoch;
-    /// The place of an entry in the journal; counted from 1.
+    /// The number of an entry in the journal, counted from 1.
     Seq;
-    /// An accepted command that still waits for its answer.
+    /// The number of an accepted command that still waits for its answer.
     Ticket;
 }
 
-/// The number by which the camera recognises a piece of luggage. The number says nothing about records.
+/// The number by which the camera recognises a piece of luggage. It is not the number of a luggage record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Piece(pub u32);
 

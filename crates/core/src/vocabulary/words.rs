@@ -1,7 +1,7 @@
-//! Which letters of a text from outside may be shown to people.
+//! Decides which characters of a text from outside may be shown to people.
 
-/// Whether this letter is visible and does not change how others are shown. Control characters, line breaks, changes of
-/// writing direction and zero-width formatting characters are not.
+/// Whether this character is visible and does not change how other characters are shown. Control characters, line
+/// breaks, changes of writing direction and zero-width formatting characters do not qualify.
 #[must_use]
 pub fn is_visible(letter: char) -> bool {
     let is_hidden = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');

@@ -1,5 +1,5 @@
-//! Alarms: what an operator must be told loudly, until somebody acknowledges it. An alarm is shown at once. Its number
-//! is shown once the alarm is on record, because a number that was shown must never mean another alarm (safety R4).
+//! Alarms: urgent messages that somebody must acknowledge. An alarm is shown at once. Its number is shown only after
+//! the alarm is recorded, because a shown number must never mean another alarm (safety R4).
 
 use std::fmt;
 use std::sync::Arc;
@@ -28,15 +28,15 @@ pub struct AlarmView {
     pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
-/// Why there is an alarm. `Display` is what an operator reads.
+/// Why there is an alarm. `Display` gives the text for an operator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AlarmCause {
     Dangerous(LuggageId, Cell),
-    /// The piece was found dangerous, but that is not on record.
+    /// The piece was found dangerous, but the danger is not recorded.
     Unrecorded(LuggageId, Cell),
     /// The pair that fetches this piece calls the operator.
     Call(LuggageId, Saying),
-    /// A cause that another version of the program recorded, in its words.
+    /// A cause that another version of the program recorded, as text.
     Other(String),
 }
 

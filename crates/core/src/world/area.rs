@@ -1,4 +1,4 @@
-//! What is known of a cell, and rectangles of cells. A whole map stands in `hall_map`.
+//! The knowledge about one cell, and rectangles of cells. `hall_map` has the whole map.
 
 use crate::units::Cell;
 
@@ -8,9 +8,9 @@ named! {
     pub enum Mark {
         #[default]
         Unknown = "unknown",
-        /// The sonar has seen that the cell is free; the robot was not there yet.
+        /// The sonar has seen that the cell is free, but the robot has not been there yet.
         Seen = "seen",
-        /// The robot was there, so the cell is free.
+        /// The robot has been there, so the cell is free.
         Visited = "visited",
         Wall = "wall",
         /// An inspected piece of luggage, or an inspected obstacle that may be luggage.
@@ -20,7 +20,7 @@ named! {
 }
 
 impl Mark {
-    /// Whether the robot is still to go there, as far as no known obstacle prevents it.
+    /// Whether the robot has not been in the cell, and no obstacle is known there.
     #[must_use]
     pub const fn is_unvisited(self) -> bool {
         matches!(self, Mark::Unknown | Mark::Seen)
@@ -64,13 +64,11 @@ impl Bounds {
         cell.x >= self.least.x && cell.y >= self.least.y && cell.x <= self.most.x && cell.y <= self.most.y
     }
 
-    /// Number of columns.
     #[must_use]
     pub const fn width(self) -> i32 {
         self.most.x - self.least.x + 1
     }
 
-    /// Number of rows.
     #[must_use]
     pub const fn height(self) -> i32 {
         self.most.y - self.least.y + 1

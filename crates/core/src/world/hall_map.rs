@@ -1,5 +1,5 @@
-//! The hall as far as it is known: a mark for every cell, and the frontier where the known cells end. `tiles` stores
-//! the marks in memory that snapshots share; `hallsweep::api` writes a map on a wire.
+//! The known part of the hall: a mark for every cell, and the frontier, where the known cells end. `tiles` stores the
+//! marks in memory that snapshots share. `hallsweep::api` encodes a map for clients.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ pub use super::tiles::{TILE, Tile, cells_of};
 use super::tiles::{Tiles, place_in_tile, tile_of};
 use crate::units::{Cell, Revision};
 
-/// Greatest coordinate of a stored cell, in either direction from home: a robot that reports more is wrong.
+/// Maximum absolute value of a stored cell's coordinate. A robot that reports a larger value is wrong.
 pub const REACH: i32 = 8192;
 
 pub(crate) const fn is_in_reach(cell: Cell) -> bool {
@@ -28,7 +28,7 @@ pub struct HallMap {
 }
 
 impl HallMap {
-    /// A map on which only `home` is known, because the robot stands there.
+    /// Creates a map on which only `home` is known, because the robot stands there.
     #[must_use]
     pub fn new(home: Cell, revision: Revision) -> HallMap {
         let mut map = HallMap {
@@ -52,7 +52,7 @@ impl HallMap {
         self.at(cell) != mark && is_in_reach(cell)
     }
 
-    /// Writes a mark; true when it changed anything. Cells beyond `REACH` are not stored.
+    /// Writes a mark. Returns true if the map has changed. Cells beyond `REACH` are not stored.
     pub fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) -> bool {
         if !self.is_news(cell, mark) {
             return false;
@@ -77,12 +77,12 @@ impl HallMap {
         true
     }
 
-    /// Makes the whole map count as changed at this revision, because nobody has seen it before.
+    /// Sets the revision of every tile to `revision`, because no client has seen this map before.
     pub(crate) fn show_first_at(&mut self, revision: Revision) {
         self.tiles.iter_mut().for_each(|tile| tile.revision = revision);
     }
 
-    /// The unvisited cells next to visited ones, tile by tile.
+    /// Returns the unvisited cells next to visited ones, tile by tile.
     pub fn frontier(&self) -> impl Iterator<Item = Cell> {
         self.tiles.iter().flat_map(|(corner, tile)| tile.frontier(corner))
     }
@@ -102,31 +102,31 @@ impl HallMap {
         self.uninspected
     }
 
-    /// Number of known places that are not searched: unvisited cells beside visited ones, and obstacles that were not
-    /// inspected.
+    /// Number of known places that are not searched yet: unvisited cells beside visited ones, and obstacles that were
+    /// not inspected.
     #[must_use]
     pub const fn unsearched(&self) -> usize {
         self.open + self.uninspected
     }
 
-    /// The least rectangle with every cell that was ever visited.
+    /// The smallest rectangle that contains every cell that was ever visited.
     #[must_use]
     pub const fn visited_bounds(&self) -> Bounds {
         self.visited_bounds
     }
 
-    /// The least rectangle with every cell of which anything was ever known.
+    /// The smallest rectangle that contains every cell of which anything was ever known.
     #[must_use]
     pub const fn known_bounds(&self) -> Bounds {
         self.known_bounds
     }
 
-    /// The tiles of which anything is known, each with the cell of its north-west corner.
+    /// Returns the tiles that contain known cells, each with the cell of its north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.tiles.iter().filter(|(_, tile)| tile.is_known())
     }
 
-    /// Whether anything is known of the tile whose north-west corner is `corner`.
+    /// Whether the tile with the north-west corner `corner` contains known cells.
     #[must_use]
     pub fn has_tile(&self, corner: Cell) -> bool {
         self.tiles.tile(tile_of(corner)).is_some_and(|tile| tile.is_known())
@@ -142,7 +142,8 @@ impl HallMap {
         marked.filter(|(_, mark)| *mark != Mark::Unknown)
     }
 
-    /// The cells whose mark differs from `older`'s, with their marks here. Shared tiles are not compared.
+    /// Returns the cells whose mark differs from the mark in `older`, with their marks in this map. Tiles that both
+    /// maps share are skipped.
     #[must_use]
     pub fn changes_since(&self, older: &HallMap) -> Vec<(Cell, Mark)> {
         let mut changes = Vec::new();
@@ -167,7 +168,7 @@ impl HallMap {
     }
 }
 
-/// Two maps are equal when the same is known of every cell, whenever it became known.
+/// Two maps are equal if every cell has the same mark in both. Revisions do not matter.
 impl PartialEq for HallMap {
     fn eq(&self, other: &HallMap) -> bool {
         self.changes_since(other).is_empty()

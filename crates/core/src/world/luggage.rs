@@ -1,4 +1,4 @@
-//! Luggage records: what was met, where it was photographed from, and the operator's verdict (mission §7).
+//! Luggage records: what the robot met, where it took the photo, and the operator's verdict (mission §7).
 
 use std::sync::Arc;
 
@@ -12,16 +12,16 @@ pub struct Luggage {
     pub id: LuggageId,
     pub cell: Cell,
     pub pose: Pose,
-    /// When the photo was taken (or failed).
+    /// When the latest photo was taken (or failed).
     pub taken: WallTime,
-    /// When the first photo was taken: from then on the piece waits for its verdict.
+    /// When the first photo was taken. Since then the piece waits for its verdict.
     pub first_taken: WallTime,
     pub photo: PhotoState,
     pub verdict: Option<Decision>,
-    /// The piece that the camera recognised, if it could.
+    /// The number that the camera recognised, if it recognised one.
     pub piece: Option<Piece>,
     pub secured: Option<WallTime>,
-    /// Number of milliseconds by which the clock was set between the first photo and the verdict, or until now.
+    /// Total of all clock changes from the first photo until the verdict, or until now, in milliseconds.
     pub clock_set_ms: i64,
 }
 
@@ -29,14 +29,14 @@ pub struct Luggage {
 pub enum PhotoState {
     Taken {
         bytes: usize,
-        /// 1 for the first photo, more after a retake, so that a new photo is not mistaken for the first.
+        /// 1 for the first photo, and one more for each new photo, so that they can be told apart.
         take: u32,
     },
     Failed(String),
 }
 
 impl PhotoState {
-    /// The state after another photo was taken, or failed. If it failed, an older photo stays valid.
+    /// Returns the state after another photo was taken or failed. If it failed, an older photo stays valid.
     #[must_use]
     pub fn after(before: Option<&PhotoState>, photo: &Result<Photo, String>) -> PhotoState {
         let take = match before {
@@ -51,12 +51,12 @@ impl PhotoState {
     }
 }
 
-/// Why there is no photo of a piece. `Display` is the sentence a person reads.
+/// Why there is no photo of a piece. `Display` gives the sentence for a person.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPhoto {
     #[error("there is no photo of luggage #{0}: {1}; take the photo again")]
     Failed(LuggageId, String),
-    /// The take that was asked for, and the number of takes.
+    /// The values are the piece, the requested photo number, and the number of photos.
     #[error("there is no photo {1} of luggage #{0}: the photos have the numbers 1 to {2}")]
     NotTaken(LuggageId, u64, u32),
     #[error("the photo of luggage #{0} is not stored")]
@@ -72,7 +72,7 @@ pub struct Decision {
 }
 
 impl Luggage {
-    /// When the piece began to wait for its verdict, by the clock as it was set at the verdict, or as it is set now.
+    /// When the piece began to wait for its verdict. The time is corrected for later changes of the clock.
     #[must_use]
     pub const fn waits_since(&self) -> WallTime {
         self.first_taken.set_by(self.clock_set_ms)
@@ -88,10 +88,10 @@ impl Luggage {
         matches!(self.photo, PhotoState::Taken { .. })
     }
 
-    /// The number of the latest take.
+    /// Returns the number of the latest photo.
     ///
     /// # Errors
-    /// `Failed` when there is none.
+    /// `Failed` if there is no photo.
     pub fn take(&self) -> Result<u32, NoPhoto> {
         match &self.photo {
             PhotoState::Taken { take, .. } => Ok(*take),
@@ -109,7 +109,7 @@ impl Luggage {
         self.is_dangerous() && self.secured.is_none()
     }
 
-    /// The word of the doors: `pending`, `safe` or `danger`.
+    /// Returns `pending`, `safe` or `danger`, as the interfaces show it.
     #[must_use]
     pub fn verdict_name(&self) -> &'static str {
         self.verdict.as_ref().map_or("pending", |decision| decision.verdict.name())

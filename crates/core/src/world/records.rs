@@ -1,6 +1,6 @@
-//! The luggage records by their numbers, in memory that snapshots share: a copy costs next to nothing, and the changes
-//! between two states are found without comparing the rest. Indexes list the records that wait for a verdict, the bombs
-//! still in the hall, and the secured pieces.
+//! The luggage records by number, in memory that snapshots share. A copy is cheap, and the changes between two states
+//! are found without comparing everything. Indexes list the pieces that wait for a verdict, those of them without a
+//! photo, the dangerous pieces still in the hall, and the secured pieces.
 
 use std::collections::BTreeSet;
 use std::ops::Index;
@@ -9,15 +9,15 @@ use std::sync::Arc;
 use super::luggage::Luggage;
 use crate::units::LuggageId;
 
-/// Number of records in a part: a change copies this many pointers, a snapshot one pointer for each part.
+/// Maximum number of records in a part. A change copies the pointers of one part, and one pointer for each part.
 pub const PART: usize = 128;
 
 type LuggagePart = Arc<Vec<Arc<Luggage>>>;
 
-/// Records of luggage, each number once, in the order of the numbers.
+/// Luggage records in the order of their numbers. Each number occurs once.
 #[derive(Clone, Debug, Default)]
 pub struct LuggageRecords {
-    /// No part is empty.
+    /// The parts, in the order of their numbers. No part is empty.
     parts: Arc<Vec<LuggagePart>>,
     size: usize,
     pending: BTreeSet<LuggageId>,
@@ -77,14 +77,15 @@ impl LuggageRecords {
         self.parts.iter().map(|part| &part[..])
     }
 
-    /// The parts that are not the same memory as in `older`, an earlier state of these records, each with its index.
+    /// Returns the parts that do not share their memory with `older`, each with its index. `older` is an earlier
+    /// state of these records.
     pub fn parts_changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = (usize, &'a [Arc<Luggage>])> {
         let is_shared = |n: usize, part: &LuggagePart| older.parts.get(n).is_some_and(|old| Arc::ptr_eq(old, part));
         let parts = self.parts.iter().enumerate().filter(move |(n, part)| !is_shared(*n, part));
         parts.map(|(n, part)| (n, &part[..]))
     }
 
-    /// The records that are not the same memory as in `older`, an earlier state of these records.
+    /// Returns the records that do not share their memory with `older`, an earlier state of these records.
     pub fn changed_since<'a>(&'a self, older: &'a LuggageRecords) -> impl Iterator<Item = &'a Arc<Luggage>> {
         let is_same = |record: &Arc<Luggage>| older.get(record.id).is_some_and(|old| Arc::ptr_eq(old, record));
         self.parts_changed_since(older).flat_map(|(_, part)| part).filter(move |record| !is_same(record))
@@ -134,14 +135,13 @@ impl LuggageRecords {
         }
     }
 
-    /// The part to which a number belongs; `None` if the number is less than all numbers there are.
+    /// Returns the index of the part to which a number belongs; `None` if the number is less than all stored numbers.
     fn part_of(&self, id: LuggageId) -> Option<usize> {
         self.parts.partition_point(|part| part[0].id <= id).checked_sub(1)
     }
 }
 
-/// Shared parts are not compared if both sides are divided alike. Only numbers that came out of order divide them
-/// differently.
+/// Compares all records. If both sides are divided into parts alike, parts that both sides share are skipped.
 impl PartialEq for LuggageRecords {
     fn eq(&self, other: &LuggageRecords) -> bool {
         if self.size != other.size || Arc::ptr_eq(&self.parts, &other.parts) {
@@ -171,7 +171,7 @@ impl<const N: usize> From<[Arc<Luggage>; N]> for LuggageRecords {
     }
 }
 
-/// By index, the oldest being the first.
+/// Access by position. Position 0 has the oldest record.
 impl Index<usize> for LuggageRecords {
     type Output = Arc<Luggage>;
 

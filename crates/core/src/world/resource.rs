@@ -1,19 +1,19 @@
-//! The one list of the parts of the state that have a revision of their own. The doors decide the form and the path of
+//! The list of all parts of the state that have their own revision. Each interface decides the form and the path of
 //! each part.
 
 named! {
     ALL by name;
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Resource {
-        /// Phase, holds, goal, strategy, epoch, progress.
+        /// Phase, holds, goal, strategy, epoch and progress.
         Mission = "mission",
-        /// State, heading, position, sonar, LED of the robot.
+        /// State, heading, position, sonar and LED of the robot.
         Robot = "robot",
         Map = "map",
         Luggage = "luggage",
         Temperature = "temperature",
         Alarms = "alarms",
-        /// The piece being fetched, and the trees at work.
+        /// The piece being fetched, and the behaviour trees at work.
         Retrieval = "retrieval",
         Log = "log",
     }

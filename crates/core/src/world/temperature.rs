@@ -1,5 +1,5 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold. The mission decides
-//! which hold follows from it.
+//! which hold is raised.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,27 +11,27 @@ use crate::units::{Celsius, Now, WallTime};
 /// Maximum number of sources of readings: the operator, the robots, and the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
-/// Time without a reading after which a robot's thermometer counts as silent. Sensors have a setting of their own.
+/// Time without a reading after which a robot's thermometer counts as silent. Sensors have their own setting.
 pub const SILENCE: Duration = Duration::from_secs(30);
 
-/// Shortest time between two updates that only renew the time of an unchanged reading, so that a thermometer that
-/// reports often does not wake every door.
+/// Minimum time between two updates while a reading stays the same. Without it, a thermometer that reports often
+/// would wake every interface at each report.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
-/// No sensor has a blank in its name.
+/// Whether the source is the thermometer of a robot. No sensor has a blank in its name.
 fn is_robot(source: &str) -> bool {
     source == ROBOT || source.strip_prefix(ROBOT).is_some_and(|rest| rest.starts_with(' '))
 }
 
-/// The last reading of every source. A source is hot from a reading above the threshold until a reading at or below
-/// threshold − hysteresis. The hall is hot while any source is hot.
+/// The last reading of every source. A source becomes hot with a reading above the threshold. It stays hot until a
+/// reading at or below threshold − hysteresis. The hall is hot while any source is hot.
 #[derive(Clone, Debug)]
 pub(crate) struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    /// The latest reading of the sources that are not silent; the latest of all sources if all are silent. Its time may
-    /// be a few seconds old.
+    /// The latest reading of the sources that are not silent. If all are silent, it is the latest reading of all
+    /// sources. Its time may be a few seconds old.
     pub(crate) last: Option<(Arc<str>, Source)>,
 }
 
@@ -45,8 +45,8 @@ pub(crate) struct Source {
 
 impl Source {
     fn view(&self) -> SourceReading {
-        // If a reading and the silence of its source have the same time, the reading is from an earlier run, and its
-        // time is unknown.
+        // If a reading and the silence of its source have the same time, the reading is from an earlier run. Its time
+        // is then unknown.
         let read = Some(self.read.wall).filter(|read| Some(*read) != self.silent_since);
         SourceReading { celsius: self.reading, read, silent_since: self.silent_since }
     }
@@ -57,8 +57,8 @@ impl Thermometer {
         Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
-    /// Takes a reading; true when it changes something of this source, or of what a door shows. Readings of sources
-    /// beyond the number `SOURCES` are shown, and count as `OTHERS`.
+    /// Takes a reading. Returns true if something changes for this source or for the interfaces. If there are already
+    /// `SOURCES` sources, a further source counts as `OTHERS`.
     pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius, now: Now) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
@@ -79,7 +79,8 @@ impl Thermometer {
         is_news
     }
 
-    /// Marks a source as silent, so that its last reading no longer counts as known; true when the silence is new.
+    /// Marks a source as silent, so that its last reading no longer counts as known. Returns true if the source was
+    /// not silent before.
     pub(crate) fn fall_silent(&mut self, source: &str, wall: WallTime) -> bool {
         let Some(known) = self.sources.get_mut(source).filter(|known| known.silent_since.is_none()) else { return false };
         known.silent_since = Some(wall);
@@ -88,7 +89,7 @@ impl Thermometer {
         true
     }
 
-    /// The machine's clock was set by this many milliseconds, so the times of the readings are shifted: readings keep
+    /// Shifts the times of all readings, because the machine's clock was set by this many milliseconds. Readings keep
     /// their age.
     pub(crate) fn set_clock(&mut self, by_ms: i64) {
         for source in self.sources.values_mut().chain(self.last.iter_mut().map(|(_, last)| last)) {
@@ -97,7 +98,7 @@ impl Thermometer {
         }
     }
 
-    /// The program begins anew: no source has a reading in this run, but the operator's earlier word is remembered.
+    /// Forgets all readings, because the program begins anew. Only the operator's last reading is remembered.
     pub(crate) fn begin_anew(&mut self, now: Now) {
         let said = self.sources.remove(OPERATOR);
         (self.sources, self.last) = (BTreeMap::new(), None);
@@ -106,13 +107,13 @@ impl Thermometer {
         }
     }
 
-    /// Takes the operator's word from before the program was started. The age of the word is unknown.
+    /// Takes the operator's last reading from before the start of the program. Its age is unknown.
     pub(crate) fn remember(&mut self, said: Celsius, now: Now) {
         self.read(&Arc::from(OPERATOR), said, now);
         self.fall_silent(OPERATOR, now.wall);
     }
 
-    /// The robot's thermometer that falls silent next unless it reports before, and when.
+    /// Returns the time when the next robot's thermometer will count as silent, and the name of that source.
     pub(crate) fn due(&self) -> Option<(Duration, Arc<str>)> {
         let speaking = self.sources.iter().filter(|(name, source)| is_robot(name) && source.silent_since.is_none());
         speaking.map(|(name, source)| (source.read.since_start.saturating_add(SILENCE), Arc::clone(name))).min()
@@ -123,8 +124,8 @@ impl Thermometer {
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
-    /// Removes a source. If its last reading was too hot, the reading becomes the operator's word, which only the
-    /// operator can take back. Returns whether it did.
+    /// Removes a source. If the source was hot, its last reading is kept as the operator's reading, and only the
+    /// operator can change it. Returns whether this happened.
     pub(crate) fn retire(&mut self, source: &str) -> bool {
         let left = self.sources.remove(source).filter(|left| left.hot);
         left.is_some_and(|left| {
@@ -162,12 +163,12 @@ impl Thermometer {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureView {
-    /// The latest reading of the sources that are not silent, or of all sources if all are silent; `None` before the
-    /// first.
+    /// The latest reading of the sources that are not silent. If all are silent, it is the latest reading of all
+    /// sources. `None` before the first reading.
     pub celsius: Option<Celsius>,
-    /// When the temperature was read, to some seconds; `None` if that is not known.
+    /// When the temperature was read, accurate to some seconds; `None` if that is unknown.
     pub read: Option<WallTime>,
-    /// Since when the source of the reading is silent, so that nobody knows the temperature; `None` while it is known.
+    /// Since when the source of the reading is silent. The temperature is then unknown. `None` while it is known.
     pub silent_since: Option<WallTime>,
     pub status: TemperatureStatus,
     /// Temperature above which nothing moves.
@@ -181,7 +182,7 @@ pub struct TemperatureView {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceReading {
     pub celsius: Celsius,
-    /// When the source was read, to some seconds; `None` if that is not known.
+    /// When the source was read, accurate to some seconds; `None` if that is unknown.
     pub read: Option<WallTime>,
     pub silent_since: Option<WallTime>,
 }
@@ -191,7 +192,7 @@ named! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum TemperatureStatus {
         Ok = "ok",
-        /// Too hot, by a reading or by the operator's word.
+        /// Too hot, according to a reading or to the operator.
         TooHigh = "tooHigh",
         /// A configured sensor is silent.
         Stale = "stale",

@@ -1,5 +1,5 @@
-//! Squares of the hall in shared memory: a snapshot copies no square, and a change copies only the squares that it
-//! touches. `hall_map` defines what the marks mean.
+//! Square tiles of the map in shared memory. A snapshot copies no tile, and a change copies only the tiles that it
+//! touches. `hall_map` defines the meaning of the marks.
 //!
 //! ```text
 //!   a block of 8 × 8 tiles, a tile of 32 × 32 cells; a map of a thousand cells a side has sixteen blocks
@@ -25,7 +25,7 @@ const BLOCK: i32 = 8;
 pub struct Tile {
     pub revision: Revision,
     marks: [Mark; (TILE * TILE) as usize],
-    /// For each row the cells of the frontier, as bits.
+    /// The frontier cells of each row, one bit per cell.
     frontier: [u32; TILE as usize],
     open: u16,
     /// Number of known cells. A tile with 0 known cells lies beyond the known area, and only its frontier counts.
@@ -34,7 +34,7 @@ pub struct Tile {
 
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
-    /// The extent of the grid, in blocks, which lie row by row.
+    /// The extent of the grid, in blocks. The blocks are stored row by row.
     grid: Bounds,
     blocks: Vec<Option<Arc<Block>>>,
 }
@@ -75,7 +75,7 @@ impl Tile {
         self.frontier[place / TILE as usize] ^= 1 << (place % TILE as usize);
     }
 
-    /// The cells of the frontier, row by row, when the north-west corner is `corner`.
+    /// Returns the frontier cells of this tile, row by row. `corner` is the tile's north-west corner.
     pub(super) fn frontier(&self, corner: Cell) -> impl Iterator<Item = Cell> {
         let rows = (0..).zip(self.frontier).filter(move |_| self.open > 0);
         rows.flat_map(move |(y, row)| {
@@ -93,7 +93,7 @@ impl Tiles {
         self.tile(tile_of(cell)).map_or(Mark::Unknown, |tile| tile.marks[place_in_tile(cell)])
     }
 
-    /// Coordinates are in tiles.
+    /// Returns the tile at `place`. Coordinates are in tiles, not in cells.
     pub(super) fn tile(&self, place: Cell) -> Option<&Arc<Tile>> {
         self.blocks.get(self.index(block_of(place))?)?.as_ref()?[place_in_block(place)].as_ref()
     }
@@ -120,7 +120,7 @@ impl Tiles {
         blocks.flat_map(|block| Arc::make_mut(block).iter_mut().flatten().map(Arc::make_mut))
     }
 
-    /// The tiles that are not the same memory as in `older`. Shared blocks are not compared.
+    /// Returns the tiles that do not share their memory with `older`. Blocks that both share are skipped.
     pub(super) fn changed<'a>(&'a self, older: &'a Tiles) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
         let is_shared = |at: Cell, block: &Arc<Block>| older.block(at).is_some_and(|old| Arc::ptr_eq(old, block));
         let blocks = self.blocks().filter(move |(at, block)| !is_shared(*at, block));
@@ -163,7 +163,7 @@ fn tiles_of(at: Cell, block: &Arc<Block>) -> impl Iterator<Item = (Cell, &Arc<Ti
     })
 }
 
-/// Coordinates are in tiles.
+/// Returns the tile that contains the cell. The result is in tiles, not in cells.
 pub(super) const fn tile_of(cell: Cell) -> Cell {
     Cell::new(cell.x.div_euclid(TILE), cell.y.div_euclid(TILE))
 }

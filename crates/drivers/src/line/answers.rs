@@ -1,5 +1,5 @@
-//! The driver's handling of the robot's lines: reports for the core, and photos from the bytes that follow a line. The
-//! lines to the robot stand in `driver`.
+//! How the driver handles lines from the robot. They become reports for the core, and the bytes after a photo line
+//! become a photo. The lines to the robot are in `driver`.
 
 use std::time::Duration;
 
@@ -11,16 +11,17 @@ use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Now, OrderId};
 
-/// Longest time for which the bytes of an unwanted photo are skipped.
+/// Longest time for which the bytes of a photo are skipped that was not ordered.
 const UNWANTED: Duration = Duration::from_secs(30);
 
-/// Least time between two reports of readings, so that a sensor that reports all the time does not fill the journal.
+/// Shortest time between two reports of readings. Without it, a sensor that sends all the time would fill the
+/// journal.
 const READINGS: Duration = Duration::from_millis(500);
 
-/// Number of unrequested halts in a row after which an order fails.
+/// An order fails after this number of halts in a row that nobody requested.
 const UNASKED: u8 = 20;
 
-/// Furthest sight of a camera along a wall and of a sonar ahead, in cells.
+/// Numbers of cells above this limit are cut to it, both along a wall and ahead.
 const SEEN: u16 = 100;
 
 impl LineDriver {
@@ -36,7 +37,7 @@ impl LineDriver {
             (_, LinkStage::Down | LinkStage::Greeting(_)) => {}
             (FromRobot::Sonar(cm), LinkStage::Up(_)) => self.sonar = self.has(Part::Sonar).then_some(cm),
             (FromRobot::Temperature(celsius), LinkStage::Up(_)) => {
-                // Of the temperatures between two reports, the highest is reported.
+                // If several temperatures come between two reports, the highest is reported.
                 if self.has(Part::Thermometer) {
                     self.temperature = Some(self.temperature.filter(|hotter| *hotter > celsius).unwrap_or(celsius));
                 }
@@ -58,7 +59,7 @@ impl LineDriver {
         (self.sonar.is_some() || self.temperature.is_some()).then_some(self.readings_at)
     }
 
-    /// Handles an answer to the open order. Any other answer is out of date, and ignored.
+    /// Handles an answer to the open order. An answer to an earlier order is ignored.
     fn answered(&mut self, said: FromRobot) {
         match said {
             FromRobot::Done(seq, ahead) => {
@@ -90,8 +91,8 @@ impl LineDriver {
         }
     }
 
-    /// Counts unrequested halts: a robot that received too little for a moment halts by itself. After `UNASKED` such
-    /// halts in a row the order fails, since the robot would never arrive.
+    /// Handles a halt, and counts the halts that nobody requested. A robot halts by itself if it receives too little
+    /// for a moment. After `UNASKED` such halts in a row the order fails, since the robot would never arrive.
     fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
         let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
         let Some(id) = self.close_motion(seq, off_centre) else { return };
@@ -125,8 +126,8 @@ impl LineDriver {
         Some(id)
     }
 
-    /// Begins to receive a photo's bytes. The bytes of an unwanted photo are skipped, so that no part of them is read
-    /// as a line.
+    /// Begins to receive a photo. If the photo was not ordered, its bytes are skipped, so that they are not read as
+    /// lines.
     fn expose(&mut self, seq: Seq, length: u32, crc: u32, now: Now) {
         let wanted = self.open.as_ref().filter(|open| seq == self.seq && !open.task.is_motion());
         let until = wanted.map_or(now.since_start + UNWANTED, |open| open.until);

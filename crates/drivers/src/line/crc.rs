@@ -1,7 +1,8 @@
-//! The checksums of the line protocol: CRC-16 of a line (CCITT, initial value `FFFF`) and CRC-32 of a photo (as in
-//! zip and PNG). Both are computed bit by bit, without a table, as in a microcontroller.
+//! The checksums of the line protocol: CRC-16 for a line (CCITT, initial value `FFFF`), CRC-32 for a photo (the one
+//! of zip). Both are computed bit by bit, without a table, as on a microcontroller.
 
-/// Checks a line. The exclusive or of NMEA 0183 would not notice the loss of two equal letters, as in `w 77 990`.
+/// The checksum of a line. NMEA 0183 uses the exclusive or of all letters instead. It would not notice the loss of
+/// two equal letters, as in `w 77 990`.
 pub(super) fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xffff, |crc, byte| {
         (0..8).fold(crc ^ (u16::from(*byte) << 8), |crc, _| if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 })

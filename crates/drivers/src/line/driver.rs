@@ -1,5 +1,6 @@
-//! The program's end of the line protocol: one order at a time, repeated until it is answered, and a `hello` every half
-//! second. `greeting` begins the link, and `answers` handles the robot's lines.
+//! The program's end of the line protocol. It sends one order at a time and repeats the order until it is answered.
+//! It sends a `hello` every half second. The file `greeting` begins the link, and `answers` handles the robot's
+//! lines.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -16,53 +17,57 @@ use hallsweep_core::event::{OffCentre, Photo, RobotEvent};
 use hallsweep_core::robot::{Part, Parts};
 use hallsweep_core::units::{Celsius, Now, OrderId, Pose};
 
-/// Time after which a line is repeated if it is not answered.
+/// A line that is not answered is repeated after this time.
 const REPEATED: Duration = Duration::from_millis(100);
 
-/// Interval of `hello`, which asks the robot who it is. Three of them fit into `SILENCE`.
+/// Interval of `hello`, which asks the robot to introduce itself. Three intervals fit into `SILENCE`.
 pub(super) const HELLO: Duration = Duration::from_millis(500);
 
-/// Silence after which a robot whose link is up counts as gone.
+/// If the robot is silent for this time while the link is up, it counts as gone.
 const SILENCE: Duration = Duration::from_millis(1500);
 
-/// Time for the robot's first line. A board that is reset when its serial device is opened needs two seconds to start.
+/// How long to wait for the robot's first line. Some boards are reset when their serial device is opened, and then
+/// need two seconds to start.
 const AWAKE: Duration = Duration::from_secs(5);
 
-/// Longest pause between two bytes of a photo.
+/// Longest pause between two bytes of a photo. After it, the rest of the photo counts as lost.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Time for the answer to a halt. Then the connection is given up, since a new connection halts the robot too.
+/// How long to wait for the answer to a halt. After that, the connection is closed, since a new connection halts the
+/// robot too.
 const UNHALTED: Duration = Duration::from_millis(1500);
 
-/// Why a robot that has received the last number gets no more orders.
+/// Failure of every order when the robot has received the last possible order number.
 pub(super) const ALL_COUNTED: &str = "the robot has no order numbers left: switch the robot off and on";
 
 #[derive(Debug)]
 pub struct LineDriver {
     pub(super) link: LinkStage,
     lines: LineReader,
-    /// An excerpt of a valid line with unknown meaning, to help find the reason of a fault.
+    /// The beginning of a valid line with unknown meaning. It helps to find the reason of a fault.
     pub(super) not_understood: Option<String>,
     pub(super) picture: Option<Picture>,
     pub(super) open: Option<Open>,
-    /// A drawing that is being made in place of a photo, and its deadline.
+    /// A drawing that is being made instead of a photo, and its deadline.
     drawing: Option<(OrderId, Duration)>,
-    /// The number of the last order; before the first order, the number above which orders begin.
+    /// The number of the last order. Before the first order, it is one less than the number of the first order.
     pub(super) seq: Seq,
-    /// The last halt line, unless an order was sent after it: the number up to which it voids orders, and its time.
+    /// The last halt line: the number up to which it voids orders, and when it was sent. `None` if an order was sent
+    /// after the halt.
     last_halt: Option<(Seq, Duration)>,
     led: bool,
-    /// A change of the LED before this time waits for the next `hello`.
+    /// Before this time, a change of the LED is not sent at once, but with the next `hello`.
     led_at: Duration,
     pub(super) off_centre: OffCentre,
-    /// A distance that was not reported yet; the outer `None` means that there is no such distance.
+    /// A distance that was not reported yet. `Some(None)` means that nothing is in range, and `None` means that there
+    /// is no new reading.
     pub(super) sonar: Option<Option<u16>>,
     pub(super) temperature: Option<Celsius>,
     pub(super) readings_at: Duration,
     pub(super) unasked: u8,
     pub(super) name: Option<RobotName>,
     pub(super) connected: Duration,
-    /// When the last valid line or piece of a photo came. Silence is counted from this time.
+    /// When the last valid line or part of a photo came. The robot's silence is counted from this time.
     pub(super) heard: Duration,
     pub(super) hello_at: Duration,
     pub(super) outputs: VecDeque<Output>,
@@ -74,7 +79,8 @@ pub struct LineDriver {
 #[derive(Debug)]
 pub(super) enum LinkStage {
     Down,
-    /// Connected. Once the robot has said who it is, it is sent the number above which orders begin.
+    /// Connected, but not ready for orders. Once the robot has introduced itself, this is the number that was sent to
+    /// it: orders begin above it.
     Greeting(Option<Seq>),
     Up(Robot),
 }
@@ -83,8 +89,8 @@ pub(super) enum LinkStage {
 pub(super) struct Robot {
     pub(super) name: RobotName,
     pub(super) parts: Parts,
-    /// The number above which orders begin. A robot that still knows this number is the same one, and was not switched
-    /// off.
+    /// Orders have numbers above this one. If the robot still knows this number, it is the same robot and was not
+    /// switched off.
     pub(super) from: Seq,
     pub(super) pose: Pose,
 }
@@ -95,7 +101,7 @@ pub(super) struct Open {
     pub(super) task: RobotTask,
     pub(super) until: Duration,
     repeat_at: Duration,
-    /// Whether the order is to be void. The halt is then repeated instead of the order.
+    /// Whether the order was halted. The halt is then repeated instead of the order.
     pub(super) is_halted: bool,
     pub(super) is_late: bool,
 }
@@ -197,7 +203,7 @@ impl LineDriver {
         Ok(())
     }
 
-    /// Drops the open order, which will not be answered: its outcome is unknown.
+    /// Drops the open order because it will not be answered. Its outcome is unknown.
     pub(super) fn drop_order(&mut self) {
         let open = self.open.take();
         self.off_centre |= open.is_some_and(|open| open.task.is_motion());
@@ -205,7 +211,8 @@ impl LineDriver {
         self.picture = None;
     }
 
-    /// Ends an order whose deadline has passed: a motion must not begin so late, and a photo is no longer waited for.
+    /// Handles the passed deadline of an order. A motion is halted, because it must not begin so late. A photo fails,
+    /// because it is no longer awaited.
     fn expire(&mut self, now: Now) {
         let Some(open) = &mut self.open else { return };
         if open.task.is_motion() && !open.is_halted {
@@ -245,8 +252,8 @@ impl LineDriver {
         self.picture.as_ref().map(|picture| picture.until.min(self.heard + PAUSE))
     }
 
-    /// When to send the next `hello`. No `hello` is sent while a photo's bytes arrive, so that the robot need not send
-    /// anything between them. Missing bytes are noticed by `PAUSE`.
+    /// When to send the next `hello`. It is not sent while a photo arrives, so that the robot need not answer in the
+    /// middle of the photo. Missing bytes are noticed by `PAUSE`.
     const fn next_hello(&self) -> Option<Duration> {
         match (&self.link, &self.picture) {
             (LinkStage::Down, _) | (_, Some(_)) => None,
@@ -271,7 +278,7 @@ impl Driver for LineDriver {
         self.link = LinkStage::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
-        // Ends a line of the last program, of which only a part may have arrived.
+        // The last program may have sent only a part of a line. This ends that line.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);
     }
@@ -317,11 +324,11 @@ impl Driver for LineDriver {
                 self.seq
             }
             _ if matches!(self.link, LinkStage::Down) => return,
-            // A photo goes on. Its order has the last number, so only the orders before it are void.
+            // A photo goes on. Its order has the last number, so the halt voids only the orders before it.
             Some(_) => self.seq.before(),
             None => self.voided(),
         };
-        // Many STOPs must not fill a slow wire, since the next order would wait behind their lines.
+        // Many STOPs must not fill a slow wire, since the next order would have to wait until their lines are sent.
         let serves = |(voided, said)| voided == voids && now.since_start.saturating_sub(said) < REPEATED;
         if self.last_halt.is_some_and(serves) {
             return;

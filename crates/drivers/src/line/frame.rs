@@ -1,12 +1,13 @@
-//! A line on the wire: a text, `*`, four capital hex digits of its CRC-16, and a line feed. The meaning of the texts
-//! stands in `to_robot` and `from_robot`.
+//! A line on the wire: a text, `*`, the CRC-16 of the text as four capital hexadecimal digits, and a line feed. The
+//! meaning of the texts is in `to_robot` and `from_robot`.
 
 use super::crc::crc16;
 
-/// Longest line that is read, in bytes, including the check and without the line feed.
+/// Longest line that is read, in bytes. The check is included, the line feed is not.
 pub const LONGEST: usize = 160;
 
-/// Longest line for the robot without its star and check, in bytes. Together with them it has 40 bytes.
+/// Longest text of a line for the robot, in bytes. With `*` and check, the line has 40 bytes, not counting the line
+/// feed.
 pub(super) const LONGEST_FOR_ROBOT: usize = 35;
 
 #[must_use]
@@ -14,7 +15,7 @@ pub fn framed(text: &str) -> Vec<u8> {
     format!("{text}*{:04X}\n", crc16(text.as_bytes())).into_bytes()
 }
 
-/// Finds lines in the received bytes. Invalid lines are counted and skipped.
+/// Finds lines in the received bytes. Invalid lines are skipped and counted.
 #[derive(Clone, Debug, Default)]
 pub struct LineReader {
     line: Vec<u8>,
@@ -23,7 +24,7 @@ pub struct LineReader {
 }
 
 impl LineReader {
-    /// Takes the next byte. If the byte ends a valid line, returns the text of the line.
+    /// Takes the next byte. If it ends a valid line, returns the text of that line.
     pub fn take(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' => self.end(),
@@ -51,7 +52,8 @@ impl LineReader {
 
     fn end(&mut self) -> Option<String> {
         let text = if self.is_too_long { None } else { text_of(&self.line) };
-        // Both ends send an empty line so that the next text begins a new line. Such an empty line is not counted.
+        // Both ends sometimes send an empty line, so that the next text begins a new line. An empty line does not
+        // count as invalid.
         self.passed_over += u64::from(text.is_none() && !self.line.is_empty());
         self.clear();
         text
@@ -60,7 +62,8 @@ impl LineReader {
 
 fn text_of(line: &[u8]) -> Option<String> {
     let line = std::str::from_utf8(line).ok().filter(|line| line.bytes().all(|byte| (b' '..=b'~').contains(&byte)))?;
-    // The first star counts. So two lines with a lost line feed between them never form a valid line.
+    // The check begins after the first `*`. If the line feed between two lines is lost, the joined lines are never
+    // valid.
     let (text, check) = line.split_once('*')?;
     (check == format!("{:04X}", crc16(text.as_bytes()))).then(|| text.to_owned())
 }

@@ -1,4 +1,4 @@
-//! The lines of the robot to the program: their texts, written and read. `driver` decides what follows from them.
+//! The lines from the robot to the program: writes and reads their texts. `driver` decides what to do with them.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,17 +11,17 @@ use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRobot {
     Hello(Hello),
-    /// A motion is complete. The sonar's view of the cells ahead is included if it reaches so far.
+    /// A motion is complete. If the sonar sees the cells ahead, its view of them is included.
     Done(Seq, Option<Ahead>),
-    /// A motion met an obstacle at this distance in centimetres.
+    /// A motion met an obstacle. The number is its distance in centimetres, if the robot has measured it.
     Blocked(Seq, Option<u16>, Obstacle),
-    /// A motion was cut short by a halt, or did not begin.
+    /// A motion was cut short by a halt, or was halted before it began.
     Halted(Seq, OffCentre),
     Failed(Seq, Words),
     NoPhoto(Seq, Words),
-    /// A photo of this length in bytes, with this CRC-32. The bytes follow at once.
+    /// A photo: its length in bytes and its CRC-32. The bytes follow at once.
     Photo(Seq, u32, u32),
-    /// Distance to the next obstacle ahead, in centimetres.
+    /// Distance to the next obstacle ahead, in centimetres. `None` if nothing is in range.
     Sonar(Option<u16>),
     Temperature(Celsius),
 }
@@ -35,9 +35,10 @@ pub struct Hello {
     pub turn: Duration,
     /// Duration of a photo, including the sending of its bytes.
     pub photo: Duration,
-    /// Where the robot stands by its own reckoning.
+    /// Where the robot itself believes that it stands.
     pub stands: Whereabouts,
-    /// The greatest number of an order that has begun or was voided; `None` if the robot has received no `from` since
+    /// The greatest number of an order that has begun or was voided. `None` if the robot was switched on and has
+    /// received no `from` since.
     /// it was switched on.
     pub last: Option<Seq>,
 }
@@ -46,7 +47,7 @@ pub struct Hello {
 pub struct RobotName(String);
 
 impl RobotName {
-    /// Longest name, in bytes. A line has no room for more.
+    /// Maximum length of a name, in bytes. A longer name does not fit into a line.
     pub const MOST: usize = 24;
 
     #[must_use]
@@ -62,7 +63,7 @@ impl fmt::Display for RobotName {
     }
 }
 
-/// A reason, cut to fit into a line.
+/// A reason in words, cut so that it fits into a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Words(String);
 
@@ -145,7 +146,7 @@ impl fmt::Display for Hello {
 
 const PARTS: [Part; 6] = [Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump];
 
-/// Longest step, turn or photo, in milliseconds.
+/// Longest duration of a step, turn or photo, in milliseconds.
 const SLOWEST_MS: u32 = 999_999;
 
 fn hello(words: &[&str]) -> Option<Hello> {
@@ -192,8 +193,8 @@ fn centimetres(text: &str) -> Option<Option<u16>> {
     if text == "none" { Some(None) } else { number(text).map(Some) }
 }
 
-/// Parses a temperature, to a tenth of a degree. Only digits, a point and a sign are accepted, and no other form that
-/// the standard library can parse.
+/// Reads a temperature, to a tenth of a degree. Only digits, a point and a minus sign are accepted, although the
+/// standard library can read other forms.
 fn temperature(text: &str) -> Option<Celsius> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"-.".contains(&byte));
     let degrees: f64 = is_plain.then(|| text.parse().ok()).flatten()?;
@@ -218,7 +219,7 @@ fn obstacle(words: &[&str]) -> Option<Obstacle> {
         ["wall"] => Some(Obstacle::Wall { left: 0, right: 0 }),
         ["wall", left, right] => Some(Obstacle::Wall { left: number(left)?, right: number(right)? }),
         ["luggage", piece] => Some(Obstacle::Luggage(Piece(number(piece)?))),
-        // A piece of luggage that cannot be recognised later is no better than an unknown obstacle.
+        // The program could not recognise this piece again later, so it counts as an unknown obstacle.
         ["luggage" | "unknown"] => Some(Obstacle::Unknown),
         _ => None,
     }

@@ -1,11 +1,11 @@
-//! The beginning of a link. The robot says who it is and up to which number it has received orders. The program tells
-//! it to halt and to accept orders above the next number. When the robot confirms that number, the link is up.
+//! How a link begins. The robot reports its name and the last order number that it knows. The program then tells it
+//! to halt and to accept only orders above the next number. When the robot confirms that number, the link is up.
 //!
 //! ```text
 //!   hello ──► ◄── hello ada … last=41
 //!   from 42 ──► ◄── hello ada … last=42     the link is up; the first order is 43
 //! ```
-//! A robot that is switched on knows no number and obeys no order. So it never continues an order from before.
+//! A robot that was just switched on knows no number and obeys no order. So it never continues an order from before.
 
 use std::time::Duration;
 
@@ -17,13 +17,13 @@ use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::Now;
 
-/// Longest time for a cell or a turn. A longer time is cut to this one.
+/// Longest time for a step or a turn. A longer reported time is cut to this one.
 const SLOWEST: Duration = Duration::from_secs(60);
 
-/// Time for the robot to confirm the number above which orders begin. A long photo may be under way.
+/// How long the robot may take to confirm the number above which orders begin. It may be busy with a long photo.
 const GREETED: Duration = Duration::from_secs(60);
 
-/// Furthest coordinate of a robot. No hall has more cells on a side.
+/// Largest coordinate at which a robot can be. No hall has more cells on a side.
 const FURTHEST: i32 = 2048;
 
 impl LineDriver {
@@ -31,12 +31,12 @@ impl LineDriver {
         self.hello_at = now.since_start + HELLO;
         let words = if let LinkStage::Greeting(Some(from)) = self.link { ToRobot::From(from) } else { ToRobot::Hello };
         self.say(words);
-        // The LED is sent again each time, since the robot does not confirm it.
+        // The LED is sent again each time, because the robot does not confirm it.
         self.say_led();
     }
 
-    /// The number up to which a halt voids orders. A robot that is being greeted obeys no order up to the number above
-    /// which orders begin.
+    /// The number up to which a halt voids orders. During the greeting, it is the number above which orders begin,
+    /// because the robot must not obey orders up to that number.
     pub(super) const fn voided(&self) -> Seq {
         match self.link {
             LinkStage::Greeting(Some(from)) => from,
@@ -65,13 +65,13 @@ impl LineDriver {
         }
     }
 
-    /// Why this `hello` cannot come from the robot of the link at its known place; `None` if it can. With a new
-    /// connection the robot begins anew, wherever it stands then.
+    /// Why this `hello` cannot come from the robot of this link. `None` if it can. The place is compared with the
+    /// known place only within a connection. After a new connection, the robot may stand anywhere.
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
-        // The answer to the open order may be lost or not have arrived yet. So the robot may already stand at the end
-        // of that order.
+        // The answer to the open order may be lost or may still come. So the robot may already stand where that order
+        // ends.
         let is_there = at == was_at || self.open.as_ref().is_some_and(|open| at == open.task.after(was_at));
         if *name != robot.name {
             Some(format!("{name} answers instead of {}: check the place of the robot", robot.name))
@@ -89,7 +89,7 @@ impl LineDriver {
         }
     }
 
-    /// Reports that there is no link, once for each reason.
+    /// Reports that there is no link, but only once for the same reason.
     pub(super) fn tell_lost(&mut self, words: &str) {
         if self.told.as_deref() != Some(words) {
             self.told = Some(words.to_owned());
@@ -97,15 +97,15 @@ impl LineDriver {
         }
     }
 
-    /// Sends the number above which orders begin. A robot that has received the last number must be switched off and
-    /// on. Until then it is asked again.
+    /// Sends the number above which orders begin. If the robot has received the last possible number, it must be
+    /// switched off and on. It is asked again until then.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
         let is_first = matches!(self.link, LinkStage::Greeting(None));
         self.link = LinkStage::Greeting(from);
         match from {
-            // This is done only the first time. Each answer of the robot leads here, and greeting it again at once
-            // would never pause.
+            // Only the first time, the robot is greeted again at once. Each of its answers leads here, so doing this
+            // every time would never pause.
             Some(_) if is_first => self.greet(now),
             Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),
@@ -123,7 +123,7 @@ impl LineDriver {
             self.tell_lost(&format!("{name} answers instead of {before}: check the place of the robot"));
         }
         let [step, turn] = [step, turn].map(|time| time.min(SLOWEST));
-        // Every robot of this protocol answers each move.
+        // Every robot of this protocol reports the end of each move.
         let acknowledging = parts.with(Part::AcknowledgedMoves);
         let can = Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: acknowledging };
         self.link = LinkStage::Up(Robot { name, parts: acknowledging, from, pose: stands.pose });

@@ -1,5 +1,5 @@
-//! The line protocol, for robots that people build themselves, over TCP or a serial device.
-//! `docs/robot-line-protocol.md` describes it for the authors of a robot's program.
+//! The line protocol, for robots that people build themselves. It runs over TCP or a serial device. For authors of a
+//! robot's program, it is described in `docs/robot-line-protocol.md`.
 //!
 //! ```text
 //!   Driver of the program             wire              end of the robot
@@ -7,8 +7,8 @@
 //!   driver ◄── from_robot ◄─ frame ◄═════════════ frame ◄── from_robot ◄── robot
 //!          ◄── crc of the bytes of a photo
 //! ```
-//! Both ends are sans-IO. The robot's end knows no simulator: it passes on requests to the robot's body, and sends its
-//! reports.
+//! Both ends do no input or output of their own. The robot's end is not bound to the simulator. It passes requests to
+//! the robot's body and sends the body's reports.
 
 mod answers;
 mod crc;

@@ -1,18 +1,18 @@
-//! The numbers of the line protocol, and the numbers of orders. They are whole and decimal, and have a sign only where
-//! one is needed.
+//! The numbers of the line protocol, and the numbers of orders. They are decimal integers. Only numbers that can be
+//! negative may have a sign.
 
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// The number of an order on the wire. It grows by one with each order.
+/// The number of an order on the wire. The next order has the next number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Seq(u32);
 
 impl Seq {
     pub const FIRST: Seq = Seq(1);
 
-    /// The last number. At three orders a second it is reached after twenty years.
+    /// The last possible number. With three orders a second, it is reached after twenty years.
     pub const LAST: Seq = Seq(i32::MAX as u32);
 
     #[must_use]
@@ -44,7 +44,7 @@ impl fmt::Display for Seq {
     }
 }
 
-/// Parses a number of digits only. The standard library would also accept a plus.
+/// Reads a number that has only digits. The standard library would also accept a plus sign.
 pub(super) fn number<N: FromStr>(text: &str) -> Option<N> {
     let is_digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     is_digits.then(|| text.parse().ok()).flatten()
@@ -55,7 +55,7 @@ pub(super) fn signed(text: &str) -> Option<i32> {
     Some(if text.starts_with('-') { -i32::from(size) } else { i32::from(size) })
 }
 
-/// Whole milliseconds, up to the largest number that fits into a line.
+/// Converts to whole milliseconds. A longer time becomes the largest number that fits into a line.
 pub(super) fn millis(time: Duration) -> u32 {
     u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
 }

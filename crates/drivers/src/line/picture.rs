@@ -1,5 +1,5 @@
-//! A photo whose bytes are arriving: a known number of bytes, with one CRC-32 over all of them. After the photo, lines
-//! are read again.
+//! A photo whose bytes are arriving. The number of bytes is known, and one CRC-32 checks all of them. After the
+//! photo, lines are read again.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,10 +7,10 @@ use std::time::Duration;
 use super::crc::Crc32;
 use hallsweep_core::event::Photo;
 
-/// Longest photo that is accepted, in bytes: more than any camera of a microcontroller makes.
+/// Largest photo that is accepted, in bytes. No camera of a microcontroller makes a larger one.
 pub const MOST_BYTES: u32 = 4 << 20;
 
-/// A media type, and the check that a file is a complete picture of this type, as far as that can be checked.
+/// A media type and its check. The check says whether a file is a complete picture of this type, as far as possible.
 type PictureKind = (fn(&[u8]) -> bool, &'static str);
 
 const KINDS: [PictureKind; 2] = [(is_png, "image/png"), (is_jpeg, "image/jpeg")];
@@ -31,7 +31,7 @@ impl Picture {
         Picture { is_wanted, until, length, expected, come: 0, crc: Crc32::new(), bytes: Vec::new() }
     }
 
-    /// Takes the bytes that belong to the photo, and returns their number.
+    /// Takes as many bytes as belong to the photo, and returns their number.
     pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
         let missing = self.length - self.come;
         let count = bytes.len().min(missing as usize);
@@ -62,7 +62,8 @@ impl Picture {
     }
 }
 
-/// Whether the file has a width and a height, some image data, and an end (PNG specification, 5.3 and 11.2).
+/// Whether the file is a complete PNG. It must have a width and a height, some image data, and an end (PNG
+/// specification, 5.3 and 11.2).
 fn is_png(bytes: &[u8]) -> bool {
     let Some(mut rest) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
     let (mut is_sized, mut has_data) = (false, false);
@@ -75,7 +76,7 @@ fn is_png(bytes: &[u8]) -> bool {
             b"IEND" => return is_sized && has_data,
             _ => {}
         }
-        // After the data there is a checksum of four bytes.
+        // After the data of a chunk there is a checksum of four bytes.
         let Some(next) = length.checked_add(4).and_then(|next| data.get(next..)) else { return false };
         rest = next;
     }
@@ -86,9 +87,10 @@ fn are_sides(bytes: Option<&[u8]>) -> bool {
     bytes.is_some_and(|bytes| bytes.iter().any(|byte| *byte != 0))
 }
 
-/// Whether the file has a frame with a width and a height, a scan after it, and an end (ITU-T T.81, B.1 and B.2).
+/// Whether the file is a complete JPEG. It must have a frame with a width and a height, a scan after it, and an end
+/// (ITU-T T.81, B.1 and B.2).
 fn is_jpeg(bytes: &[u8]) -> bool {
-    // Cameras of microcontrollers fill the rest of their buffer with zeros.
+    // Cameras of microcontrollers often fill the rest of their buffer with zeros.
     let end = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     let Some(mut rest) = bytes[..end].strip_prefix(&[0xff, 0xd8]).filter(|rest| rest.ends_with(&[0xff, 0xd9])) else {
         return false;
@@ -97,7 +99,7 @@ fn is_jpeg(bytes: &[u8]) -> bool {
     while let [0xff, kind, high, low, segment @ ..] = rest {
         let length = usize::from(u16::from_be_bytes([*high, *low]));
         match kind {
-            // Any start of frame. Three of these numbers mean tables instead.
+            // These numbers are starts of frames, except three of them, which are starts of tables.
             0xc0..=0xcf if !matches!(kind, 0xc4 | 0xc8 | 0xcc) => {
                 is_sized = are_sides(segment.get(1..3)) && are_sides(segment.get(3..5))
             }
@@ -143,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Safety V2: what shows nothing is no photo.
+    /// Safety V2: bytes that are no complete picture must not be accepted as a photo.
     #[test]
     fn what_is_no_whole_picture_is_none() {
         for (bytes, length, expected, words) in [

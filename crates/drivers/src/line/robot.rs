@@ -1,6 +1,6 @@
-//! The robot's end of the line protocol: which orders begin, how they are answered, and when the robot halts by itself.
-//! It reckons where the robot stands. It does not know the robot's body: it asks the body to move, and the body reports
-//! back.
+//! The robot's end of the line protocol. It decides which orders begin, how they are answered, and when the robot
+//! halts by itself. It also keeps count of where the robot stands. It does not move the body itself: it sends
+//! requests to the body and gets reports back.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,16 +16,17 @@ use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Ahead, Capabilities, OffCentre, Photo, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
 
-/// Time without a valid line after which a moving robot halts by itself (safety S5).
+/// A moving robot halts by itself if no valid line comes for this time (safety S5).
 const WATCHDOG: Duration = Duration::from_millis(400);
 
-/// Lines and photos that wait for the wire. Further ones are dropped; the important lines are sent again on request.
+/// Maximum number of lines and photos that wait for the wire. Further ones are dropped. The important lines are sent
+/// again when the program asks.
 const WAITING: usize = 32;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyRequest {
     Order(Order),
-    /// Halt, and answer the order under way.
+    /// Halt, and report the end of the current order.
     Halt,
     Led(bool),
 }
@@ -34,19 +35,19 @@ pub enum BodyRequest {
 pub struct LineRobot {
     name: RobotName,
     lines: LineReader,
-    /// The capabilities that the body has reported; `None` until then, and nothing is sent before.
+    /// The capabilities that the body has reported. `None` until then, and nothing is sent before.
     capabilities: Option<Capabilities>,
     stands: Whereabouts,
-    /// The greatest number of an order that has begun or was voided; without a number the robot obeys no order.
+    /// The greatest number of an order that has begun or was voided. Without a number, the robot obeys no order.
     last: Option<Seq>,
     under_way: Option<UnderWay>,
-    /// The last answer, which is sent again if the order is repeated.
+    /// The last answer. It is sent again if the program repeats the order.
     answer: Option<(Seq, FromRobot)>,
-    /// The number above which orders are to begin, once no order is under way.
+    /// The number above which orders must begin. It is applied when the current order has ended.
     from: Option<Seq>,
     sonar_cm: Option<u16>,
     ahead: Option<Ahead>,
-    /// When the last valid line came. The watchdog counts from this time.
+    /// When the last valid line came. A moving robot halts if no other comes within `WATCHDOG`.
     heard: Duration,
     asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
@@ -60,7 +61,8 @@ struct UnderWay {
 }
 
 impl LineRobot {
-    /// A robot that was just switched on. It sends nothing until its body has reported its place and its capabilities.
+    /// A robot that was just switched on. It sends nothing before its body has reported its place and its
+    /// capabilities.
     #[must_use]
     pub fn new(name: RobotName) -> LineRobot {
         LineRobot {
@@ -80,8 +82,8 @@ impl LineRobot {
         }
     }
 
-    /// The program is gone, or another one takes its place. The robot halts, and reports nothing more about earlier
-    /// orders.
+    /// The connection of the program has ended, or another program is connected now. The robot halts. Reports about
+    /// earlier orders are not sent any more.
     pub fn handle_lost(&mut self) {
         self.lines = LineReader::default();
         self.outputs.clear();
@@ -90,7 +92,7 @@ impl LineRobot {
 
     pub fn handle_received(&mut self, bytes: &[u8], now: Now) {
         for byte in bytes {
-            // A line that is too long is not of this protocol, and does not keep a motion going.
+            // A line that is too long does not belong to this protocol. It must not keep a motion going.
             let Some(text) = self.lines.take(*byte).filter(|text| text.len() <= LONGEST_FOR_ROBOT) else { continue };
             self.heard = now.since_start;
             if let Some(said) = ToRobot::parse(&text) {
@@ -137,12 +139,13 @@ impl LineRobot {
         self.asked.pop_front()
     }
 
-    /// The next line or photo to send. Read the program's lines meanwhile, so that no halt waits for it.
+    /// The next line or photo to send. The caller must also read the program's lines while it sends, so that no halt
+    /// has to wait.
     pub fn poll_output(&mut self) -> Option<Arc<[u8]>> {
         self.outputs.pop_front()
     }
 
-    /// When the robot halts by itself unless a line arrives, since the start of the run.
+    /// When the robot halts by itself if no line comes before, counted from the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.motion().filter(|motion| !motion.is_halted).map(|_| self.heard + WATCHDOG)
@@ -161,8 +164,8 @@ impl LineRobot {
                 self.from = Some(seq);
                 self.begin_above();
                 if self.from.is_some() {
-                    // The robot stops only later, or a photo goes on. Meanwhile the program must not think that it is
-                    // gone.
+                    // The robot stops only later, or a photo goes on. Until then, this `hello` tells the program that
+                    // the robot is still there.
                     self.say_hello();
                 }
             }
@@ -172,7 +175,8 @@ impl LineRobot {
         }
     }
 
-    /// Begins an order if it is new and no other is under way. The program repeats the order until it is answered.
+    /// Begins an order if it is new and no other order is being carried out. The program repeats each order until it
+    /// is answered.
     fn order(&mut self, task: RobotTask, seq: Seq, deadline: Duration, now: Now) {
         if self.last.is_none() || self.from.is_some() || self.under_way.is_some() {
             return;
@@ -194,7 +198,7 @@ impl LineRobot {
         self.asked.push_back(BodyRequest::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
-    /// Handles a halt. A motion is answered once the robot stands, and no order up to this number begins any more.
+    /// Handles a halt. A motion is answered when the robot stands. No order up to this number can begin after that.
     fn void(&mut self, seq: Seq) {
         if self.motion().is_some() {
             self.halt();
@@ -242,7 +246,7 @@ impl LineRobot {
         }
     }
 
-    /// Sends a photo, which is not stored. If the order is repeated, the answer says so.
+    /// Sends a photo without storing it. If the program repeats the order, the answer is that the photo is lost.
     fn send_photo(&mut self, photo: &Photo) {
         let Some(UnderWay { seq, .. }) = self.under_way.take() else { return };
         self.answer =

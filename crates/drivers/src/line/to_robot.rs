@@ -1,4 +1,4 @@
-//! The lines of the program to the robot: their texts, written and read. `driver` decides when they are sent.
+//! The lines from the program to the robot: writes and reads their texts. `driver` decides when they are sent.
 
 use std::fmt;
 
@@ -8,9 +8,9 @@ use hallsweep_core::units::Pose;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToRobot {
     Hello,
-    /// Halt. All orders up to this number are void, and new orders begin above it.
+    /// Halt. All orders up to this number are void, and new orders have greater numbers.
     From(Seq),
-    /// An order with its number, and the milliseconds after which the robot halts by itself.
+    /// An order with its number. After the given milliseconds, the robot halts by itself.
     Order(RobotTask, Seq, u32),
     /// Halt. All orders up to this number are void.
     Halt(Seq),
@@ -21,11 +21,11 @@ pub enum ToRobot {
 pub enum RobotTask {
     Forward,
     Backward,
-    /// 90° to the left.
+    /// Turn 90° to the left.
     Left,
-    /// 90° to the right.
+    /// Turn 90° to the right.
     Right,
-    /// Back to the centre of the cell, with the heading of the last completed order.
+    /// Drive back to the centre of the cell, and turn to the heading of the last completed order.
     Recentre,
     Photo,
 }
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::line::framed;
 
-    /// Longest line to the robot, with check and line feed, in bytes: the buffer that a small robot needs.
+    /// Longest line to the robot, with check and line feed, in bytes. A small robot needs a buffer of this size.
     const ROOM: usize = 40;
 
     fn said() -> impl Strategy<Value = ToRobot> {

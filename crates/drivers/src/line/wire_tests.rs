@@ -1,5 +1,6 @@
-//! Both ends joined by a wire that loses, damages, duplicates and delays bytes, in simulated time, by a seed. In all
-//! cases every order is answered once, nothing begins after a halt, and both ends agree where the robot stands.
+//! Tests of both ends, joined by a wire that loses, damages, duplicates and delays bytes, in simulated time and by a
+//! seed. In all cases, every order is answered once and nothing begins after a halt. Both ends agree where the robot
+//! stands.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -20,7 +21,7 @@ const ORDERS: u64 = 120;
 struct Wire {
     chance: RandomStream,
     trouble: f64,
-    /// Bytes under way with the time of their arrival; none overtakes another.
+    /// Bytes on the wire with their times of arrival. They arrive in the order in which they were sent.
     bytes: VecDeque<(Duration, u8)>,
 }
 
@@ -48,7 +49,7 @@ impl Wire {
     }
 }
 
-/// A body that carries out what it is asked, unless something is in its way.
+/// A body that does what it is requested to do, unless an obstacle is in its way.
 struct Body {
     chance: RandomStream,
     pose: Pose,
@@ -120,14 +121,15 @@ struct Run {
     back: Wire,
     robot: LineRobot,
     body: Body,
-    /// What the program knows: whether the link is up, where the robot stands, which order is open.
+    /// What the program knows: whether the link is up, where the robot stands, and which order is open.
     is_up: bool,
     pose: Pose,
     off_centre: bool,
     open: Option<Order>,
     given: u64,
     answered: u64,
-    /// Number of motions that had begun when the last halt reached the robot; none begins before the next order.
+    /// Number of motions that had begun when the program learnt of the last halt. No other motion may begin before
+    /// the next order.
     begun_at_halt: Option<u64>,
 }
 
@@ -187,7 +189,7 @@ impl Run {
         }
     }
 
-    /// The program sends an order when it can, and now and then halts.
+    /// Lets the program send an order if it can. Sometimes it halts the robot instead.
     fn program(&mut self) {
         if self.is_up && self.open.is_none() && self.given < ORDERS {
             self.given += 1;
@@ -230,7 +232,7 @@ impl Run {
         self.robot.handle_received(&heard, self.now);
         self.robot.handle_timeout(self.now);
         let done = self.body.passes(self.now.since_start);
-        // The motion ended just before the halt arrived.
+        // The motion has just ended, before the halt arrived.
         if let Some(event) = done {
             self.robot.handle_event(event);
         }
@@ -290,7 +292,7 @@ impl Run {
         self.open.take_if(|order| order.id == id).expect("every order is answered once, and nothing else is")
     }
 
-    /// Checks that nothing begins before the next order, whatever still arrives.
+    /// From now on, checks that no motion begins before the next order, whatever still arrives on the wire.
     fn stays(&mut self) {
         self.agree();
         self.begun_at_halt = Some(self.body.begun);
@@ -308,7 +310,7 @@ fn over_a_good_wire_every_order_is_answered_and_the_link_stands() {
     assert_eq!(run.answered, ORDERS);
 }
 
-/// Safety S5, R2.
+/// Tests safety S5, R2 (docs/safety.md).
 #[test]
 fn whatever_the_wire_does_every_order_is_answered_once_and_both_agree_where_the_robot_stands() {
     for seed in 0..60 {

@@ -1,5 +1,5 @@
-//! Measures the time for a cell, with the distances in the page's scene file. This happens once, at the first motion
-//! that is ordered: the robot drives ahead until it meets something, and back.
+//! Measures how long the robot needs for a cell, by means of the distances in the page's scene file. This is done
+//! once, when the first motion is ordered. The robot drives ahead until it meets something, and then back.
 
 use std::time::Duration;
 
@@ -8,31 +8,32 @@ use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
 
-/// Shortest way that is measured, in cells. Over a shorter way, a single frame of the page matters too much.
+/// Shortest distance that is used for the measurement, in cells. On a shorter one, a single frame of the page would
+/// change the result too much.
 const SHORTEST: f64 = 2.0;
 
-/// Factor by which a page may be slower than it was made for. A page that is even slower, or where nothing is met, has
-/// another scene.
+/// A page may be slower than it was made for by this factor. If nothing is met although the page could be that slow,
+/// the scene file does not fit.
 const SLOWER: f64 = 4.0;
 
-/// Factor by which a step takes longer at the first contact (there, back, and there again). An order has at least the
-/// time of three steps.
+/// A step takes longer by this factor at the first contact, when the robot drives there, back, and there again. An
+/// order has at least the time of three steps.
 const CONTACT: f64 = 1.3;
 
-/// Factor by which a motion may take longer because the robot first finds out where it is.
+/// A motion may take longer by this factor, because the robot first finds out where it is.
 const FINDING_OUT: f64 = 1.8;
 
-/// Longest leg, in cells.
+/// Length of one leg of the measurement, in cells. A leg is a motion by one command.
 const LEG: f64 = 1.0;
 
 impl VirtualRobot {
-    /// Plans a measurement with a thing that stands this many cells ahead of the robot's start.
+    /// Plans a measurement. `ahead` is the distance from the robot's start to a thing, in cells.
     pub(super) fn gauge_by(&mut self, ahead: f64) {
         self.gauge = Some(ahead).filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
     }
 
-    /// The longest time of an order of one cell. The first contact is made twice, and the first motion includes the
-    /// measurement.
+    /// The longest time that a step can take. It includes a second contact if the latency is unknown, and the
+    /// measurement if this is still to come.
     pub(super) fn longest_step(&self) -> Duration {
         let step = self.step + self.margin() * legs(self.step);
         let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
@@ -43,7 +44,7 @@ impl VirtualRobot {
         self.longest_gauging().unwrap_or_else(|| self.with_finding_out(TURN + TURNS_LATE + self.margin()))
     }
 
-    /// A robot that knows the room may go some way to find out where it is.
+    /// Adds time for finding out where the robot is. This can happen only if the room is known.
     fn with_finding_out(&self, motion: Duration) -> Duration {
         if self.room.is_some() { motion.mul_f64(FINDING_OUT) } else { motion }
     }
@@ -57,7 +58,7 @@ impl VirtualRobot {
         self.gauge.is_some() && !self.off_centre && self.reckoning.pose() == Pose::START
     }
 
-    /// Whether lengths are counted with a step that is not measured yet.
+    /// Whether the step is being measured, so that lengths are counted with an assumed step.
     pub(super) fn is_gauging(&self) -> bool {
         let aim = self.task.as_ref().map(|task| task.aim);
         matches!(aim, Some(Aim::Gauge | Aim::Gauged | Aim::Retreat(Then::Gauged) | Aim::Measure(Then::Gauged)))
@@ -77,11 +78,11 @@ impl VirtualRobot {
         self.drive(Heading::South, LEG, false);
     }
 
-    /// Handles a contact after this time of driving since the last leg began.
+    /// Handles the contact at the end of the measurement. `driven` is the time of driving since the last leg began.
     pub(super) fn gauge_ends(&mut self, driven: Duration) {
         self.gauged += driven;
         if !self.is_met_as_it_should_be() {
-            // The distance is unknown, so the way back is counted with the assumed length of a step.
+            // The real distance is unknown, so it is computed with the assumed step. The way back needs it.
             self.gauge = Some(self.gauged.div_duration_f64(self.step));
         }
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);
@@ -99,7 +100,7 @@ impl VirtualRobot {
         (self.step, self.is_gauged, self.off_centre, self.is_changed) = (step, true, false, true);
         self.reckoning.set_out_from_home();
         self.events.push_back(RobotEvent::LinkUp(self.can()));
-        // An order to go back to the centre is now complete.
+        // Nothing is left to do if the order is to go back to the centre. Any other order begins now.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

@@ -1,6 +1,5 @@
-//! Whether a page with the virtual robot is open. If so, the server of the first version greets each new client. When a
-//! page is closed and opened again, the robot is at its start. The later versions do not report whether there is a
-//! page.
+//! Finds out whether a page with the virtual robot is open. Only the first version of the server shows this: with a
+//! page, it greets each new client. When a page is closed and opened again, the robot is at its start.
 
 use std::time::Duration;
 
@@ -8,22 +7,22 @@ use super::{Command, Dialect, Leg, LegStage, VirtualRobot};
 use crate::Output;
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 
-/// Longest wait for the server's greeting on a new connection.
+/// Longest wait for the server's greeting after connecting.
 pub(super) const GREETING: Duration = Duration::from_secs(1);
 
-/// Number of connections in a row without a greeting that mean that there is no page. A single one may be due to a busy
-/// server.
+/// After this number of connections in a row without a greeting, there is no page. One missing greeting may only mean
+/// that the server is busy.
 const UNGREETED: u8 = 2;
 
-/// How often to check whether the page is still open, while the robot stands.
+/// How often to check whether the page is still open while the robot stands still.
 const LOOK: Duration = Duration::from_secs(1);
 
 impl VirtualRobot {
-    /// Handles a greeting: a page is open. The server greets all clients whenever one connects, so this need not be
-    /// news.
+    /// Handles a greeting, which means that a page is open. The server greets all clients whenever one connects, so
+    /// the page may have been known before.
     pub(super) fn greeted(&mut self) {
         if !self.is_connected {
-            // The greeting came over a connection that was given up.
+            // The greeting came over a connection that was already closed from this side.
             return;
         }
         if !self.is_greeted {
@@ -42,34 +41,34 @@ impl VirtualRobot {
         }
     }
 
-    /// Opening the page anew puts the robot back to its start.
+    /// Handles that the page was opened anew. The robot is then at its start.
     fn page_opened_anew(&mut self) {
         self.reckoning.put_home();
         (self.off_centre, self.unheard, self.lost, self.is_told_lost, self.met) = (false, None, None, false, None);
         self.is_changed = true;
     }
 
-    /// Handles the first order after a fault that asked for the page to be opened anew. This server does not report
-    /// whether this was done, so the order is taken as a sign that it was.
+    /// Handles the first order after a fault that asked the user to reload the page. The server does not report
+    /// whether the user did it. So the order is taken as the sign that the page was reloaded.
     pub(super) fn is_put_home(&mut self) {
         self.page_opened_anew();
-        // The server may still wait for the end of a move in the closed page, and begin no other move.
+        // The server may still wait for the end of a move in the closed page. Until then it begins no other move.
         self.send(Command::Alarm);
         let pose = self.reckoning.pose();
         self.events.push_back(RobotEvent::Stands(Whereabouts { pose, off_centre: false }));
         self.answer(|order| RobotEvent::Halted(order, false));
     }
 
-    /// Handles a missing greeting. There is no page, or the server is busy: it closes the connection in the former case
-    /// only.
+    /// Handles a missing greeting. Either there is no page, or the server is busy. Only without a page does the
+    /// server also close the connection.
     pub(super) fn not_greeted(&mut self) {
-        // The next connection is made immediately.
+        // This makes the next check due at once.
         (self.greeting, self.looked) = (None, self.now.saturating_sub(LOOK));
         self.go_down("no page of the virtual robot is open: open the address of its server in a browser");
     }
 
-    /// Handles a closed connection. A server that works, and closes two connections in a row without a greeting, has no
-    /// page.
+    /// Handles a closed connection. If a working server closes several connections in a row (`UNGREETED`) without a
+    /// greeting, it has no page.
     pub(super) fn closed(&mut self, by_both: bool) {
         if by_both && !self.is_greeted && !self.is_up {
             self.ungreeted = self.ungreeted.saturating_add(1);
@@ -78,19 +77,19 @@ impl VirtualRobot {
     }
 
     pub(super) fn reconnect(&mut self) {
-        // An alarm on another connection no longer counts.
+        // An alarm that was sent over another connection does not count here.
         (self.is_connected, self.greeting, self.alarmed) = (false, None, None);
         self.outputs.push_back(Output::Reconnect);
     }
 
-    /// When to check the page although no order is open. It may have been closed or opened anew, or another client may
-    /// now receive the server's messages.
+    /// When to check the page next while no order is open. The page may have been closed or opened anew, or the
+    /// server may send its messages to another client now.
     pub(super) fn look(&self) -> Option<Duration> {
         let is_idle = self.is_connected && self.task.is_none() && self.greeting.is_none();
         (self.dialect == Dialect::Semicolons && is_idle).then_some(self.looked + LOOK)
     }
 
-    /// Reports that the robot cannot be reached, once for each reason.
+    /// Reports that the robot cannot be reached, but only once for the same reason.
     pub(super) fn go_down(&mut self, words: &str) {
         self.leave_unheard();
         let is_new = self.said.as_deref() != Some(words);

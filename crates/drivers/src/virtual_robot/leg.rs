@@ -1,5 +1,5 @@
-//! One motion of the virtual robot, from its request to its end. The server does not report the end, or reports it too
-//! early. So each motion has a time after which it has ended if nothing was met.
+//! One leg: a motion of the virtual robot by one command. The server reports its end not at all or too early. So each
+//! leg has a time after which it counts as ended if nothing was met.
 
 use std::time::Duration;
 
@@ -11,17 +11,17 @@ pub(super) struct Leg {
     pub(super) way: Way,
     pub(super) stage: LegStage,
     pub(super) is_acknowledged: bool,
-    /// Whether a halt has come that the motion cannot obey. A turn ends by itself, and is not begun again.
+    /// Whether a halt came that the leg cannot obey. A turn ends by itself. After a refusal, it is not tried again.
     pub(super) is_halted: bool,
-    /// When the server first refused the motion, and whether an alarm was sent since then to end the motion that the
-    /// server believes to be under way.
+    /// When the server first refused the motion. The flag says whether an alarm was sent after that, to end the other
+    /// motion that the server reports.
     pub(super) refused: Option<(Duration, bool)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
-    /// Straight ahead or backwards: the direction, the length in cells and the duration; then the cells left for
-    /// further legs, and the duration of the legs before this one.
+    /// A straight motion: direction, length in cells, and duration. `rest` is the length of the legs that follow, in
+    /// cells. `before` is the duration of the earlier legs.
     Straight { towards: Heading, cells: f64, backward: bool, lasts: Duration, rest: f64, before: Duration },
     /// A quarter turn.
     Turn { left: bool, lasts: Duration },
@@ -29,16 +29,16 @@ pub(super) enum Way {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LegStage {
-    /// The motion waits for a new connection, which shows that a page is open and that the server's messages come to
-    /// us.
+    /// The motion waits for a new connection. The greeting on it shows that a page is open and that the server sends
+    /// its messages here.
     Fresh,
-    /// The motion was refused because another one was under way. It is tried again at this time.
+    /// The server refused the motion because another one was running. It is tried again at this time.
     Refused(Duration),
-    /// The motion was handed over for sending, and is not confirmed as sent.
+    /// The motion was handed over for sending, but it is not confirmed as sent yet.
     Queued,
-    /// The motion was confirmed as sent at this time, since the start of the run.
+    /// The motion was confirmed as sent at this time, counted from the start of the run.
     Sent(Duration),
-    /// The motion was cut short after `lasted`. Until `until` the report of an earlier contact may come.
+    /// The motion was cut short after `lasted`. Until `until`, an earlier contact may still be reported.
     Halting { lasted: Duration, until: Duration },
 }
 
@@ -62,7 +62,7 @@ impl Leg {
         }
     }
 
-    /// Whether the robot may be in this motion.
+    /// Whether the robot may be carrying out this motion.
     pub(super) const fn is_sent(&self) -> bool {
         matches!(self.stage, LegStage::Sent(_) | LegStage::Halting { .. })
     }

@@ -1,5 +1,5 @@
-//! The state of the virtual robot that the next program needs, since the robot itself stores nothing: a line of JSON,
-//! for a small file.
+//! The stored state of the virtual robot. The robot itself stores nothing, so the next run of the program needs this.
+//! It is a line of JSON for a small file.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use hallsweep_core::units::Heading;
 
 const VERSION: u32 = 1;
 
-/// Longest text that is stored, in characters. Longer texts are cut.
+/// Maximum length of a stored text, in characters. A longer text is cut.
 const MOST: usize = 300;
 
 #[derive(Serialize, Deserialize)]
@@ -20,7 +20,7 @@ struct Remembered {
     version: u32,
     reckoning: Reckoning,
     step_s: f64,
-    /// The time of a step in the settings or the scene file.
+    /// The time of a step from the settings or the scene file.
     step_set_s: f64,
     is_gauged: bool,
     latency_s: Option<f64>,
@@ -31,11 +31,11 @@ struct Remembered {
 }
 
 impl VirtualRobot {
-    /// The robot as the last program left it, from the line that this program wrote. A motion that was under way then
-    /// has ended by itself, without a report.
+    /// Makes the robot as the last run of the program left it. `written` is the line that the last run stored. A
+    /// motion of that time has ended by itself, without a report.
     ///
     /// # Errors
-    /// Why the line cannot be used, in words.
+    /// When the line cannot be used. The error says why.
     pub fn remembering(dialect: Dialect, step: Duration, written: &str) -> Result<VirtualRobot, String> {
         let remembered: Remembered = serde_json::from_str(written).map_err(|error| error.to_string())?;
         if remembered.version != VERSION {
@@ -56,7 +56,7 @@ impl VirtualRobot {
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("its remembered place is impossible".to_owned());
         }
-        // A step that was set anew is more reliable than a measured one.
+        // If the time of a step was set anew, it is used instead of the measured time.
         let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
@@ -71,8 +71,8 @@ impl VirtualRobot {
         })
     }
 
-    /// The line to store. A motion under way is stored as one whose end was not reported, which it will be when the
-    /// line is read. It will also be unknown then whether commands on their way have arrived.
+    /// The line to store. If a motion is running, its end will not be observed, so it is stored that way. It will
+    /// also be unknown whether the last commands have arrived.
     pub(super) fn remembered(&self) -> String {
         let mut left = VirtualRobot {
             reckoning: self.reckoning.clone(),
@@ -80,7 +80,7 @@ impl VirtualRobot {
             off_centre: self.off_centre,
             unheard: self.unheard,
             lost: self.lost.clone(),
-            // This time is so late that a command under way counts as sent long ago.
+            // With this time, a command that was sent counts as sent long ago.
             now: Duration::MAX,
             ..VirtualRobot::new(self.dialect, self.step)
         };

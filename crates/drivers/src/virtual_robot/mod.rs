@@ -1,17 +1,17 @@
-//! The virtual robot of the Bologna laboratory. A page in a browser shows it in a room, and a server joins the page
-//! with programs, over TCP in its first version, over WebSocket in the version of 2021. The protocols stand in
-//! `words`, and the robot's assumed position in `reckoning`.
+//! The virtual robot of the Bologna laboratory. A page in a browser shows the robot in a room. A server connects the
+//! page with programs: over TCP in the first version, over WebSocket in the version of 2021. The protocols are in
+//! `words`, and the robot's assumed position is in `reckoning`.
 //!
-//! The robot measures nothing, and of a move it reports at most that it has met something. So its driver counts the
-//! time:
+//! The robot measures nothing. About a move, it reports at most that it has met something. So its driver measures the
+//! time of each move:
 //!
 //! ```text
-//!   order ─► [TCP: a new connection] ─► moveForward 330 ─┬─ nothing is heard for 330 ms and a margin ─► done
-//!                                                        └─ collision wallDown ─► blocked; recentred by the time it drove
+//!   order ─► [TCP: a new connection] ─► moveForward 330 ─┬─ no report for 330 ms and a margin ─► done
+//!                                                        └─ collision wallDown ─► blocked
 //! ```
-//! Over TCP the server sends all messages to the client of this machine that connected last, and without a page it
-//! drops commands. Each motion therefore begins with a new connection. The server greets it when a page is open, and
-//! its messages come to us from then on.
+//! Over TCP, the server sends all messages only to the last client that connected from this machine. Without a page,
+//! it drops commands. So each motion begins with a new connection. If a page is open, the server greets the
+//! connection and sends its messages there from then on.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -42,16 +42,16 @@ pub use room::{Extent, Room, Thing};
 use task::{Aim, OrderTask, Then};
 use words::{Command, Heard, Stream};
 
-/// Duration of a turn. A turn cannot be halted, so it has to be short (safety S5). An even shorter one looks wrong on
-/// the page.
+/// Duration of a turn. It must be short, because a turn cannot be halted (safety S5). A shorter turn would look wrong
+/// on the page.
 const TURN: Duration = Duration::from_millis(400);
 
-/// Longest time for a photo. Drawing takes some hundredths of a second, on a machine that may be busy otherwise.
+/// Longest time for a photo. Drawing takes some hundredths of a second, but the machine may be busy.
 const DRAWING: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
-    /// JSON between semicolons over TCP. The server reports contacts, and nothing else.
+    /// JSON between semicolons, over TCP. The server reports only contacts.
     Semicolons,
     /// JSON messages over WebSocket. The server also reports the ends of moves.
     Messages,
@@ -61,59 +61,62 @@ pub enum Dialect {
 pub struct VirtualRobot {
     dialect: Dialect,
     reckoning: Reckoning,
-    /// Time for one cell: the present one, which may be measured, and the one in the settings or the scene file.
+    /// Time for one cell. `step` is in use and may be measured. `step_set` is from the settings or the scene file.
     step: Duration,
     step_set: Duration,
-    /// Time from the sending of a move to the report of a contact, without the time of driving; `None` if it was not
-    /// measured yet.
+    /// Time from sending a move to the report of a contact, not counting the driving. `None` if it was not measured
+    /// yet.
     latency: Option<Duration>,
     stream: Stream,
     is_connected: bool,
     is_greeted: bool,
-    /// The end of the wait for the greeting.
+    /// When the wait for the greeting ends.
     greeting: Option<Duration>,
-    /// When it was last checked whether the server greets.
+    /// When the server's greeting was last checked.
     looked: Duration,
     /// How long the server took to greet the last connection.
     greeted_after: Duration,
     connected: Duration,
     /// Number of connections in a row without a greeting.
     ungreeted: u8,
-    /// Whether the server works but has no page. When the server has ended, its page may still be there.
+    /// Whether the server works but has no page. If the server has ended, its page may still be there, so this is
+    /// false.
     is_page_closed: bool,
     has_server_ended: bool,
-    /// The state of the link that was last reported to the core, with the reason.
+    /// The state of the link as it was last reported to the core. `said` is the reason.
     is_up: bool,
     said: Option<String>,
     task: Option<OrderTask>,
-    /// Whether an alarm for a STOP is still to be sent: there is no connection, or a turn is under way, which an alarm
-    /// would leave askew.
+    /// Whether an alarm for a STOP must still be sent. It waits for a connection or for the end of a turn. An alarm
+    /// during a turn would leave the robot at a wrong angle.
     owes_alarm: bool,
-    /// When the last alarm was handed over for sending, if nothing was sent after it.
+    /// When the last alarm was handed over for sending. `None` if anything was sent after it.
     alarmed: Option<Duration>,
     off_centre: OffCentre,
-    /// Whether the LED of the search would blink.
+    /// Whether the LED of a real robot would blink now.
     led: bool,
     unheard: Option<Unheard>,
-    /// Why the position is unknown until the page is opened anew, and whether the sender of an order was told.
+    /// Why the position is unknown until the page is opened anew. `is_told_lost` says whether an order was answered
+    /// with this reason.
     lost: Option<String>,
     is_told_lost: bool,
-    /// The name of the last thing that the robot met from its present place, if it was reported.
+    /// The name of the thing that the robot met last. `None` if the robot has moved on since or the server gave no
+    /// name.
     met: Option<String>,
-    /// How long the robot had driven when it met something before the latency was known.
+    /// How long the robot had driven until its first contact. It is used to measure the latency.
     first_contact: Option<Duration>,
     room: Option<Room>,
-    /// Distance in cells from the robot's start to the thing ahead, until the step is measured with it.
+    /// Distance from the robot's start to the thing ahead, in cells. `None` after the step was measured.
     gauge: Option<f64>,
     is_gauged: bool,
-    /// Time driven ahead so far while the step is measured.
+    /// Driving time ahead so far, while the step is measured.
     gauged: Duration,
-    /// Counter of corrections. Each correction adds `FOUND`, and each completed step or turn subtracts 1. Beyond
-    /// `ASTRAY`, the scene file is taken to be of another room.
+    /// Counter of corrections. A correction adds `FOUND`, and a completed step or turn subtracts 1. Above `ASTRAY`,
+    /// the scene file counts as that of another room.
     astray: u8,
-    /// Corrections of the position since the robot last entered a new cell.
+    /// Number of corrections of the position since the robot last entered a new cell.
     wandered: u8,
-    /// When the robot last came to the end of a step without a contact.
+    /// When the robot last completed a step without a contact.
     stepped: Option<Duration>,
     outputs: VecDeque<Output>,
     events: VecDeque<RobotEvent>,
@@ -122,7 +125,7 @@ pub struct VirtualRobot {
 }
 
 impl VirtualRobot {
-    /// A robot at its start, with an assumed time for a cell.
+    /// A robot at its start. `step` is the assumed time for a cell.
     #[must_use]
     pub fn new(dialect: Dialect, step: Duration) -> VirtualRobot {
         VirtualRobot {
@@ -268,7 +271,7 @@ impl Driver for VirtualRobot {
         }
         match self.dialect {
             Dialect::Semicolons => self.greeting = Some(self.now + GREETING),
-            // This server does not greet. Whether a page is open shows only when a move ends.
+            // This server does not greet. Only the end of a move shows whether a page is open.
             Dialect::Messages => self.greeted(),
         }
     }
@@ -276,7 +279,7 @@ impl Driver for VirtualRobot {
     fn handle_lost(&mut self, words: &str, now: Now) {
         self.now = now.since_start;
         (self.is_connected, self.is_greeted, self.greeting, self.has_server_ended) = (false, false, None, true);
-        // An alarm that was sent last may not have arrived.
+        // If an alarm was sent last, it may not have arrived. So it is sent again.
         self.owes_alarm |= self.alarmed.take().is_some();
         self.go_down(words);
     }
@@ -337,7 +340,7 @@ impl Driver for VirtualRobot {
         self.halt();
     }
 
-    /// The robot has no LED, but a blinking one means the start of a search with an empty map.
+    /// The robot has no LED. But when the LED should begin to blink, a search starts with an empty map.
     fn handle_led(&mut self, blinks: bool, _: Now) {
         if blinks && !self.led {
             self.reckoning.begin_search();

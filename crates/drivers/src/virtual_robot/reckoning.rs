@@ -1,12 +1,12 @@
-//! The assumed position of the virtual robot, which does not report its position. Its driver counts the time that it
-//! moved, and corrects the position by the things that the robot meets, which have names and do not move.
+//! The assumed position of the virtual robot, which does not report its real position. The driver computes it from
+//! the time of each motion. Things that the robot meets correct it, since they have names and do not move.
 //!
 //! ```text
-//!    cell 6      cell 7      cell 8            a face: where the robot's centre is when it touches this thing, coming this way;
-//!  ┌───────────┬───────────┬─────▓▓▓▓▓▓        met once, its place is known, and the next time it tells how far the reckoning
-//!  │     ·     │     ·  ───┼──►  ▓ wallDown    has drifted
+//!    cell 6      cell 7      cell 8           A face is where the robot's centre is when the robot touches a thing
+//!  ┌───────────┬───────────┬─────▓▓▓▓▓▓       from one side. The first contact makes the place of the face known.
+//!  │     ·     │     ·  ───┼──►  ▓ wallDown   Later contacts show how far the assumed position has drifted.
 //! ```
-//! Lengths are in cells. Along a direction, coordinates grow in that direction.
+//! Lengths are in cells. A coordinate along a direction grows in that direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,50 +14,52 @@ use serde::{Deserialize, Serialize};
 
 use hallsweep_core::units::{Cell, Heading, Pose};
 
-/// Greatest error of the reckoning, in cells. A greater error would put things into the wrong cells.
+/// Greatest error of the assumed position, in cells. With a greater error, things would be reported in wrong cells.
 pub(super) const DRIFT: f64 = 0.45;
 
-/// Most faces that are stored; a scene has some dozens.
+/// Maximum number of faces that are stored. A scene has some dozens.
 const FACES: usize = 4096;
 
-/// Most cells that are stored as cells where the robot has stood. A page of a hundred cells on a side is a large one.
+/// Maximum number of cells that are stored as cells where the robot has stood. Even a large page has only a hundred
+/// cells on a side.
 const CELLS: usize = 16_384;
 
-/// Furthest extent of a room, in cells.
+/// Largest coordinate in a room, in cells.
 const FURTHEST: i32 = 100_000;
 
-/// Shortest way that shows how fast the robot is, in cells. A frame of its page is a twentieth of a cell.
+/// Shortest distance by which the robot's speed is judged, in cells. One frame of its page is a twentieth of a cell.
 const GAUGED: f64 = 2.0;
 
-/// Greatest difference in cells between the whole way driven and the net way for the robot to have driven straight.
+/// The robot counts as having driven straight if its total distance exceeds the net distance by less than this, in
+/// cells.
 const STRAIGHT: f64 = 0.1;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reckoning {
-    /// The cell and heading of the last completed order.
+    /// The robot's cell after its last completed order. `heading` is its heading then.
     cell: (i32, i32),
     heading: String,
     /// Position of the robot's centre, in columns to the east and rows to the south of home.
     at: [f64; 2],
     faces: BTreeMap<String, f64>,
-    /// The name of the face that the robot has met from each cell and heading.
+    /// For each cell and heading, the name of the face that the robot has met there.
     contacts: BTreeMap<String, String>,
     stood: BTreeSet<(i32, i32)>,
-    /// The names of things that move, or that exist more than once.
+    /// The names of things that do not show the robot's place, because they move or exist more than once.
     #[serde(skip)]
     unfixed: BTreeSet<String>,
-    /// The faces with places from the scene file.
+    /// The faces whose places are from the scene file.
     #[serde(skip)]
     placed: BTreeSet<String>,
-    /// For each axis, whether a thing was reported since the last known face. If the reckoning is wrong, so is the cell
-    /// of that thing.
+    /// For each axis, whether a thing was reported since the robot last met a known face. If the position was wrong
+    /// then, that thing was reported in a wrong cell.
     has_news: [bool; 2],
-    /// For each axis, the driving since the robot last met a thing whose place is known.
+    /// For each axis, the distances driven since the robot last met a thing with a known place.
     since: [Option<Since>; 2],
 }
 
-/// Where the robot last met a thing whose place is known, and the way counted since then, in cells: the net way
-/// `ahead`, and the total way `driven`.
+/// Where the robot last met a thing with a known place, and the distances since then, in cells. `ahead` is the net
+/// distance and `driven` the total distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Since {
     at: f64,
@@ -65,12 +67,12 @@ struct Since {
     driven: f64,
 }
 
-/// The reckoning was wrong by more than `DRIFT`.
+/// An error of the assumed position by more than `DRIFT`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
     /// Error in cells.
     pub(super) cells: f64,
-    /// Whether nothing was reported since the last known face, so that no report is wrong.
+    /// Whether no thing was reported since the last known face. If so, no report was wrong.
     pub(super) is_harmless: bool,
 }
 
@@ -90,8 +92,8 @@ impl Reckoning {
         }
     }
 
-    /// Notes that the robot is back at home in the same room. Only the position and the drift begin anew. The knowledge
-    /// of the room stays.
+    /// Sets the robot back to home in the same room. Position and drift begin anew, but everything known about the
+    /// room is kept.
     pub(super) fn put_home(&mut self) {
         let known = std::mem::replace(self, Reckoning::at_home());
         *self = Reckoning {
@@ -133,7 +135,7 @@ impl Reckoning {
         (self.at[0], self.at[1])
     }
 
-    /// How far ahead of the robot the centre of this cell is in this direction. Negative if it is behind.
+    /// How far ahead the centre of this cell is in this direction, in cells. Negative if it is behind.
     pub(super) fn way_to(&self, cell: Cell, towards: Heading) -> f64 {
         along([f64::from(cell.x), f64::from(cell.y)], towards) - along(self.at, towards)
     }
@@ -147,8 +149,9 @@ impl Reckoning {
         }
     }
 
-    /// Notes that the robot has met this thing while it drove in this direction. This corrects the reckoning, or makes
-    /// the thing's place known. Returns the ratio of the counted way to the real way if it was long enough.
+    /// Records that the robot met this thing while it drove in this direction. If the thing's place was known, the
+    /// position is corrected. Otherwise the place becomes known. Returns counted distance ÷ real distance, if the way
+    /// was long enough.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
         let Some(name) = name.filter(|name| !self.unfixed.contains(*name)) else { return Ok(None) };
         let key = key(name, towards);
@@ -170,13 +173,13 @@ impl Reckoning {
         if drift.abs() > DRIFT { Err(Drift { cells: drift, is_harmless }) } else { Ok(ratio) }
     }
 
-    /// Forgets the robot's own findings: they may be wrong, or no longer true.
+    /// Forgets the places that the robot itself has found. They may be wrong, or no longer true.
     pub(super) fn doubt(&mut self) {
         self.faces.retain(|face, _| self.placed.contains(face));
         self.contacts.clear();
     }
 
-    /// Notes the start of a search, from which on every cell is new again.
+    /// Marks all cells as new, since a search begins.
     pub(super) fn begin_search(&mut self) {
         self.stood = BTreeSet::from([self.cell]);
     }
@@ -190,13 +193,13 @@ impl Reckoning {
         self.stood.contains(&(cell.x, cell.y))
     }
 
-    /// Distance to the thing that the robot met before from this cell and in this heading. If there is none, distance
-    /// to a wall that is known from elsewhere and may extend to here. The flag says whether the contact is certain.
+    /// Distance to the thing that the robot met before from this cell with this heading. If there is none, distance
+    /// to a known wall that may extend to here. The flag says whether the contact is certain.
     pub(super) fn contact_ahead(&self) -> Option<(f64, bool)> {
         let heading = self.pose().heading;
         let way = |face: &f64| face - along(self.at, heading);
         if let Some(key) = self.contacts.get(&self.contact_key()) {
-            // If nothing was met here although a wall might have been, none will be met again.
+            // Once no wall was met here, none is expected again.
             return self.faces.get(key).map(|face| (way(face), true)).filter(|(way, _)| (0.0..1.5).contains(way));
         }
         let begins = format!("{} wall", heading.name());
@@ -204,15 +207,15 @@ impl Reckoning {
         walls.map(|(_, face)| (way(face), false)).find(|(way, _)| (0.0..1.0).contains(way))
     }
 
-    /// Notes that no wall was met from this cell and in this heading, where one might have been.
+    /// Records that no wall was met from this cell with this heading, although there could have been one.
     pub(super) fn nothing_ahead(&mut self) {
         if self.contacts.len() < FACES {
             self.contacts.insert(self.contact_key(), String::new());
         }
     }
 
-    /// Cells driven to and fro along this axis since the robot last met a thing whose place is known; infinite before
-    /// the first contact.
+    /// Total distance driven along this axis since the robot last met a thing with a known place, in cells. Infinite
+    /// before the first contact.
     pub(super) fn driven(&self, heading: Heading) -> f64 {
         self.since[axis(heading)].map_or(f64::INFINITY, |since| since.driven)
     }
@@ -236,7 +239,7 @@ impl Reckoning {
         }
     }
 
-    /// Limits the coordinate across the direction of travel to this range, in cells.
+    /// Limits the sideways coordinate to this range, in cells. Sideways is across the direction of travel.
     pub(super) fn stand_across(&mut self, towards: Heading, from: f64, to: f64) {
         let across = 1 - axis(towards);
         self.at[across] = self.at[across].clamp(from, to);
@@ -248,12 +251,12 @@ impl Reckoning {
         self.at[across] = self.at[across].clamp(centre - 0.5, centre + 0.5);
     }
 
-    /// Notes that this thing says nothing about the position, because it moves or exists more than once.
+    /// Records that this thing does not show the position, because it moves or exists more than once.
     pub(super) fn pass_over(&mut self, name: &str) {
         self.unfixed.insert(name.to_owned());
     }
 
-    /// Sets the exact position at home, to which the robot returns after the measurement of a step.
+    /// Sets the position exactly to home. The robot is back there after its step was measured.
     pub(super) fn set_out_from_home(&mut self) {
         (self.at, self.since) = ([0.0; 2], [None; 2]);
     }
@@ -271,7 +274,7 @@ impl Reckoning {
 }
 
 impl Since {
-    /// The ratio of the counted way to the real way, if the robot drove straight from the last contact and far enough.
+    /// Counted distance ÷ real distance, if the robot drove straight from the last contact and far enough.
     fn ratio(self, to: f64) -> Option<f64> {
         let between = (to - self.at).abs();
         let is_straight = self.driven - self.ahead.abs() < STRAIGHT;

@@ -1,26 +1,28 @@
-//! The room as the scene file of the page describes it: where everything stands, and thus in which cells the robot can
-//! stand. With it a drift is noticed before anything is reported that contradicts the room.
+//! The room as the page's scene file describes it: where all things stand, so in which cells the robot can stand.
+//! With a known room, a drift is noticed before anything wrong is reported.
 //!
-//! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south. They
-//! refer to the robot's centre: the robot counts as a point, and all things are larger by half the robot on each side.
+//! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south.
+//! Coordinates are those of the robot's centre. The robot counts as a point, and all things are enlarged by half the
+//! robot on each side.
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 use hallsweep_core::units::{Cell, Heading};
 
-/// A thing that stops the robot within this distance of a cell's centre, in cells, does not stand in that cell.
+/// If a thing stops the robot within this distance of a cell's centre, the thing is not in that cell. In cells.
 pub(super) const REACHED: f64 = 0.15;
 
-/// Distance before a thing that the robot meets, in cells, at which the robot's centre must still be free.
+/// At this distance before a thing, the robot's centre must be free, or else the robot cannot meet the thing. In
+/// cells.
 const BEFORE: f64 = 0.2;
 
-/// Greatest distance to the side of a thing, in cells, at which the robot can meet it, given the error of its position.
+/// Greatest sideways distance at which the robot can meet a thing, because its position is not exact. In cells.
 const BESIDE: f64 = 0.2;
 
-/// Number of cells to each side in which a cell where the robot can stand is searched.
+/// How many cells to go to each side, at most, when looking for a cell where the robot can stand.
 const ASIDE: i32 = 3;
 
-/// Number of cells back in which a cell where the robot can stand is searched.
+/// How many cells to go back, at most, when looking for a cell where the robot can stand.
 const FURTHEST_BACK: u8 = 8;
 
 /// The page's name for the border of the floor.
@@ -31,7 +33,7 @@ pub struct Room {
     /// The area in which the robot's centre can be.
     pub floor: Extent,
     pub things: Vec<Thing>,
-    /// The names of things that move, and thus do not show the robot's place.
+    /// The names of things that move. They do not show the robot's place.
     pub moving: Vec<String>,
 }
 
@@ -49,7 +51,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Distance of a point inside the area from the nearest side; negative outside.
+    /// Distance from a point inside the area to the nearest side. Negative if the point is outside.
     fn depth(&self, (x, y): (f64, f64)) -> f64 {
         (x - self.x.0).min(self.x.1 - x).min(y - self.y.0).min(self.y.1 - y)
     }
@@ -61,7 +63,7 @@ impl Extent {
         }
     }
 
-    /// Coordinate along the direction of travel at which the robot's centre touches the thing.
+    /// At this coordinate along the direction of travel, the robot's centre touches the thing.
     fn face(&self, towards: Heading) -> f64 {
         match towards {
             Heading::North => -self.y.1,
@@ -73,7 +75,7 @@ impl Extent {
 }
 
 impl Room {
-    /// Whether the name alone shows where the thing is: it does not move, and no other thing has this name.
+    /// Whether the name alone shows where the thing is. It must not move, and no other thing may have the same name.
     fn is_one(&self, name: &str) -> bool {
         self.things.iter().filter(|thing| thing.name == name).count() == 1 && !self.moves(name)
     }
@@ -94,8 +96,8 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
-    /// Whether a robot here may have met this thing on the way into a cell with room, or almost room, in its centre:
-    /// the line of the robot's way does not show how far the thing extends.
+    /// Whether a robot at `at` may have met this thing on its way into `cell`. The cell itself is free or almost
+    /// free. The robot's path is only a line, which does not show how far a thing extends to the side.
     fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
@@ -106,15 +108,16 @@ impl Room {
         self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
     }
 
-    /// The thing that a robot driving in this direction has met here, if its server does not name it; `None` if it may
-    /// be a moving thing.
+    /// The thing that the robot has met at `at` while it drove in this direction, for servers that do not name
+    /// things. `None` if there are moving things, since it may be one of them.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
             return None;
         }
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let along = dx.mul_add(at.0, dy * at.1);
-        // Distance to a thing ahead that can be met. The robot has already passed all other things.
+        // Distance to a thing that can be met. `None` if the robot could not come that far because something stands
+        // before it.
         let far = |face: f64| {
             let ahead = face - along;
             let before = ahead - BEFORE;
@@ -133,7 +136,7 @@ impl Room {
         near.min_by(|one, other| one.1.total_cmp(&other.1)).map(|met| met.0)
     }
 
-    /// Distance in cells from the start to the first thing to the south, where the robot faces at the start.
+    /// Distance from the start to the first thing to the south, in cells. The robot faces south at the start.
     pub(super) fn ahead(&self) -> f64 {
         let is_ahead = |extent: &Extent| extent.x.0 <= 0.0 && extent.x.1 >= 0.0 && extent.y.0 > 0.0;
         let faces = self.things.iter().map(|thing| &thing.extent).filter(|extent| is_ahead(extent)).map(|extent| extent.y.0);
@@ -175,12 +178,12 @@ impl VirtualRobot {
         met == BORDER || room.things.iter().any(is_there)
     }
 
-    /// The thing that the robot has met after this many cells, if its server does not name it.
+    /// The thing that the robot has met after driving `way` cells, for servers that do not name things.
     pub(super) fn met_by_room(&self, towards: Heading, way: f64) -> Option<String> {
         let (room, (x, y), (dx, dy)) = (self.room.as_ref()?, self.reckoning.at(), towards.vector());
         let at = match towards {
-            // The counted way means nothing before the step is measured. Going north, the robot has met the thing
-            // behind its start; going south, the thing ahead of it.
+            // While the step is measured, the counted distance is not usable. A robot that drives south meets the
+            // thing ahead of its start. A robot that drives north meets the thing behind it.
             Heading::North if self.is_gauging() => (0.0, 0.0),
             Heading::South if self.is_gauging() => (0.0, room.ahead()),
             Heading::North | Heading::East | Heading::South | Heading::West => {
@@ -194,23 +197,23 @@ impl VirtualRobot {
         self.room.as_ref().is_some_and(|room| !room.is_free(cell))
     }
 
-    /// Whether the thing that the robot has met is known to stand elsewhere, so that it cannot bar this cell. A thing
-    /// that moves, or was not there when the file was written, may stand anywhere.
+    /// Whether the scene file shows that the met thing cannot block this cell. Things that move, and things that are
+    /// not in the file, may be anywhere.
     pub(super) fn is_contradicted(&self, cell: Cell, towards: Heading) -> bool {
         let Some((room, met)) = self.room.as_ref().zip(self.met.as_deref()) else { return false };
         room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
-    /// Lets the robot drive on until it meets something, for some cells at most. It was counted, without a contact, into
-    /// a cell in which it cannot stand.
+    /// Lets the robot drive on until it meets something, but only some cells. By its count it has entered a cell
+    /// where it cannot stand, without a contact.
     pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
         self.off_centre = true;
         self.aim(Aim::Touch { is_certain: true, further: 0 });
         self.drive(towards, 1.0, backward);
     }
 
-    /// Takes the robot to stand in the last cell before the thing that it should have met: it has driven on for long
-    /// without a contact.
+    /// Sets the position to the last free cell before the thing that the robot should have met. It has driven on for
+    /// a long way without a contact.
     pub(super) fn stands_before_it(&mut self) {
         let (back, mut cell) = (self.moves_towards().opposite(), self.reckoning.cell());
         let mut left = FURTHEST_BACK;
@@ -221,7 +224,7 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// Whether the robot has met a thing beyond the next cell, although another thing bars that cell by the scene file.
+    /// Whether the scene file blocks the next cell, but by another thing than the one that the robot has met.
     pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
         let next = self.reckoning.pose().cell.ahead(towards);
         let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };
@@ -230,8 +233,8 @@ impl VirtualRobot {
         room.floor.depth(centre) >= -REACHED && room.things.iter().find(is_met).is_none()
     }
 
-    /// The cell in which the robot is taken to stand now, in the column to the right or left; `None` if neither column
-    /// is free all the way.
+    /// The neighbouring column, to the right or left, in which the robot must be now. Returns its cell there. `None`
+    /// if neither column is free along the whole way.
     pub(super) fn column_beside(&mut self, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let (back, right) = (towards.opposite(), towards.right().vector());
@@ -249,8 +252,8 @@ impl VirtualRobot {
         Some(cell)
     }
 
-    /// The cell in which the robot really stands after it has met this thing: the reckoned cell, or one right before or
-    /// beside it; `None` if it is unknown.
+    /// The cell where the robot really stands after it met this thing. It is the assumed cell or a free cell near it,
+    /// back or to the side. `None` if there is no such cell.
     pub(super) fn truly_in(&mut self, name: Option<&str>, towards: Heading) -> Option<Cell> {
         let room = self.room.as_ref()?;
         let met = room.things.iter().find(|thing| Some(thing.name.as_str()) == name && room.is_one(&thing.name));
@@ -259,7 +262,7 @@ impl VirtualRobot {
             self.reckoning.stand_across(towards, from, to);
         }
         let (cell, back, aside) = (self.reckoning.cell(), towards.opposite(), towards.right().vector());
-        // The thing may begin before the centre of a cell, so the robot did not reach that centre.
+        // The thing may begin before the centre of the cell. The robot has then not reached that centre.
         let is_before = self.reckoning.way_to(cell, towards) > REACHED;
         let cell = if is_before { cell.ahead(back) } else { cell };
         let before = [cell, cell.ahead(back)];
@@ -274,7 +277,7 @@ impl VirtualRobot {
 mod tests {
     use super::*;
 
-    /// A case stands in cell (2, 1) of a floor of four by three; there are two carts, and a cat that walks.
+    /// A room of four by three cells. A case stands in cell (2, 1). There are also two carts, and a cat that walks.
     fn room() -> Room {
         let thing = |name: &str, x, y| Thing { name: name.to_owned(), extent: Extent { x, y } };
         let things = vec![

@@ -1,5 +1,5 @@
-//! The steps of an order for the virtual robot, which may have to drive additional ways before and after the order
-//! itself.
+//! The steps of an order for the virtual robot. Before and after the order itself, it may have to drive additional
+//! ways.
 
 use std::time::Duration;
 
@@ -23,31 +23,32 @@ pub(super) enum Aim {
     Step(Pose),
     Turn(Pose),
     Back,
-    /// Back to the centre of its cell, beside which the robot stands. It first turns towards the centre, and keeps that
-    /// heading.
+    /// Back to the centre of the cell, from a place to the side of the centre. The robot first turns towards the
+    /// centre, and keeps that heading.
     Aside(Pose),
-    /// Forward against a thing that certainly or possibly stands there, to find out where the robot is; then back to
-    /// the centre.
+    /// Forward to a thing that stands there certainly or possibly, to find out where the robot is. After that, back
+    /// to the centre.
     Touch {
         is_certain: bool,
         further: u8,
     },
     Return,
-    /// Back from the first contact of a step, for as long as the robot drove, and forward against the same thing again.
-    /// The time by which this takes too long is the latency.
+    /// Measures the latency after the first contact of a step. The robot drives back for as long as it drove before.
+    /// It then drives to the same thing again. The additional time until the contact is the latency.
     Retreat(Then),
     Measure(Then),
-    /// Ahead until the robot meets the thing of the scene file, and back to its start.
+    /// Measures the step. The robot drives ahead until it meets the thing in the scene file, and then back to its
+    /// start.
     Gauge,
     Gauged,
-    /// A little ahead, to find out whether a step is complete whose end was not reported.
+    /// A short way ahead, to find out whether a step is complete whose end was not reported.
     Feel,
     Draw,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Then {
-    /// The step to this pose was stopped.
+    /// The step to this pose was stopped by a contact.
     Met(Pose),
     Gauged,
 }

@@ -1,22 +1,23 @@
-//! Touching a known thing before an order. A robot that has driven far and faces a thing whose place is known touches
-//! the thing to find out its own position.
+//! Touches a known thing before an order, to find out the robot's own position. This is done when the robot has
+//! driven far and faces a thing with a known place.
 
 use std::time::Duration;
 
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 
-/// After this many cells driven on an axis since the last contact on it, the robot touches a thing if it can.
+/// The robot touches a thing if it has driven this far along an axis since the last contact on that axis. In cells.
 const FAR: f64 = 3.0;
 
-/// Additional cells that the robot drives, one by one, if a thing that certainly stands there is not met.
+/// If a thing that certainly stands there is not met, the robot drives this number of additional cells, one by one.
 const FURTHER: u8 = 2;
 
-/// Share of the order's time that may be used for touching, there and back.
+/// Share of an order's time that may be used for touching a thing and coming back.
 const SHARE: f64 = 0.5;
 
 impl VirtualRobot {
-    /// Distance to the thing that the robot should touch now, if any, and whether the thing certainly stands there.
+    /// Distance to the thing that the robot should touch now. The flag says whether the thing certainly stands there.
+    /// `None` if the robot should not touch anything.
     pub(super) fn is_to_touch(&self, has: Duration) -> Option<(f64, bool)> {
         let heading = self.reckoning.pose().heading;
         let is_due = !self.off_centre && self.latency.is_some() && self.reckoning.driven(heading) >= FAR;
@@ -38,7 +39,7 @@ impl VirtualRobot {
             return self.go_back();
         }
         if further == FURTHER && self.room.is_some() {
-            // The robot has not come as far as was counted, and no report contradicts the room.
+            // The robot has not come as far as counted. The map is still right.
             return self.stands_before_it();
         }
         if further == FURTHER {
@@ -51,7 +52,7 @@ impl VirtualRobot {
 
     pub(super) fn came_back_touched(&mut self) {
         self.off_centre = false;
-        // An order to go back to the centre is now complete.
+        // Nothing is left to do if the order is to go back to the centre. Any other order begins now.
         self.aim(Aim::Back);
         if let Some(action) = self.task.as_ref().map(|task| task.action) {
             self.begin(action);

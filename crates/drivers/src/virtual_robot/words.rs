@@ -1,8 +1,8 @@
-//! The messages of the virtual robot's server, in both versions: JSON between semicolons over TCP, and JSON messages
-//! over WebSocket. The reactions to them are not decided here.
+//! The messages of the virtual robot's server in both versions: JSON between semicolons over TCP, and JSON messages
+//! over WebSocket. Other files decide how to react to them.
 //!
-//! The server ends if a message comes in two pieces or is not valid JSON. So each message is written whole, by
-//! `serde_json`.
+//! The server ends if a message comes in two parts or is not valid JSON. So each message is sent as a whole, and is
+//! written by `serde_json`.
 
 use std::time::Duration;
 
@@ -11,11 +11,11 @@ use serde_json::{Value, json};
 
 use hallsweep_core::words::is_visible;
 
-/// Most bytes stored of an incomplete message. No message of the server is nearly as long.
+/// Maximum number of stored bytes of an incomplete message. No message of the server is nearly that long.
 const LONGEST: usize = 4096;
 
-/// Longest name of a thing, in letters. The rest is cut, since the name is written in a log line, on a drawing and in a
-/// small file.
+/// Maximum length of a thing's name, in letters. A longer name is cut, because it is written into a log line, a
+/// drawing and a small file.
 const LONGEST_NAME: usize = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub(super) enum Command {
     Backward(Duration),
     Left(Duration),
     Right(Duration),
-    /// Ends a translation; a rotation goes on.
+    /// Stops driving straight. A turn goes on.
     Alarm,
 }
 
@@ -32,15 +32,15 @@ pub(super) enum Command {
 pub(super) enum Heard {
     /// A page with the robot is open.
     Page,
-    /// The robot has met something, whose name follows if the server reports it.
+    /// The robot has met something. The name is included if the server reports it.
     Contact(Option<String>),
-    /// A move has ended, with or without a contact. Its name follows if the server reports it.
+    /// A move has ended, with or without a contact. The name of the move is included if the server reports it.
     Ended(Option<&'static str>),
-    /// A move was refused because another one was under way. Its name follows if the server reports it.
+    /// A move was refused because another one was running. The name of the move is included if the server reports it.
     Refused(Option<&'static str>),
 }
 
-/// The names of moves. The servers append more to them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed
+/// The names of moves. Servers append suffixes to them: `_notallowed`, `_Asynch_halted`, `-collision`, `_notallowed
 /// (asynch)`.
 const MOVES: [&str; 4] = ["moveForward", "moveBackward", "turnLeft", "turnRight"];
 
@@ -64,7 +64,7 @@ impl Command {
         }
     }
 
-    /// The message for the server of the first version.
+    /// The message in the form for the first version of the server.
     pub(super) fn between_semicolons(self) -> Vec<u8> {
         let message = match self.ms() {
             Some(ms) => json!({"type": self.word(), "arg": ms}),
@@ -73,7 +73,7 @@ impl Command {
         format!(";{message};").into_bytes()
     }
 
-    /// The message for the server of 2021.
+    /// The message in the form for the server of 2021.
     pub(super) fn as_message(self) -> Vec<u8> {
         json!({"robotmove": self.word(), "time": self.ms().unwrap_or(0)}).to_string().into_bytes()
     }
@@ -82,7 +82,7 @@ impl Command {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stream {
     begun: Vec<u8>,
-    /// Set while the rest of a message that was too long is skipped.
+    /// Whether the message was too long, so that the rest of it is skipped.
     skips: bool,
 }
 
@@ -104,7 +104,7 @@ impl Stream {
         heard
     }
 
-    /// Drops an incomplete message, since a new connection begins.
+    /// Drops an incomplete message when a new connection begins.
     pub(super) fn begin(&mut self) {
         *self = Stream::default();
     }
@@ -122,13 +122,13 @@ fn typed(message: &[u8]) -> Option<Heard> {
     match r#type.as_str() {
         "webpage-ready" => Some(Heard::Page),
         "collision" => Some(Heard::Contact(arg.get("objectName").and_then(name))),
-        // The sonars stand in the hall and see the robot, which has no sonar of its own.
+        // The sonars belong to the hall and see the robot. The robot has no sonar of its own.
         _ => None,
     }
 }
 
-/// Reads a message of the server of 2021 or later. The versions differ: a collision may have a target, a move ends with
-/// `true` or with `"true"`, and a refusal is `"notallowed"` or has this word somewhere behind its name.
+/// Reads a message of the server of 2021 or later. The versions differ. A collision may have a target. A move ends
+/// with `true` or `"true"`. A refusal is `"notallowed"`, or the name of the move followed by this word.
 pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     let said: Value = serde_json::from_slice(bytes.get(..bytes.len().min(LONGEST))?).ok()?;
     if said.get("collision").is_some_and(|collision| *collision != Value::Bool(false)) {
@@ -141,13 +141,13 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
     if says("notallowed") {
         return Some(Heard::Refused(of));
     }
-    // The contact itself was reported in a message of its own.
+    // The contact itself has a message of its own.
     if ["halt", "interrupted", "collision"].into_iter().any(says) {
         return None;
     }
     let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
-    // `false` means a collision, which has a message of its own; or it is the result of another move, which the server
-    // assigns to this one.
+    // `false` means a collision, which has its own message. It can also be the result of another move that the server
+    // reports as the result of this one.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 

@@ -1,18 +1,18 @@
-//! Means with their confidence intervals.
+//! Means with their 95 % confidence intervals.
 
 use std::fmt;
 
-/// A mean and its 95 % interval.
+/// A mean with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub mean: f64,
-    /// Half the width of the interval; 0 if there is just one number, and so no interval.
+    /// Half the width of the interval. 0 if there is only one number, because there is no interval then.
     pub half_width: f64,
     pub count: usize,
 }
 
 impl Estimate {
-    /// The mean of these numbers with Student's interval; `None` without numbers.
+    /// The mean of these numbers with Student's confidence interval. `None` if there are no numbers.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
     pub fn of(numbers: impl IntoIterator<Item = f64>) -> Option<Estimate> {
@@ -31,7 +31,8 @@ impl Estimate {
     }
 }
 
-/// The mean, and the interval if there is one. Both have three decimals if the mean is below a hundred, else none.
+/// Shows the mean, and the interval if there is one. Both have three decimals if the mean is between −100 and 100, or
+/// else none.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };
@@ -41,8 +42,8 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// Student's quantile of 97.5 % with this many degrees of freedom. Up to four degrees it comes from a table, above from
-/// the expansion of Cornish and Fisher, which is accurate to three thousandths there.
+/// Student's 97.5 % quantile for this number of degrees of freedom. Up to four degrees it comes from a table. For
+/// more degrees it is computed by the expansion of Cornish and Fisher, which is accurate to 0.003 there.
 #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
 fn student(freedom: usize) -> f64 {
     const FEW: [f64; 5] = [f64::INFINITY, 12.706, 4.303, 3.182, 2.776];
@@ -62,7 +63,7 @@ mod tests {
         let estimate = Estimate::of([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).expect("there are numbers");
         assert_eq!((estimate.mean, estimate.count), (3.5, 6));
         assert!(estimate.to_string().starts_with("3.500 ± 1.9"), "{estimate}");
-        // s = 1.8708, t(5) = 2.5706 in the tables.
+        // The standard deviation is 1.8708, and tables give t(5) = 2.5706.
         assert!((estimate.half_width - 1.9633).abs() < 0.01, "{estimate:?}");
         for (freedom, quantile) in [(1, 12.706), (4, 2.7764), (5, 2.5706), (10, 2.2281), (30, 2.0423), (59, 2.0010)] {
             assert!((student(freedom) - quantile).abs() < 0.004, "{freedom}");

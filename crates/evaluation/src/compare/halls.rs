@@ -1,4 +1,4 @@
-//! The halls of a comparison: random halls of a family, or a hall that somebody drew.
+//! The halls of a comparison: random halls of a family, or one hall that somebody drew.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -12,7 +12,7 @@ use crate::family::{Family, hall};
 
 #[derive(Clone, Debug)]
 pub enum Halls {
-    /// Random halls from a random stream of their own, so that none of them was used for tuning.
+    /// Random halls. They have their own random stream, so that none of them was used for tuning.
     Random {
         kind: Kind,
         count: usize,
@@ -28,7 +28,7 @@ pub struct Kind {
     pub lines: usize,
 }
 
-/// The longest side of a random hall, in cells.
+/// Maximum side of a random hall, in cells.
 const MOST_SIDE: usize = 2048;
 
 impl Halls {
@@ -40,7 +40,7 @@ impl Halls {
         }
     }
 
-    /// Numbers count from 0.
+    /// Returns the hall with this number, counted from 0.
     #[must_use]
     pub fn hall(&self, number: usize) -> Cow<'_, Hall> {
         match self {
@@ -73,7 +73,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// A family and a size, such as `luggage-10:50x50`.
+/// Reads a family and a size, such as `luggage-10:50x50`.
 impl FromStr for Kind {
     type Err = KindError;
 
@@ -95,7 +95,7 @@ impl FromStr for Kind {
 
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KindError {
-    /// The text may still be the name of a hall or of a file.
+    /// The text does not begin with a family. It may still be the name of a hall or of a file.
     #[error("no family of halls")]
     NoFamily,
     #[error("luggage-PERCENT goes from luggage-1 to luggage-30")]

@@ -1,11 +1,11 @@
-//! Compares strategies: the same halls for each of them, and the results.
+//! Compares strategies: each searches the same halls, and the results are measured.
 //!
 //! ```text
 //!   Halls ─ ground ─┐
-//!   Entrant ────────┼─► trial ─► Trial ─► Measure ─► Estimate: mean and interval, alone or hall by hall against another
+//!   Entrant ────────┼─► trial ─► Trial ─► Measure ─► Estimate: mean and interval
 //!   Terms ──────────┘
 //! ```
-//! The comparisons in the tables of the documentation stand in `rows`.
+//! The comparisons of the tables in the documentation are in `rows`.
 
 mod estimate;
 mod halls;
@@ -25,18 +25,18 @@ use hallsweep_core::search::Terms;
 pub enum Measure {
     /// The cost of all moves per reachable cell.
     MovesPerCell,
-    /// The number of moves before a piece of luggage was found, as the mean over all pieces, per reachable cell.
+    /// The number of moves before a piece of luggage was found, per reachable cell. It is a mean over all pieces.
     ToAPiece,
-    /// The steps in proportion to a lower bound for closed tours over the same cells.
+    /// The number of steps, divided by a lower bound for closed tours over the same cells.
     StepsOverBound,
     Seconds,
 }
 
 impl Measure {
-    /// All measures, in the order in which they are shown.
+    /// All measures, in the order in which they are printed.
     pub const ALL: [Measure; 4] = [Measure::MovesPerCell, Measure::ToAPiece, Measure::StepsOverBound, Measure::Seconds];
 
-    /// `None` for `ToAPiece` in a hall where no luggage was found.
+    /// Takes this measure of a search. `None` for `ToAPiece` if no luggage was found.
     #[must_use]
     pub fn of(self, trial: &Trial) -> Option<f64> {
         match self {
@@ -56,12 +56,13 @@ pub struct Contest {
 }
 
 impl Contest {
-    /// Runs every entrant on every hall, and returns the trials of each entrant, hall by hall. `clock` measures how
-    /// long a decision takes; `done` is called after each trial, from any thread.
+    /// Lets every entrant (a strategy or other weights) search every hall. Returns the trials of each entrant, in the
+    /// order of the halls. `clock` measures how long each decision takes. `done` is called after each trial, from any
+    /// thread.
     pub fn run(&self, entrants: &[Entrant], clock: impl Fn() -> Duration + Sync, done: impl Fn() + Sync) -> Vec<Vec<Trial>> {
         let halls = self.halls.count();
         let mut trials = parallel::each(halls * entrants.len(), |n, ways| {
-            // Hall by hall, so that the last trials to end are not all of the slowest entrant.
+            // The entrants take turns, so that the trials of the slowest one are not all at the end.
             let (hall, entrant) = (n / entrants.len(), n % entrants.len());
             let trial = trial(&self.halls.ground(hall), self.terms, self.timings, &entrants[entrant], ways, &clock);
             done();
@@ -78,20 +79,20 @@ impl Contest {
     }
 }
 
-/// `None` if the measure applies to none of the trials.
+/// The mean of a measure over all trials. `None` if the measure applies to none of them.
 #[must_use]
 pub fn over(trials: &[Trial], measure: Measure) -> Option<Estimate> {
     Estimate::of(trials.iter().filter_map(|trial| measure.of(trial)))
 }
 
-/// How much more one entrant needs than another on the same halls, hall by hall.
+/// The mean difference between two entrants: the first minus the second, in the same halls.
 #[must_use]
 pub fn against(trials: &[Trial], others: &[Trial], measure: Measure) -> Option<Estimate> {
     let pairs = trials.iter().zip(others);
     Estimate::of(pairs.filter_map(|(trial, other)| Some(measure.of(trial)? - measure.of(other)?)))
 }
 
-/// How long the decisions of all these trials took: the median, the 99th percentile, and the slowest of all.
+/// The durations of all decisions in these trials: the median, the 99th percentile, and the maximum.
 #[must_use]
 pub fn decisions(trials: &[Trial]) -> [Duration; 3] {
     let mut all: Vec<u32> = trials.iter().flat_map(|trial| &trial.decisions_ns).copied().collect();

@@ -1,4 +1,4 @@
-//! The rows of the table in `docs/search.md`: the halls, the task and the measure of each.
+//! The rows of the table in `docs/search.md`. Each has its halls, task and measure.
 
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;

@@ -1,4 +1,4 @@
-//! One search through one hall, and its measurements.
+//! One search of one hall, and its measurements.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use hallsweep_core::search::Terms;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entrant {
     Strategy(Strategy),
-    /// The score, with other weights than those that are shipped.
+    /// The score with weights from a file, instead of the weights that are built in.
     Weights {
         name: String,
         weights: Box<Weights>,
@@ -68,34 +68,35 @@ impl Decider<'_> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timings {
     pub step_s: f64,
-    /// A quarter turn.
+    /// Duration of a quarter turn.
     pub turn_s: f64,
-    /// A step that meets an obstacle, and the way back.
+    /// Duration of a step that meets an obstacle, including the way back.
     pub bump_s: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Cells that can be reached, home included.
+    /// Number of cells that can be reached, home included.
     pub cells: usize,
-    /// All free cells, whether or not they can be reached.
+    /// Number of free cells, reachable or not.
     pub free_cells: usize,
     pub moves: Moves,
-    /// The cost of the moves per cell, in steps.
+    /// Cost of all moves per reachable cell, in steps.
     pub moves_per_cell: f64,
-    /// The mean number of moves before a cell of luggage was found, per reachable cell; `None` if no luggage was found.
+    /// The number of moves before a cell of luggage was found, per reachable cell. It is a mean over all found cells.
+    /// `None` if no luggage was found.
     pub to_a_piece: Option<f64>,
-    /// Steps in proportion to a lower bound: twice the number of cells of the more frequent colour, if the cells were
-    /// coloured like a chessboard.
+    /// The number of steps, divided by a lower bound. Cells are coloured like a chessboard. The bound is twice the
+    /// number of cells of the more frequent colour.
     pub steps_over_bound: f64,
-    /// How long the moves take, in seconds, without photos and answers.
+    /// Duration of all moves, in seconds. Photos and answers of the operator are not included.
     pub seconds: f64,
-    /// Whether everything was visited and found, and the robot is home.
+    /// Whether every cell was visited, all luggage was found, and the robot is at home again.
     pub complete: bool,
     pub decisions_ns: Vec<u32>,
 }
 
-/// `clock` measures how long decisions take and has no effect on the moves.
+/// Runs one search of a hall. `clock` measures how long decisions take. It has no effect on the moves.
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn trial(
     ground: &Ground,
@@ -130,8 +131,8 @@ pub fn trial(
     }
 }
 
-/// A lower bound for the steps of a closed tour over all cells that can be reached. If cells were coloured like a
-/// chessboard, every step would change the colour, so a tour has at least two steps for each cell of the more frequent
+/// A lower bound for the number of steps of a closed tour over all reachable cells. If cells are coloured like a
+/// chessboard, every step changes the colour. So a tour has at least two steps for each cell of the more frequent
 /// colour.
 #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
 fn bound(ground: &Ground) -> f64 {
@@ -173,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_trial_is_measured_by_hand() {
-        // South into the wall, to the east into the bag, home: there is nothing to decide.
+        // South is a wall and east is the bag, and the robot is already at home. So there is nothing to decide.
         let trial = run(&ground(&["ST", "##"]));
         assert_eq!((trial.cells, trial.complete), (1, true));
         assert_eq!((trial.moves.steps, trial.moves.turns > 0, trial.moves.bumps), (0, true, 4));

@@ -1,11 +1,12 @@
-//! Draws curves: a line for each measured quantity, with a logarithmic abscissa, and an ordinate that begins at 0.
+//! Draws a chart with one line for each measured quantity. The horizontal axis is logarithmic. The vertical axis
+//! begins at 0.
 
 use super::{COLOURS, escaped, opening, push};
 
 #[derive(Clone, Debug)]
 pub struct Curve {
     pub name: String,
-    /// Pairs of abscissa and measured value. Abscissas are above 0, because the scale is logarithmic.
+    /// Pairs of x and measured value. Each x is above 0, because its axis is logarithmic.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -16,10 +17,10 @@ const RIGHT: f64 = 180.0;
 const TOP: f64 = 60.0;
 const BOTTOM: f64 = 60.0;
 
-/// Intervals between labelled grid lines on the ordinate.
+/// Number of intervals between the labelled grid lines of the vertical axis.
 const PARTS: u8 = 4;
 
-/// `least` and `most` bound the logarithmic abscissa; `highest` ends the ordinate, which begins at 0.
+/// The ranges of the axes: `least` to `most` on the logarithmic horizontal axis, 0 to `highest` on the vertical axis.
 struct Scale {
     least: f64,
     most: f64,
@@ -46,7 +47,7 @@ impl Scale {
     }
 }
 
-/// `axes` names the quantity of the abscissa, then the quantity of the ordinate.
+/// Draws the chart as SVG. `axes` has the labels of the horizontal and the vertical axis.
 #[must_use]
 pub fn curves(title: &str, axes: [&str; 2], curves: &[Curve]) -> String {
     let scale = Scale::of(curves);
@@ -101,7 +102,7 @@ mod tests {
         let picture = curves("growth", ["cells", "µs"], &drawn);
         assert_eq!((picture.matches("<polyline").count(), picture.matches("<circle").count()), (2, 5));
         assert!(picture.contains("a &amp; b") && picture.contains(">4.00<") && picture.contains(">200<"), "{picture}");
-        // Every doubling has the same width, and no value is 0.
+        // On a logarithmic axis, every doubling has the same width. So 100 is in the middle between 50 and 200.
         let middle = f64::midpoint(LEFT, WIDTH - RIGHT);
         assert!(picture.contains(&format!("cx=\"{middle:.1}\" cy=\"{:.1}\"", f64::midpoint(TOP, HEIGHT - BOTTOM))), "{picture}");
         assert!(picture.contains(&format!("cx=\"{LEFT:.1}\" cy=\"{:.1}\"", HEIGHT - BOTTOM)), "{picture}");

@@ -1,5 +1,5 @@
-//! Pictures of searches as stand-alone SVG: a tour through a hall, strategies side by side, and growth with the size of
-//! the hall.
+//! Pictures of searches as stand-alone SVG files: a tour through a hall, a comparison of strategies, and measurements
+//! that grow with the size of the hall.
 
 mod curves;
 mod plot;
@@ -11,10 +11,10 @@ pub use self::tour::tour;
 
 use std::fmt::Arguments;
 
-/// Colours in their order of use, chosen to be distinct for people with defective colour vision.
+/// The colours, in the order in which they are used. They can be distinguished by people with colour-blindness.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#343a40"];
 
-/// The `<svg>` tag with its title and a white background; the caller writes `</svg>`.
+/// Returns the `<svg>` tag, the title and a white background. The caller must add `</svg>`.
 fn opening(width: f64, height: f64, title: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\" \
@@ -29,7 +29,7 @@ fn push(out: &mut String, line: Arguments<'_>) {
     let _ = writeln!(out, "{line}");
 }
 
-/// Escapes text and attributes of SVG; names come from files.
+/// Escapes characters that are special in SVG. This is needed because names come from files.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {

@@ -1,5 +1,5 @@
-//! Draws strategies side by side. Each kind of hall has a band, in which each strategy has a line with its mean and its
-//! interval.
+//! Draws a comparison of strategies. Each kind of hall has a band. In the band, each strategy has a line with its
+//! mean and its confidence interval.
 
 use super::{COLOURS, escaped, opening, push};
 use crate::compare::Estimate;
@@ -22,7 +22,7 @@ const RIGHT: f64 = 130.0;
 const LINE: f64 = 20.0;
 const TITLE: f64 = 34.0;
 
-/// The picture of these bands, each with a scale of its own from 0 to its largest number.
+/// Draws the bands as SVG. Each band has its own scale, from 0 to the largest number in it.
 #[must_use]
 pub fn plot(title: &str, bands: &[Band]) -> String {
     let lines = bands.iter().map(|band| TITLE + LINE * count(band.dots.len()) + 12.0);
@@ -85,7 +85,7 @@ mod tests {
         let picture = plot("moves", &[band.clone(), band]);
         assert_eq!(picture.matches("<circle").count(), 4);
         assert!(picture.contains("walls &amp; corners") && picture.contains("4.000 ± 0.250"), "{picture}");
-        // The longest bar ends at the right, and one of half the mean is half as long.
+        // The bar of the largest mean reaches the right end. The bar of half that mean is half as long.
         let ends: Vec<f64> = picture
             .split("cx=\"")
             .skip(1)

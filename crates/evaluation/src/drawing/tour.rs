@@ -1,4 +1,5 @@
-//! Draws a tour through a hall: the walls, the luggage, and the robot's way, which begins blue and ends red.
+//! Draws a tour through a hall: the walls, the luggage, and the robot's path. The path is blue at the beginning and
+//! red at the end.
 
 use hallsweep_core::units::Cell;
 use hallsweep_sim::{Hall, Truth};
@@ -13,7 +14,7 @@ const MARGIN: f64 = 16.0;
 /// Height of the lines above the hall, in the units of the picture.
 const HEAD: f64 = 34.0;
 
-/// Steps of the colour gradient from start to end of the way.
+/// Number of different colours along the path, from start to end.
 const COLOURS: usize = 24;
 
 #[must_use]
@@ -64,7 +65,7 @@ pub fn tour(hall: &Hall, way: &[Cell], caption: &str) -> String {
     out
 }
 
-/// Equally long parts of the way. Each part begins where the part before ends.
+/// Divides the path into parts of equal length. Each part begins where the one before ends.
 fn parts(way: &[Cell]) -> impl Iterator<Item = &[Cell]> {
     let steps = way.len().saturating_sub(1);
     let each = steps.div_ceil(COLOURS).max(1);

@@ -1,10 +1,11 @@
-//! Learns from the effect of another choice: one entry is forced, the policy goes on from there, and the costs of both
-//! courses are compared.
+//! Learns from trying other choices. At a decision of a search, another cell is entered than the chosen one. The
+//! search then continues with the same policy, and the costs of both searches are compared. Such a trial is called a
+//! counterfactual.
 //!
 //! ```text
 //!   a walk   ──●────●────●────●────●────●──  its decisions
-//!                   └ forced ─●────●────●    until the horizon, or until a state of the walk is met
-//!                                       └ what is left here, less what is left of the walk after as many moves
+//!                   └ forced ─●────●────●    until the horizon, or until it meets a state of the walk
+//!                                       └ cost of the rest here, minus cost of the rest of the walk at its horizon
 //! ```
 
 use std::collections::HashMap;
@@ -26,29 +27,30 @@ use crate::family::below;
 use crate::walk::Walk;
 use crate::{Ground, parallel};
 
-/// Greatest distance from the best score at which an alternative is tried, in thousandths of a step.
+/// An alternative is tried only if its score is at most this much above the best score, in thousandths of a step.
 const SLACK: i32 = 2500;
 
-/// Greatest difference that a single counterfactual may make, in steps.
+/// Greatest difference between real and predicted cost that one trial may contribute, in steps.
 const MOST: f64 = 40.0;
 
-/// Greatest weight of a row of a table, in thousandths of a step.
+/// Greatest absolute value of a weight in the tables, in thousandths of a step.
 const MOST_ROW: f64 = 5000.0;
 
-/// Number of moments of each walk from whose real remaining costs the cost of a rest is learnt.
+/// Number of moments taken from each walk. The remaining cost is known at each moment, and the estimate is fitted to
+/// it.
 const LOOKS: usize = 12;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
-    /// The number of the round: every round has halls of its own.
+    /// The number of the round. Every round uses other halls.
     pub number: u64,
     pub halls: usize,
-    /// Steps for which each counterfactual is followed.
+    /// Number of steps for which each trial is followed.
     pub horizon: f64,
-    /// Share of the decisions that are tried.
+    /// Share of the decisions at which an alternative is tried.
     pub tried: f64,
     pub ridge: f64,
-    /// Share of the regression's result that is adopted.
+    /// Share of the computed change that is applied to the weights.
     pub taken: f64,
 }
 
@@ -56,31 +58,32 @@ pub struct Round {
 pub struct Learnt {
     pub weights: Weights,
     pub tried: usize,
-    /// The mean square error of the scores, before and after this round, over all samples so far.
+    /// The mean square error of the scores over all samples so far, before and after this round.
     pub missed: (f64, f64),
 }
 
-/// Counterfactuals of all rounds so far: each round fits all of them anew.
+/// The trials of all rounds so far. Each round computes its change of the weights from all of them.
 #[derive(Debug)]
 pub struct Lessons<'a> {
     task: &'a Task,
-    /// Weights of the numbers that describe a rest; the weighted sum is its remaining cost.
+    /// One weight for each number that describes the rest of a hall. The weighted sum is the cost of searching the
+    /// rest.
     worth: Vec<f64>,
-    /// One sample for each counterfactual: the target is the difference of costs, less the difference of the ways; the
-    /// numbers tell where the outlooks differ.
+    /// One sample for each trial. Its target is the difference of real costs minus the difference of the ways. Its
+    /// numbers say where the outlooks (features) of the two choices differ.
     samples: Vec<Sample>,
 }
 
-/// One decision of a walk, or its end.
+/// The state of a walk at one decision, or at its end.
 struct Moment {
     walk: Walk,
-    /// The least score of all candidates, in thousandths of a step.
+    /// The lowest score of all candidates, in thousandths of a step.
     way: i32,
-    /// Number of cells and pieces still to be found.
+    /// Number of cells and pieces of luggage that are still unknown.
     unknown: f64,
 }
 
-/// A counterfactual whose remaining cost is not judged yet.
+/// A trial, for which the cost of the remaining search is not estimated yet.
 struct Trial {
     cost: f64,
     rest: Rest,
@@ -98,7 +101,7 @@ struct Course<'a> {
 }
 
 impl<'a> Lessons<'a> {
-    /// Learns what the rest of a hall costs, by walks with these weights through `halls` halls.
+    /// Learns the cost of searching the rest of a hall. It makes walks with these weights through `halls` halls.
     #[must_use]
     pub fn new(task: &'a Task, weights: &Weights, halls: usize) -> Lessons<'a> {
         let rests = parallel::each(halls, |n, ways| {
@@ -110,7 +113,7 @@ impl<'a> Lessons<'a> {
         Lessons { task, worth: rest::worth(&samples), samples: Vec::new() }
     }
 
-    /// Tries alternatives in fresh halls, and fits the counterfactuals of all rounds so far.
+    /// Tries alternatives in new halls, and changes the weights to fit the trials of all rounds so far.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "weights are small numbers, bounded here")]
     #[expect(clippy::cast_precision_loss, reason = "nobody waits for 2^53 samples")]
@@ -153,7 +156,8 @@ impl<'a> Course<'a> {
         Course { task, weights, cells: ground.cells(), ground, judge: Judge::default(), candidates: Vec::new() }
     }
 
-    /// The best entry; the candidates near it are in `candidates` afterwards.
+    /// Returns the best next cell with its route. Afterwards, `candidates` contains all candidates with a score close
+    /// to the best.
     fn choose(&mut self, walk: &Walk, ways: &mut Ways) -> Option<(Cell, Vec<Move>)> {
         self.candidates.clear();
         let best = choose(&walk.view(), ways, self.weights, SLACK, |candidate| self.candidates.push(candidate));
@@ -169,7 +173,8 @@ impl<'a> Course<'a> {
         Moment { walk: walk.clone(), way, unknown: unknown as f64 }
     }
 
-    /// Every decision of a whole walk, then its end, then home. `seen` gets the candidates of each decision.
+    /// Makes a whole walk. Returns its state at every decision, at the end of the search, and at home. `seen` is
+    /// called with the candidates of each decision.
     fn walk(&mut self, ways: &mut Ways, mut seen: impl FnMut(usize, &[Candidate])) -> Vec<Moment> {
         let (mut walk, mut moments) = (Walk::new(&self.ground, self.task.terms), Vec::new());
         while let Some((cell, route)) = self.choose(&walk, ways) {
@@ -187,8 +192,8 @@ impl<'a> Course<'a> {
         self.judge.rest(&self.ground, &self.cells, &moment.walk, moment.way)
     }
 
-    /// The costs so far, and the weight of each further step: to find luggage soon, the number of cells and pieces
-    /// still unknown.
+    /// The cost so far, and the weight of each further step. If luggage must be found soon, this weight is the number
+    /// of cells and pieces that are still unknown.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     fn account(&self, moment: &Moment) -> (f64, f64) {
         match self.task.terms.objective {
@@ -197,7 +202,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// What was left at random moments of a walk, with its real cost.
+    /// Describes the rest of the hall at random moments of a walk, together with the real cost of that rest.
     #[expect(clippy::cast_possible_truncation, reason = "costs of a training hall are small")]
     fn looks_back(&mut self, moments: &[Moment], number: u64) -> Vec<Sample> {
         let mut dice = RandomStream::new(self.task.seed ^ number, "looks");
@@ -253,8 +258,8 @@ impl<'a> Course<'a> {
         cost.is_finite().then(|| Trial { cost, rest, ways, outlooks: differences(&other.outlook, &chosen.outlook) })
     }
 
-    /// Enters another cell than the chosen one, and goes on from there until the walk's own course is met, the horizon
-    /// is reached, or the robot is home.
+    /// Enters another cell than the chosen one and continues from there. It ends when it meets a later state of the
+    /// original walk, when the horizon is reached, or when the robot is home.
     fn follow(
         &mut self,
         other: &Candidate,
@@ -281,15 +286,15 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The rest that is left at this moment; empty once everything is found and the robot is home.
+    /// Describes the rest of the hall at this moment. It is empty if everything is known and the robot is home.
     fn rest_unless_home(&mut self, moment: &Moment) -> Rest {
         let is_home = moment.unknown == 0.0 && moment.walk.pose.cell == Cell::HOME;
         if is_home { Rest::new() } else { self.rest(moment) }
     }
 }
 
-/// The best candidate and another one. Half of the time the other is the next best, because the choice matters where
-/// two are close.
+/// Chooses the best candidate and another one. In half of the cases the other one is the second best, because the
+/// decision is hardest between close candidates.
 fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate, Candidate)> {
     let mut sorted: Vec<&Candidate> = candidates.iter().collect();
     sorted.sort_by_key(|candidate| candidate.score);
@@ -298,7 +303,7 @@ fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate,
     Some(((*chosen).clone(), (**others.get(n)?).clone()))
 }
 
-/// The differences of two outlooks: rows of tables first, then the linear part.
+/// The differences between two outlooks: first the rows of the tables, then the linear part.
 fn differences(other: &Outlook, chosen: &Outlook) -> Vec<(u32, f32)> {
     let rows = other.rows.iter().zip(chosen.rows).filter(|(a, b)| **a != *b);
     let linear = (ROWS as u32..).zip(other.linear.iter().zip(chosen.linear)).filter(|(_, (a, b))| **a != *b);

@@ -1,5 +1,5 @@
-//! Cross-entropy over the linear part of the weights: candidates are drawn round a mean, and the mean and the spread
-//! follow the best candidates.
+//! The cross-entropy method for the linear part of the weights. Candidates are drawn around a mean. Mean and spread
+//! then move towards the best candidates.
 
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::tables::LINEAR;
@@ -10,19 +10,20 @@ use crate::{Ground, parallel};
 
 const CANDIDATES: usize = 44;
 
-/// Candidates of a generation that shape the next one.
+/// Number of best candidates that determine the next generation.
 const BEST: usize = 10;
 
-/// Fresh halls for each candidate.
+/// Number of new halls per generation, in which every candidate is tested.
 const HALLS: u64 = 24;
 
-/// Initial and least spread of the candidates, in thousandths of a step.
+/// Initial and smallest spread of the candidates, in thousandths of a step.
 const SPREAD: (f64, f64) = (700.0, 40.0);
 
-/// Share of the new mean and spread that comes from the best of a generation.
+/// How far mean and spread move towards the best candidates of a generation, 0–1.
 const PACE: f64 = 0.7;
 
-/// Better weights after this many generations; `told` gets the mean of each generation's best.
+/// Returns better weights after this number of generations. `told` is called with the mean cost of each generation's
+/// best candidates.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "weights are small whole numbers")]
 pub fn cross_entropy(task: &Task, start: &Weights, generations: u64, mut told: impl FnMut(u64, f64)) -> Weights {

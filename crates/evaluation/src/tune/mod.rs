@@ -1,12 +1,12 @@
-//! Tunes the weights of the score: the linear part by cross-entropy, the tables by regression on counterfactuals. The
-//! same task and seed give the same weights, on any number of processors.
+//! Tunes the weights of the score. The linear part is tuned by the cross-entropy method, and the tables by regression
+//! on trials of other choices. The same task and seed give the same weights on any number of processors.
 //!
 //! ```text
-//!   cross_entropy    candidates round a mean ─► each over the same fresh halls ─► mean and spread of the best ─► again
-//!   counterfactual   at random decisions another entry is forced, and the policy goes on from there up to a horizon; `rest`
-//!                    estimates the cost of what is then left of the hall. The target is how much more the forced entry
-//!                    really cost than the scores predicted. Ridge regression fits it to the difference of the outlooks
-//!                    ─► a better policy ─► again
+//!   cross_entropy    candidates around a mean ─► all search the same halls ─► mean and spread of the best ─► again
+//!   counterfactual   At random decisions, another cell is entered, and the search continues up to a horizon. `rest`
+//!                    estimates the cost of the remaining search. The target is the real additional cost minus the
+//!                    additional cost that the scores predicted. Ridge regression explains it by the difference of
+//!                    the outlooks (features) ─► better weights ─► again
 //! ```
 
 mod counterfactual;
@@ -31,9 +31,9 @@ use hallsweep_core::search::Terms;
 #[derive(Clone, Debug)]
 pub struct Task {
     pub terms: Terms,
-    /// The least and the greatest side of a hall, in cells.
+    /// Smallest and largest side of the halls, in cells.
     pub sides: (usize, usize),
-    /// The families, which are equally frequent.
+    /// The families of the halls. Each is equally frequent.
     pub families: Vec<Family>,
     pub seed: u64,
 }
@@ -44,7 +44,8 @@ impl Task {
         Task { terms, sides: (20, 30), families: vec![Family::Luggage(0.1)], seed }
     }
 
-    /// The first weights of a tuning: the pocket rule to cover a hall, none to find luggage.
+    /// The weights with which tuning begins. To cover a hall, they are those of the pocket rule (prefer cells with
+    /// few unvisited neighbours). To find luggage, they are zero.
     #[must_use]
     pub fn first_weights(&self) -> Weights {
         let mut weights = Weights { least: -3000, ..Weights::nothing() };
@@ -63,8 +64,8 @@ impl Task {
         Ground::of(&hall(family, columns, lines, &mut dice))
     }
 
-    /// The cost of a whole search by these weights, per cell: to cover, all moves; to find, the mean number of moves
-    /// before a cell or a piece is known.
+    /// The cost of a whole search with these weights, per cell. To cover a hall, it is the cost of all moves. To find
+    /// luggage, it is the mean number of moves before a cell or a piece is known.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
     pub fn price(&self, ground: &Ground, weights: &Weights, ways: &mut Ways) -> f64 {
@@ -91,8 +92,8 @@ mod tests {
         Task { sides: (10, 14), ..Task::usual(terms, 3) }
     }
 
-    /// A short tuning, on the smallest possible halls: better than before on halls that it has not seen, and the same
-    /// every time.
+    /// A short tuning on the smallest possible halls. The result must be better on halls that were not used for
+    /// tuning, and the same every time.
     #[test]
     fn tuning_finds_better_weights_and_the_same_ones_again() {
         for objective in Objective::ALL {

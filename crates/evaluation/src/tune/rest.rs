@@ -1,5 +1,6 @@
-//! The rest of a hall at the moment when a counterfactual ends. Its cost is estimated from the layout of its unvisited
-//! cells, with knowledge of the hall. The estimate replaces a walk to the end, whose cost is mostly chance.
+//! Describes the rest of a hall at the end of a trial, and estimates its cost from the layout of the unvisited cells.
+//! The true hall is known for this. The real cost of walking to the end is not used, because it depends mostly on
+//! chance.
 
 use std::sync::LazyLock;
 
@@ -11,18 +12,19 @@ use super::ridge::{self, Sample};
 use crate::Ground;
 use crate::walk::Walk;
 
-/// Numbers that describe the rest, without the neighbourhoods.
+/// Number of numbers that describe the rest, not counting the neighbourhoods.
 const PLAIN: usize = 14;
 
-/// The eight cells round one, each unvisited, visited or blocked.
+/// Number of different neighbourhoods of a cell. Each of its eight neighbours is unvisited, visited or blocked.
 const NEIGHBOURHOODS: usize = 3usize.pow(8);
 
 pub(super) const NUMBERS: usize = PLAIN + NEIGHBOURHOODS;
 
-/// Clockwise from the north.
+/// The eight neighbours of a cell, clockwise from the north.
 const ROUND: [(i32, i32); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
 
-/// Neighbourhoods that are turned or mirrored images of each other share one number: the least of their numbers.
+/// The number of each neighbourhood. Neighbourhoods that are rotated or mirrored images of each other have the same
+/// number: the lowest one.
 static CLASSES: LazyLock<Vec<u32>> = LazyLock::new(|| {
     let digit = |code: u32, place: u32| code / 3u32.pow(place) % 3;
     let image = |code: u32, turn: u32, is_mirrored: bool| {
@@ -33,10 +35,10 @@ static CLASSES: LazyLock<Vec<u32>> = LazyLock::new(|| {
     (0..NEIGHBOURHOODS as u32).map(|code| images(code).min().unwrap_or(code)).collect()
 });
 
-/// The rest, number by number, without zeros.
+/// Description of the rest of a hall: pairs of index and number. Zeros are left out.
 pub(super) type Rest = Vec<(u32, f32)>;
 
-/// Describes rests; reuses its memory for the next one.
+/// Describes rests of halls. It is reused, so that its memory need not be allocated again.
 #[derive(Debug, Default)]
 pub(super) struct Judge {
     taken: Vec<u32>,
@@ -44,7 +46,8 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// The rest of a walk that would go `way` thousandths of a step before it enters a new cell.
+    /// Describes the rest of the hall for a walk. `way` is the lowest score of the next cell to enter, in thousandths
+    /// of a step.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     pub(super) fn rest(&mut self, ground: &Ground, cells: &[Cell], walk: &Walk, way: i32) -> Rest {
         self.taken.resize(ground.size(), 0);
@@ -76,7 +79,7 @@ impl Judge {
         counted(plain, neighbourhoods)
     }
 
-    /// The unvisited cells connected with this one; `None` if the part was found before.
+    /// The unvisited cells that are connected with `first`. `None` if they were found before.
     fn part(&mut self, ground: &Ground, first: Cell, is_left: impl Fn(Cell) -> bool) -> Option<Vec<Cell>> {
         let look = self.look;
         let mut take = |cell: Cell| std::mem::replace(&mut self.taken[ground.place(cell)], look) != look;
@@ -94,7 +97,7 @@ impl Judge {
     }
 }
 
-/// Parts of similar size are counted together.
+/// The index at which parts of this size are counted. Similar sizes have the same index.
 const fn class(size: usize) -> usize {
     match size {
         0..=1 => 1,
@@ -125,7 +128,8 @@ fn counted(plain: [f32; PLAIN], mut neighbourhoods: Vec<u32>) -> Rest {
     rest
 }
 
-/// Learns the coefficients of the numbers of a rest, from rests within whole walks and their real costs.
+/// Learns the weights of the numbers that describe a rest. The samples are taken during whole walks, so their real
+/// costs are known.
 pub(super) fn worth(samples: &[Sample]) -> Vec<f64> {
     ridge::ridge(samples, NUMBERS, 30.0, 100)
 }

@@ -1,15 +1,15 @@
-//! Ridge regression over many numbers, most of which are 0 in each sample. It uses conjugate gradients, with the
-//! diagonal as preconditioner, because some numbers count to hundreds and others are 1.
+//! Ridge regression over many numbers, most of which are 0 in each sample. It uses conjugate gradients. The diagonal
+//! is the preconditioner, because the sizes of the numbers differ widely (1 to hundreds).
 
-/// `numbers` holds pairs of index and value; a number that is absent is 0.
+/// A sample. `numbers` contains pairs of index and value. A number that is missing is 0.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub(super) target: f32,
     pub(super) numbers: Vec<(u32, f32)>,
 }
 
-/// The coefficients of `size` numbers that explain the samples best, each restrained by `stiffness`.
-/// Stops after `steps`, or earlier when the residual is small.
+/// Returns the coefficients of `size` numbers that explain the samples best. `stiffness` keeps each of them small.
+/// The computation stops after `steps` steps, or earlier when the residual is small.
 pub(super) fn ridge(samples: &[Sample], size: usize, stiffness: f64, steps: usize) -> Vec<f64> {
     let mut residual = vec![0.0; size];
     let mut diagonal = vec![stiffness; size];

@@ -1,5 +1,5 @@
-//! What the robots' reports tell about the two robots and the yard, and the orders that are not answered yet. In a hall this is
-//! the task of the core's engine. Only the pair knows the true state.
+//! What is known about the two robots and the yard from the robots' reports, and which orders have no answer yet. In
+//! a hall, the core's engine does this. Only the pair knows the true state.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -23,9 +23,9 @@ pub(super) struct Crew {
     can: Capabilities,
     target: Place,
     way_out: bool,
-    /// Parcels outside the target area with their places, in the order in which they are fetched.
+    /// Parcels outside the target area with their places, in the order in which they will be fetched.
     left: Vec<Parcel>,
-    /// Cells of the next parcel; empty while it is held.
+    /// Cells of the next parcel. Empty while the parcel is held.
     piece: BTreeSet<Cell>,
 }
 
@@ -69,8 +69,8 @@ impl Crew {
             .map(|parcel| (parcel.piece, parcel.place))
     }
 
-    /// Turns a proposal into an order, with a deadline of three times the order's usual duration plus a second; `None` while
-    /// the robot has an open order.
+    /// Makes an order from a proposal of the trees. Its deadline is 3 × t + 1 s, where t is the usual duration of the
+    /// order. Returns `None` if the robot still has an open order.
     pub(super) fn order(&mut self, proposal: Proposal) -> Option<Order> {
         let base = &mut self.bases[proposal.which.index()];
         if base.open.is_some() {
@@ -88,7 +88,7 @@ impl Crew {
         Some(Order { id: self.last, action: proposal.action, epoch: Epoch(0), deadline })
     }
 
-    /// Forgets the open orders of a program that has died: nobody will answer them.
+    /// Clears the open orders after the program has died, since they will not be answered.
     pub(super) fn forget_orders(&mut self) {
         self.bases.iter_mut().for_each(|base| (base.open, base.failures) = (None, 0));
     }
@@ -160,7 +160,7 @@ impl Crew {
         }
     }
 
-    /// Marks what the robot has run into as an obstacle, unless that is the other robot.
+    /// Marks the cell of the obstacle that the robot met. If the obstacle is the other robot, nothing is marked.
     fn blocked(&mut self, which: Which, obstacle: Obstacle) {
         let action = self.answered(which.index());
         let base = &mut self.bases[which.index()];
@@ -185,7 +185,7 @@ impl Crew {
         let before = self.held();
         self.bases[index].arm = arm;
         match (before, self.held()) {
-            // A lifted parcel leaves its cell free.
+            // The cell under a lifted parcel is free.
             (_, Some(parcel)) if !arm.on_floor => {
                 if let Some(cell) = parcel.place.cell() {
                     self.mark(cell, Mark::Visited);
@@ -200,7 +200,7 @@ impl Crew {
         }
     }
 
-    /// Puts a fallen parcel first, where it lies.
+    /// Makes a fallen parcel the next one to fetch, at its new place.
     fn lies(&mut self, parcel: Parcel) {
         self.left.retain(|left| left.piece != parcel.piece);
         self.left.insert(0, parcel);

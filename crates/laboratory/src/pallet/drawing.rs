@@ -1,5 +1,5 @@
-//! The drawing of a run of the pallet scenario: the yard from above, the ways of both robots and of the parcels, and the robots
-//! at the end. It is a complete SVG document, and its classes let a page set other colours.
+//! The drawing of a run of the pallet scenario: the yard from above, the paths of both robots and of the parcels, and
+//! the robots at the end. It is a complete SVG document. A page can set other colours through its CSS classes.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ const BORDER: i32 = 1;
 
 const ROBOTS: [Look; 2] = [Look::new("yard-one", "#1f5fa8"), Look::new("yard-two", "#b02a4c")];
 
-/// A CSS class, and the colour where no page sets another.
+/// A CSS class, and the colour that is used if the page sets no other.
 #[derive(Clone, Copy)]
 struct Look {
     class: &'static str,
@@ -30,7 +30,7 @@ impl Look {
     }
 }
 
-/// `corner` is the north-western cell of the drawing, `BORDER` included.
+/// Converts places of the yard to the drawing. `corner` is the north-western cell of the drawing, including `BORDER`.
 struct Scale {
     corner: Cell,
     cell_m: f64,
@@ -41,7 +41,7 @@ impl Scale {
         (f64::from(cell.x - self.corner.x) * SIDE, f64::from(cell.y - self.corner.y) * SIDE)
     }
 
-    /// Converts metres from the centre of home.
+    /// Converts a point in metres from the centre of home to units of the drawing.
     fn of_metres(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
         let scale = |metres: f64, corner: i32| (metres / self.cell_m - f64::from(corner) + 0.5) * SIDE;
         (scale(x_m, self.corner.x), scale(y_m, self.corner.y))
@@ -51,7 +51,7 @@ impl Scale {
 /// Title of the drawing, for screen readers and the command line.
 pub const TITLE: &str = "The yard from above, with the ways of both robots and of the parcels";
 
-/// `title` is inserted without escaping.
+/// Draws the run as SVG. `title` is inserted without escaping.
 pub fn drawing(run: &PalletRun, title: &str) -> String {
     let hall = &run.yard().hall;
     let bounds = hall.bounds();
@@ -74,7 +74,7 @@ pub fn drawing(run: &PalletRun, title: &str) -> String {
         points.dedup();
         points.join(" ")
     };
-    // One line for each time that a parcel was in the grippers.
+    // Draws one line for each time that a parcel was held.
     for carried in run.frames().split(|frame| frame.load.is_none()).filter(|frames| !frames.is_empty()) {
         line(&mut svg, &way(carried, &|frame| frame.load.map(|(x, y, _)| (x, y))), Look::new("yard-carried", "#a8641c"), 5.0);
     }
@@ -104,7 +104,7 @@ fn floor(svg: &mut String, run: &PalletRun, scale: &Scale) {
     }
 }
 
-/// Draws a robot: a circle with its number, and a nose in its direction.
+/// Draws a robot: a circle with its number and a mark in the direction that it faces.
 fn robot(svg: &mut String, scale: &Scale, body: BodyPose, number: usize, look: Look) {
     let Look { class, colour } = look;
     let (x, y) = scale.of_metres((body.x_m, body.y_m));

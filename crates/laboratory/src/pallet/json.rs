@@ -1,6 +1,6 @@
-//! A run of the pallet scenario as JSON, for a page that plays it: first the yard, then everything that changes with time.
-//! Places of the yard are cells, positions are in metres; both count from the first robot's start, to the east and to the
-//! south.
+//! A run of the pallet scenario as JSON, for a page that plays the run: first the yard, then everything that changes.
+//! Places of the yard are cells, and positions are in metres. Both are measured from the first robot's start, to the
+//! east and to the south.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M};
 
-/// The whole run, with what its trees did in the shape that the caller chooses.
+/// The whole run. The caller chooses in which form the actions of the trees are included.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletJson")]
 pub struct PalletJson<Replay> {
@@ -23,9 +23,9 @@ pub struct PalletJson<Replay> {
     yard: YardJson,
     limits: LimitsJson,
     frames: Vec<FrameJson>,
-    /// `[t, [[x, y], …]]`: the cells with parcels on the floor outside the target area, from time `t` on.
+    /// `[t, [[x, y], …]]`: from time `t` on, the cells of parcels that lie on the floor outside the target area.
     lying: Vec<(f64, Vec<Xy>)>,
-    /// `trees`: those of SRM1, SRM2 and the Supervisor, tick by tick.
+    /// `trees`: the trees of SRM1, SRM2 and the Supervisor, tick by tick.
     #[serde(flatten)]
     replay: Replay,
 }
@@ -38,19 +38,19 @@ type Xy = (i32, i32);
 struct YardJson {
     /// Side of a cell, in metres.
     cell_m: f64,
-    /// North-western and south-eastern cell of the floor; everything beyond is wall.
+    /// North-western and south-eastern cell of the floor. Everything outside is wall.
     least: Xy,
     most: Xy,
     /// Cells in which no robot can stand.
     walls: Vec<Xy>,
-    /// Cells of the parcels at first, in the order in which they are fetched.
+    /// Cells of the parcels at the beginning, in the order in which they are fetched.
     pallet: Vec<Xy>,
     target: Option<Xy>,
-    /// Cells of SRM1 and SRM2 at first.
+    /// Cells of SRM1 and SRM2 at the beginning.
     starts: Vec<Xy>,
 }
 
-/// Lowest and highest allowed value of each measure of a held parcel.
+/// Lowest and highest allowed value of each quantity that is measured on a held parcel.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct LimitsJson {
@@ -59,13 +59,14 @@ struct LimitsJson {
     gap_m: [f64; 2],
 }
 
-/// `[t, SRM1, SRM2, load, held, delivered]`: seconds, two bodies, `[x, y, height]` of the held parcel with a height from 0 to 1,
-/// `[force, angle, gap]` while a parcel is held, and the number of parcels in the target area.
+/// `[t, SRM1, SRM2, load, held, delivered]`. `t` is in seconds; `SRM1` and `SRM2` are the bodies of the robots. While
+/// a parcel is held, `load` is its `[x, y, height]`, with a height from 0 to 1, and `held` is `[force, angle, gap]`.
+/// `delivered` is the number of parcels in the target area.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletFrame")]
 struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, usize);
 
-/// `[x, y, θ, closed]`: metres, radians clockwise from the east, and whether the gripper is closed.
+/// `[x, y, θ, closed]`: metres, metres, radians clockwise from the east, and whether the gripper is closed.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "PalletBody")]
 struct BodyJson(f64, f64, f64, bool);

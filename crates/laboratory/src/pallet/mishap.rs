@@ -1,4 +1,4 @@
-//! The faults that can be requested for a run of the pallet scenario, with the names that the command line and the doors use.
+//! The faults that can be requested for a run of the pallet scenario. Command line and addresses use the same names.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use super::run::{Asked, PalletRun};
 use super::yard::MOST_PARCELS;
 use hallsweep_sim::pair::Slip;
 
-/// Number of steps after which a parcel slips when its loss was requested: far from both ends of most ways.
+/// Number of steps before a parcel slips, if its loss was requested. On most ways, this is far from both ends.
 const LOST_AFTER: u32 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,17 +15,17 @@ pub enum Mishap {
     /// The parcel slips out of the grippers while it is carried.
     Lost,
     LostLifting,
-    /// The parcel is not recognised at the first look.
+    /// The first look does not recognise the parcel.
     Unrecognised,
-    /// The way into the target area is closed for good once the parcel is lifted.
+    /// After the parcel has been lifted, the way into the target area is closed permanently.
     Blocked,
     Jammed,
-    /// The operator never comes; this holds for the whole run.
+    /// The operator never comes, during the whole run.
     Absent,
 }
 
 impl Mishap {
-    /// All faults, in the order in which they are offered.
+    /// All faults, in the order in which users see them.
     pub const ALL: [Mishap; 6] =
         [Mishap::Lost, Mishap::LostLifting, Mishap::Unrecognised, Mishap::Blocked, Mishap::Jammed, Mishap::Absent];
 
@@ -45,15 +45,16 @@ impl Mishap {
     }
 }
 
-/// A requested fault with the number of its parcel, counted from 1. It is written `NAME` or `NAME@PARCEL`.
+/// A requested fault and the number of its parcel. It is written `NAME` or `NAME@PARCEL`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskedFault {
     pub mishap: Mishap,
-    /// Number of the parcel, counted from 1; 1 for a fault of the whole run.
+    /// Number of the parcel, counted from 1. A fault of the whole run has 1.
     pub parcel: u32,
 }
 
-/// The message does not contain the faulty text: whoever shows the error puts the text before it.
+/// Why a requested fault cannot be read. The message does not contain the faulty text, so the caller must write the
+/// text before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     #[error("this mishap is unknown: use lost, lostLifting, unrecognised, blocked, jammed or absent")]
@@ -102,7 +103,7 @@ impl fmt::Display for AskedFault {
     }
 }
 
-/// Reads the number of a parcel, or a number of parcels: 1 to `MOST_PARCELS`.
+/// Reads the number of a parcel, or a count of parcels. Both must be from 1 to `MOST_PARCELS`.
 pub fn parcel_number(text: &str) -> Result<u32, FaultError> {
     text.parse().ok().filter(|number| (1..=MOST_PARCELS).contains(number)).ok_or(FaultError::NoParcel)
 }
@@ -110,7 +111,7 @@ pub fn parcel_number(text: &str) -> Result<u32, FaultError> {
 /// Turns the requested faults into the settings of a run.
 ///
 /// # Errors
-/// When a fault is for a parcel beyond the last one.
+/// When a fault is requested for a parcel after the last one.
 pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> {
     let mut asked = Asked::default();
     for AskedFault { mishap, parcel } in faults.iter().copied() {
@@ -131,7 +132,7 @@ pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> 
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missed {
-    /// No event of the run called the operator.
+    /// The operator was never called, so nobody noticed that the operator was absent.
     NobodyCalled,
     RunEnded,
 }
@@ -154,7 +155,7 @@ impl Missed {
     }
 }
 
-/// The requested faults that did not happen in a run that has ended, each with the reason.
+/// The requested faults that did not happen during a finished run, each with the reason.
 pub fn missed(faults: &[AskedFault], run: &PalletRun) -> Vec<(AskedFault, Missed)> {
     let mut left = run.not_happened();
     let mut is_left = |AskedFault { mishap, parcel }: &AskedFault| match mishap {

@@ -1,8 +1,9 @@
-//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one
-//! plain loop (`run`). The same seed gives the same run. The trees are described in `hallsweep_core::retrieval`.
+//! The pallet scenario in simulated time. A yard, the simulated pair of robots, its three behaviour trees and a
+//! simulated operator are joined in one plain loop (`run`). The same seed gives the same run. The trees are described
+//! in `hallsweep_core::retrieval`.
 //!
 //! ```text
-//!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless something holds the robots
+//!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless the robots must stand still
 //!    ▲  └── sayings ─► operator (acknowledges, START)      │
 //!    └────────── view ◄── crew (what is known) ◄── reports ┘
 //! ```
@@ -28,5 +29,5 @@ pub use run::{Asked, PalletRun};
 pub use shown::Pallet;
 pub use words::{kind, rows, words};
 pub use yard::{MOST_PARCELS, ParcelsError, Yard};
-// Needed outside to read `Figures::holding`.
+// Callers need this type to read `Figures::holding`.
 pub use hallsweep_sim::pair::Spread;

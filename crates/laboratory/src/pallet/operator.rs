@@ -1,5 +1,5 @@
-//! The simulated operator: acknowledges an alarm after two to six seconds, and presses START two to six seconds after that. An
-//! absent operator never comes.
+//! The simulated operator. It acknowledges an alarm after two to six seconds, and presses START two to six seconds
+//! later. An absent operator never comes.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ impl Operator {
         Operator { random: RandomStream::new(seed, "operator"), is_there, next: None }
     }
 
-    /// Calls the operator, who acts two to six seconds later.
+    /// Calls the operator, who performs `deed` two to six seconds later. An absent operator does nothing.
     pub(super) fn called(&mut self, deed: Deed, now: Duration) {
         if self.is_there {
             self.next = Some((now + Duration::from_millis(2000 + self.random.below(4000)), deed));
@@ -34,7 +34,7 @@ impl Operator {
         self.next.map(|(at, _)| at)
     }
 
-    /// Returns a due act only once.
+    /// Returns the operator's action if it is due. Each action is returned only once.
     pub(super) fn deed(&mut self, now: Duration) -> Option<Deed> {
         self.next.take_if(|(at, _)| *at <= now).map(|(_, deed)| deed)
     }

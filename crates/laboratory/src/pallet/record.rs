@@ -1,4 +1,5 @@
-//! The record of a run of the pallet scenario: phases with their times, messages to the operator, frames to draw, and figures.
+//! The record of a run of the pallet scenario: phases with their times, messages to the operator, frames to draw, and
+//! figures.
 
 use std::time::Duration;
 
@@ -7,24 +8,24 @@ use hallsweep_core::retrieval::Team;
 use hallsweep_sim::BodyPose;
 use hallsweep_sim::pair::{Holding, Pair};
 
-/// Phases of the scenario, numbered as in the seed.
+/// Phases of the scenario, with the numbers of the original specification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     /// 1: SRM1 finds the pallet.
     Find,
-    /// 2: both come to the pallet.
+    /// 2: both robots drive to the pallet.
     Approach,
     /// 3: the parcel is identified.
     Identify,
-    /// 4: both take hold of the parcel.
+    /// 4: both robots grip the parcel.
     PickUp,
     /// 5: the parcel is lifted and carried.
     Transport,
     /// 6: the parcel is put down.
     PutDown,
-    /// 7: both go back to the pallet.
+    /// 7: both robots drive back to the pallet.
     Return,
-    /// 8: the same for the next parcel.
+    /// 8: the phases begin again with the next parcel.
     Next,
 }
 
@@ -40,7 +41,7 @@ impl Phase {
         Phase::Next,
     ];
 
-    /// Number in the scenario, from 1.
+    /// Number of the phase, counted from 1.
     #[must_use]
     pub const fn number(self) -> usize {
         self as usize + 1
@@ -60,12 +61,13 @@ impl Phase {
         }
     }
 
-    /// The node whose first tick begins the phase, with the index of its tree.
+    /// The node whose first tick begins the phase, after the index of its tree.
     const fn node(self) -> Option<(usize, &'static str)> {
         match self {
             Phase::Find => Some((0, "FindPallet")),
             Phase::Approach => Some((0, "SRM1_to_LoadSite")),
-            // Not the sequence above this node: it is ticked from the beginning, because it waits for both robots.
+            // The sequence above this node is ticked from the beginning, because it waits for both robots. So it
+            // cannot mark the phase.
             Phase::Identify => Some((2, "FindParcel")),
             Phase::PickUp => Some((2, "Pick-UpPrepSequence")),
             Phase::Transport => Some((2, "TransportSequence")),
@@ -91,24 +93,25 @@ pub enum News {
 pub struct Entry {
     /// Simulated time since the beginning of the run.
     pub at: Duration,
-    /// Number of the parcel under way, counted from 1.
+    /// Number of the current parcel, counted from 1.
     pub parcel: u32,
     pub news: News,
 }
 
-/// The yard at one moment, for a page to draw. Lengths are in metres from the first robot's start, to the east and to the south.
+/// The yard at one moment, for a page to draw. Lengths are in metres from the first robot's start, to the east and to
+/// the south.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Simulated time since the beginning of the run.
     pub at: Duration,
     pub bodies: [BodyPose; 2],
     pub closed: [bool; 2],
-    /// Centre of the held parcel, in metres, and how high it is lifted, from 0 to 1.
+    /// Centre of the held parcel, in metres, and its height, from 0 to 1.
     pub load: Option<(f64, f64, f64)>,
-    /// Gripping force in newtons, angle of the paddles in radians, and excess distance of the bases in metres, while a parcel is
-    /// held.
+    /// While a parcel is held: gripping force in newtons, angle of the paddles in radians, and by how many metres the
+    /// distance of the bases is too long.
     pub held: Option<[f64; 3]>,
-    /// Parcels that are really in the target area, whatever the trees say.
+    /// Number of parcels that are really in the target area. The trees may report another number.
     pub delivered: usize,
 }
 
@@ -131,9 +134,9 @@ impl Frame {
 pub enum PalletFault {
     Pair(RetrievalFault),
     OperatorAbsent,
-    /// The trees report the end, and the target area holds fewer parcels than the yard had.
+    /// The trees report the end, but some parcels are not in the target area.
     NotAllThere,
-    /// The run took longer than `run::LONGEST` for each parcel.
+    /// The run took longer than `run::LONGEST` times the number of parcels.
     TakesTooLong,
 }
 
@@ -161,23 +164,23 @@ impl PalletFault {
 
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// Number of parcels on the pallet at first.
+    /// Number of parcels on the pallet at the beginning.
     pub parcels: u32,
     pub seed: u64,
-    /// Number of parcels that are really in the target area, whatever the trees say.
+    /// Number of parcels that are really in the target area. The trees may report another number.
     pub delivered: usize,
     /// Simulated time of the run.
     pub took: Duration,
     pub ticks: u64,
     /// Number of times that a parcel slipped out of the grippers.
     pub losses: u32,
-    /// Errors of force, angle and distance while parcels were off the floor.
+    /// Errors of force, angle and distance while the grippers bore a parcel.
     pub holding: Holding,
-    /// Why not all parcels arrived; `None` if all did, or while the run goes on.
+    /// Why not all parcels arrived. `None` if all did, or if the run has not ended.
     pub fault: Option<PalletFault>,
 }
 
-/// Phases that begin in the last tick, after the phase under way.
+/// Phases that the last tick began. Only phases after the current one are considered.
 pub(super) fn begun(team: &Team, under_way: Option<Phase>) -> Vec<Phase> {
     let ticked = |phase: &Phase| {
         let Some((tree, name)) = phase.node() else { return false };

@@ -1,4 +1,5 @@
-//! The result of a run of the pallet scenario as JSON, the same for the command line and for the page that plays the run.
+//! The result of a run of the pallet scenario as JSON. The command line and the page that plays the run use the same
+//! text.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -32,7 +33,7 @@ pub struct ReportJson {
 struct NotHappenedJson {
     /// The fault, as in `faults`.
     fault: String,
-    /// `nobodyCalled` or `runEnded`.
+    /// The reason: `nobodyCalled` or `runEnded`.
     why: &'static str,
     words: &'static str,
 }
@@ -42,7 +43,7 @@ struct NotHappenedJson {
 struct EventJson {
     /// Simulated seconds since the run began.
     t: f64,
-    /// Number of the parcel under way, counted from 1.
+    /// Number of the current parcel, counted from 1.
     parcel: u32,
     /// `phase`, `alarm`, `acknowledged`, `start` or `lost`.
     kind: &'static str,
@@ -65,7 +66,7 @@ struct FiguresJson {
     gap_m: SpreadJson,
 }
 
-/// Errors while parcels were off the floor.
+/// Statistics of the errors of one quantity while the grippers bore a parcel.
 #[derive(Serialize, JsonSchema)]
 struct SpreadJson {
     worst: f64,
@@ -132,7 +133,7 @@ impl From<PalletFault> for FaultJson {
     }
 }
 
-/// Rounds to a tenth of a millimetre, or of a milliradian, which is finer than any drawing.
+/// Rounds to 0.0001, which is a tenth of a millimetre or of a milliradian. No drawing is finer.
 pub(super) fn short(number: f64) -> f64 {
     (number * 1e4).round() / 1e4
 }

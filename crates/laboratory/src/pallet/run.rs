@@ -1,4 +1,4 @@
-//! A run of the scenario: the next event, and what a person may do in between.
+//! A run of the scenario: it performs the next event, and what a person can do between events.
 
 #[cfg(test)]
 mod tests;
@@ -19,26 +19,26 @@ use hallsweep_core::state::TeamStage;
 use hallsweep_core::units::{Cell, Now, WallTime};
 use hallsweep_sim::pair::{Holding, Mishaps, Pair, PairSettings};
 
-/// Maximum simulated time for each parcel: a hundred times the usual time.
+/// Maximum simulated time of a run for each of its parcels. It is a hundred times the usual time.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// Time without an answer after which the operator counts as absent, and the run ends.
+/// If the operator does not press START for this time, the operator counts as absent and the run ends.
 const NOBODY_COMES: Duration = Duration::from_secs(600);
 
-/// Interval of the frames that are stored, in ticks.
+/// Number of ticks from one stored frame to the next.
 const FRAME_EVERY: u64 = 5;
 
-/// Maximum number of frames, enough for hours of simulated time. The drawing of a longer run ends there.
+/// Maximum number of frames, enough for hours of simulated time. A longer run is drawn only up to this point.
 const MOST_FRAMES: usize = 100_000;
 
-/// Maximum number of entries of a record: enough for thousands of losses, more than any run has.
+/// Maximum number of entries in a record. It is enough for thousands of losses, and no run has more.
 const MOST_ENTRIES: usize = 100_000;
 
-/// Requested faults. Parcels are counted from 1.
+/// The requested faults. Parcels are counted from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     pub mishaps: Mishaps,
-    /// Parcels whose lifting closes the way into the target area.
+    /// Numbers of the parcels that close the way into the target area when they are lifted.
     pub blocked: Vec<u32>,
     pub absent: bool,
 }
@@ -56,17 +56,17 @@ pub struct PalletRun {
     now: Duration,
     next_tick: Duration,
     ticks: u64,
-    /// Whether STOP was pressed and START was not pressed since.
+    /// Whether STOP was pressed after the last START.
     is_stopped: bool,
-    /// Whether an alarm is not acknowledged.
+    /// Whether there is an alarm that was not acknowledged yet.
     is_calling: bool,
     awaits_start: bool,
-    /// Beginning of the wait for the operator, in simulated time.
+    /// When the wait for the operator began, in simulated time.
     waits_since: Option<Duration>,
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
-    /// Errors of holding before the last restart; the new pair starts without them.
+    /// Statistics of the grip from before the last restart. A restarted pair begins without them.
     held_before: Holding,
     entries: Vec<Entry>,
     logs: [TickLog; 3],
@@ -75,10 +75,10 @@ pub struct PalletRun {
 }
 
 impl PalletRun {
-    /// A run that has not begun.
+    /// Makes a run that has not begun yet.
     ///
     /// # Errors
-    /// If there would be no parcel, or more than `MOST_PARCELS`.
+    /// If `parcels` is 0 or more than `MOST_PARCELS`.
     pub fn new(parcels: u32, seed: u64, asked: Asked) -> Result<PalletRun, ParcelsError> {
         Ok(PalletRun::of(Yard::new(parcels, seed)?, seed, asked))
     }
@@ -118,7 +118,8 @@ impl PalletRun {
         run
     }
 
-    /// Performs the next event; false when the run has ended. `watch` receives the team after each tick of its trees.
+    /// Performs the next event. Returns false if the run has ended. `watch` is called with the team after each tick
+    /// of its trees.
     pub fn advance(&mut self, mut watch: impl FnMut(&Team)) -> bool {
         if self.ended.is_some() {
             return false;
@@ -147,14 +148,14 @@ impl PalletRun {
         while self.now < until && self.advance(|_| {}) {}
     }
 
-    /// Performs STOP: both robots halt where they are, and go on holding their parcel.
+    /// Performs STOP. Both robots halt where they are, and keep holding their parcel.
     pub fn stop(&mut self) {
         (self.is_stopped, self.awaits_start) = (true, true);
         self.note(News::Stopped);
         self.halt();
     }
 
-    /// Performs START, unless an alarm is not acknowledged; returns whether the run goes on.
+    /// Performs START. Returns false, and does nothing, if an alarm was not acknowledged yet.
     pub fn start(&mut self) -> bool {
         if self.is_calling {
             return false;
@@ -166,7 +167,7 @@ impl PalletRun {
         true
     }
 
-    /// Acknowledges the alarm; the operator presses START some seconds later.
+    /// Acknowledges the alarm. The operator presses START some seconds later.
     pub fn acknowledge(&mut self) {
         if std::mem::take(&mut self.is_calling) {
             self.note(News::Acknowledged);
@@ -174,8 +175,8 @@ impl PalletRun {
         }
     }
 
-    /// Simulates a program that dies and is started again. The pair stands as it stood, halted by itself, with its parcel in its
-    /// grip, and waits for START. Open orders are never answered. The trees continue from their stored state.
+    /// Simulates that the program dies and is started again. The robots have halted by themselves, still hold their
+    /// parcel, and wait for START. Open orders are never answered. The trees continue from their stored state.
     pub fn restart(&mut self) {
         self.team = Team::resume(self.team.state()).expect("they are the same trees");
         self.held_before.join(self.pair.holding());
@@ -212,19 +213,19 @@ impl PalletRun {
         Frame::of(&self.pair, self.now)
     }
 
-    /// Frames up to now, one each half second.
+    /// The frames up to now, one every half second.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// Changes of each tick in the trees of SRM1, SRM2 and the Supervisor.
+    /// What changed in each tick in the trees of SRM1, SRM2 and the Supervisor.
     #[must_use]
     pub const fn logs(&self) -> &[TickLog; 3] {
         &self.logs
     }
 
-    /// Cells of the parcels that are neither in the grippers nor in the target area.
+    /// Cells of the parcels that are not held and not in the target area.
     #[must_use]
     pub fn parcels(&self) -> Vec<Cell> {
         self.crew.left().filter_map(|(_, place)| place.cell()).collect()
@@ -356,7 +357,7 @@ impl PalletRun {
     }
 
     fn note(&mut self, news: News) {
-        // The way back belongs to the parcel that has just been put down.
+        // During the way back, the number is still that of the parcel that was just put down.
         let back = usize::from(news == News::Began(Phase::Return));
         let parcel = u32::try_from(self.team.delivered().len() + 1 - back).unwrap_or(u32::MAX);
         if self.entries.len() < MOST_ENTRIES {

@@ -1,4 +1,4 @@
-//! A run that has ended, with the frames for a drawing of it, and its trees at the end.
+//! A finished run, with the frames for a drawing of it and the final state of its trees.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use behaviour_trees::{TickLog, Tree};
 use hallsweep_core::snapshot::retrieval::TreesView;
 use hallsweep_core::units::Cell;
 
-/// Interval of the frames: so short that a straight line between two of them cuts no corner visibly.
+/// Interval of the frames. It is so short that a straight line between two frames does not visibly cut corners.
 const FRAME_EVERY: Duration = Duration::from_millis(200);
 
 #[derive(Debug)]
@@ -19,24 +19,24 @@ pub struct Pallet {
     pub(super) run: PalletRun,
     pub(super) faults: Vec<AskedFault>,
     pub(super) figures: Figures,
-    /// The frames of the whole run; of a series of equal frames only the first and the last.
+    /// The frames of the whole run. Of several equal frames in a row, only the first and the last are stored.
     pub(super) frames: Vec<Frame>,
-    /// The cells of the parcels on the floor, at the start and after each change, with the time.
+    /// The cells of the parcels on the floor, with the time: at the start and after each change.
     pub(super) lying: Vec<(Duration, Vec<Cell>)>,
 }
 
 impl Pallet {
-    /// Runs the scenario to its end. `asked` is made of `faults`.
+    /// Runs the scenario to its end. `asked` must be made from `faults`.
     ///
     /// # Errors
-    /// If there would be no parcel, or more than fit on the pallet.
+    /// If `parcels` is 0 or more than fit on the pallet.
     pub fn new(parcels: u32, seed: u64, faults: Vec<AskedFault>, asked: Asked) -> Result<Pallet, ParcelsError> {
         let mut run = PalletRun::new(parcels, seed, asked)?;
         let (mut frames, mut lying) = (vec![run.frame()], vec![(Duration::ZERO, run.parcels())]);
         while !run.has_ended() {
             let count = u32::try_from(run.time().as_millis() / FRAME_EVERY.as_millis()).unwrap_or(u32::MAX);
             let (due, told) = (FRAME_EVERY * (count + 1), run.entries().len());
-            // Each event has a frame, so that the drawing agrees with the report.
+            // There is a frame for each event, so that the drawing agrees with the report.
             while run.time() < due && run.entries().len() == told && run.advance(|_| {}) {}
             keep(&mut frames, run.frame());
             let lie = run.parcels();
@@ -68,7 +68,7 @@ impl Pallet {
         missed(&self.faults, &self.run)
     }
 
-    /// Columns and rows of the yard, with half a cell of the wall on each side.
+    /// Columns and rows of the drawn yard. Half a cell of the wall is added on each side.
     pub fn size(&self) -> (i32, i32) {
         let bounds = self.run.yard().hall.bounds();
         (bounds.width() + 1, bounds.height() + 1)
@@ -86,7 +86,7 @@ impl Pallet {
     }
 }
 
-/// Adds a frame. If the last two frames equal the new frame except for their times, the new frame replaces the last one.
+/// Adds a frame. If the last two frames equal the new frame except for their times, the last one is replaced.
 fn keep(frames: &mut Vec<Frame>, frame: Frame) {
     let is_same = |other: &Frame| Frame { at: frame.at, ..other.clone() } == frame;
     if let [.., before, last] = frames.as_slice()

@@ -1,9 +1,9 @@
-//! Events and figures of a run in English, for the command line and programs. Pages show them in the language of their reader.
+//! Events and figures of a run in English, for the command line and for programs. Pages translate them.
 
 use super::record::{Entry, Figures, News};
 use hallsweep_sim::pair::Spread;
 
-/// The value of `kind` in the JSON report, the same in every language.
+/// The value of `kind` in the JSON report. It is the same in every language.
 pub const fn kind(news: News) -> &'static str {
     match news {
         News::Began(_) => "phase",

@@ -1,10 +1,10 @@
-//! The yard of the pallet scenario, drawn from a seed: walls, obstacles, the pallet with its parcels, the target area, and the
-//! starts of the two robots. Every yard can be solved; the solution is not known here.
+//! The yard of the pallet scenario, drawn at random from a seed: walls, obstacles, the pallet with its parcels, the
+//! target area, and the starts of the two robots. Every yard can be solved, but the solution is not stored.
 //!
 //! ```text
 //!   # # # # # # # # # #     1, 2  the robots, the first at the cell (0, 0)
-//!   # 1 2 . . # . . . #     T     parcels: each stands on the floor of the pallet by itself
-//!   # . . . . . T T T #     D     where a parcel is put down: the target area takes it in there
+//!   # 1 2 . . # . . . #     T     parcels, each on the floor of the pallet
+//!   # . . . . . T T T #     D     the target area, where parcels are put down
 //!   # . D . . . . . . #
 //! ```
 
@@ -19,46 +19,50 @@ use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_sim::{Hall, Truth};
 
-/// Maximum number of parcels: three full rows of a pallet. More would take simulated hours and show nothing new.
+/// Maximum number of parcels: three full rows of a pallet. More parcels would take hours of simulated time and show
+/// nothing new.
 pub const MOST_PARCELS: u32 = 24;
 
 /// Number of parcels in a row.
 const ROW: i32 = 8;
 
-/// Free rows between two rows of parcels, so that both robots can stand beside each parcel and pass each other.
+/// Free rows between two rows of parcels. Both robots can stand beside each parcel and pass each other there.
 const AISLE: i32 = 2;
 
-/// Maximum number of draws until a yard can be solved; each draw has fewer obstacles than the draw before, and the last draw
-/// has none.
+/// Maximum number of draws until a yard can be solved. Each draw has fewer obstacles than the one before, and the
+/// last has none.
 const DRAWS: u32 = 12;
 
-/// Share of floor cells that are obstacles in the first draw.
+/// Share of the floor cells that become obstacles in the first draw.
 const OBSTACLES: f64 = 0.16;
 
-/// Distance of obstacles from parcels, target area and robots, in cells: room for the train of both robots and a parcel to turn.
+/// Distance of obstacles from parcels, target area and robots, in cells. There, both robots have room to turn with a
+/// parcel between them.
 const CLEAR: i32 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the pallet cannot have {0} parcels: give 1 to {MOST_PARCELS}")]
 pub struct ParcelsError(pub u32);
 
-/// A drawn yard, which never changes.
+/// A yard after it has been drawn. It never changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yard {
-    /// Walls, obstacles and parcels.
+    /// The walls, obstacles and parcels of the yard.
     pub hall: Arc<Hall>,
     pub starts: [BasePose; 2],
     /// Cell where parcels are put down.
     pub target: Place,
-    /// Whether a way leads out of the yard at home, as in a hall; drawn yards have none.
+    /// Whether robots can leave the yard at home, as in a hall. Yards drawn from a seed have no such way.
     pub way_out: bool,
     /// Parcels with their cells, in the order in which they are fetched.
     pub parcels: Vec<(Piece, Cell)>,
 }
 
 impl Yard {
+    /// Draws a yard that can be solved.
+    ///
     /// # Errors
-    /// If there would be no parcel, or more than `MOST_PARCELS`.
+    /// If `parcels` is 0 or more than `MOST_PARCELS`.
     pub fn new(parcels: u32, seed: u64) -> Result<Yard, ParcelsError> {
         if !(1..=MOST_PARCELS).contains(&parcels) {
             return Err(ParcelsError(parcels));
@@ -72,7 +76,7 @@ impl Yard {
         Ok(solvable.expect("the last draw has no obstacles, and its pallet and target area are clear on all sides"))
     }
 
-    /// Map of what is known before the first move: the starts of the robots and the plan of the pallet.
+    /// The map before the first move. It contains the starts of the robots and the cells of the parcels.
     #[must_use]
     pub fn known_at_first(&self) -> HallMap {
         let mut map = HallMap::new(Cell::HOME, Revision(0));
@@ -87,8 +91,9 @@ impl Yard {
         map
     }
 
-    /// Whether the first parcel can be fetched while all others still stand there, from the start and from the target area.
-    /// Everything around the pallet is clear, so the other parcels can be fetched too if the first one can.
+    /// Whether the first parcel can be fetched while all other parcels are in place. This must be so
+    /// from the starts and also from the target area. Around the pallet everything is clear, so the other parcels can
+    /// then be fetched too.
     fn can_be_solved(&self) -> bool {
         let mut map = self.known_at_first();
         let bounds = self.hall.bounds();
@@ -104,7 +109,7 @@ impl Yard {
         let target = self.target;
         let freed = BTreeSet::new();
         let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[] };
-        // The poses of the two robots after they have put down the first parcel. The train may have come from any side.
+        // The places of the two robots after they have put down the first parcel. They may have come from any side.
         let beside = |heading| target.cell().map_or(target, |cell| Place::Cell(cell.ahead(heading)));
         let after = [beside(Heading::North), beside(Heading::South)];
         self.parcels.first().is_some_and(|(_, cell)| {
@@ -115,7 +120,7 @@ impl Yard {
     }
 }
 
-/// A yard while it is drawn. Its columns and rows begin at the north-west corner of the floor.
+/// A yard before it becomes a hall. Columns and rows are counted from the north-west corner of the floor.
 struct Plan {
     columns: i32,
     rows: i32,
@@ -136,7 +141,7 @@ impl Plan {
         let pallet_height = pallet_rows + (pallet_rows - 1) * AISLE;
         let columns = number(ROW + 11, ROW + 16);
         let rows = number(pallet_height + 5, pallet_height + 9);
-        // The robots start in the west, and the target area is between them and the pallet in the east.
+        // The robots start in the west and the pallet is in the east. The target area is between them.
         let start = Cell::new(1, number(1, rows - 2));
         let target = Cell::new(number(5, 7), number(2, rows - 3));
         let corner = Cell::new(columns - ROW - 2, number(2, rows - pallet_height - 2));
@@ -172,7 +177,7 @@ impl Plan {
 }
 
 impl fmt::Display for Plan {
-    /// Writes the plan as the rows of a hall; outside it everything is wall.
+    /// Writes the plan as the rows of a hall. Everything outside the hall is wall.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for y in 0..self.rows {
             for x in 0..self.columns {

@@ -1,5 +1,5 @@
-//! Whether two runs are the same (docs/laboratory.md): the same transitions in the same order, with durations that differ by a
-//! tick at most. Positions are not compared: they follow from the phases and the walls.
+//! Checks whether two runs are the same (docs/laboratory.md): the same transitions in the same order, with durations
+//! that differ by at most one tick. Positions are not compared, because they follow from the phases and the walls.
 
 use std::fmt;
 
@@ -7,13 +7,13 @@ use super::run::{Controller, Run, Transition};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parting {
-    /// Number of equal transitions before the runs part.
+    /// Number of equal transitions before the first difference.
     pub common: usize,
-    /// Each controller with its next transition; `None` when its run ended first.
+    /// Each controller with its transition at the first difference. `None` if its run has no more transitions.
     pub next: [(Controller, Option<Transition>); 2],
 }
 
-/// The point where the transitions of two runs differ, if they do.
+/// The first difference between the transitions of two runs. `None` if there is none.
 #[must_use]
 pub(super) fn parting(one: &Run, other: &Run) -> Option<Parting> {
     let most = one.transitions.len().max(other.transitions.len());
@@ -29,14 +29,15 @@ fn is_same(one: &Run, other: &Run, index: usize) -> bool {
             let kind = |change: &Transition| (change.from, change.to, change.angle.map(f64::to_bits));
             kind(a) == kind(b) && lasted(one, index).abs_diff(lasted(other, index)) <= 1
         }
-        // The other run may have ended just before this transition: it lags by a tick per phase at most.
+        // The other run may have ended just before it made this transition, since it may be late by one tick per
+        // phase.
         (Some(last), None) => is_about_to_end(one, last, index),
         (None, Some(last)) => is_about_to_end(other, last, index),
         (None, None) => true,
     }
 }
 
-/// Duration of the phase that this transition ended, in ticks.
+/// Duration of the phase that ended with this transition, in ticks.
 fn lasted(run: &Run, index: usize) -> u32 {
     let began = index.checked_sub(1).and_then(|before| run.transitions.get(before)).map_or(0, |change| change.tick);
     run.transitions.get(index).map_or(0, |change| change.tick.saturating_sub(began))

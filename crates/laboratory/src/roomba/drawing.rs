@@ -1,5 +1,6 @@
-//! The drawing of a run: the room, the floor that was passed over, the way coloured by phase, the walls that were met, and a
-//! legend. It is a complete SVG document without animation, and its classes let a page set other colours.
+//! The drawing of a run: the room, the floor that the body passed over, the path coloured by phase, the walls that it
+//! met, and a legend. It is a complete SVG document without animation. A page can set other colours through its CSS
+//! classes.
 
 use std::fmt::Write;
 
@@ -7,7 +8,7 @@ use super::phase::Phase;
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 use super::run::{Controller, Frame, Run};
 
-/// A metre, in units of the drawing.
+/// Length of a metre, in units of the drawing.
 const SCALE: f64 = 100.0;
 
 /// Free margin around a room, in units of the drawing.
@@ -19,7 +20,8 @@ const HEAD: f64 = 58.0;
 /// Height of the legend below a room, in units of the drawing.
 const FOOT: f64 = 62.0;
 
-/// Distance between the points of a spiral, in ticks: 3 cm of a curve of 25 cm, whose corners nobody sees.
+/// Number of ticks between the drawn points of a spiral. The points are about 3 cm apart, so that no corners are
+/// visible.
 const SPIRAL_TICKS: u32 = 4;
 
 struct Look {
@@ -28,7 +30,7 @@ struct Look {
     width: f64,
 }
 
-/// Texts of a drawing, in the language of its reader. They are inserted into the document without escaping.
+/// Texts of a drawing, in the reader's language. They are inserted into the document without escaping.
 pub trait Words {
     /// Controller, seed and duration of the run.
     fn title(&self, run: &Run) -> String;
@@ -45,7 +47,7 @@ pub trait Words {
     fn start_and_end(&self) -> String;
 }
 
-/// Texts for the command line.
+/// English texts, for the command line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct English;
 
@@ -77,7 +79,7 @@ impl Words for English {
     }
 }
 
-/// One SVG document with the runs side by side, in the given order.
+/// Draws the runs side by side in one SVG document, in the given order.
 #[must_use]
 pub(super) fn svg(runs: &[&Run], said: &dyn Words) -> String {
     let (width, height) = (ROOM_LENGTH_M * SCALE + 2.0 * MARGIN, HEAD + ROOM_WIDTH_M * SCALE + FOOT);
@@ -146,7 +148,7 @@ fn panel(out: &mut String, run: &Run, said: &dyn Words) {
     legend(out, width + 30.0, said);
 }
 
-/// Draws the floor that was passed over: the whole way, as wide as the body.
+/// Draws the floor that was passed over: the path of the run, as wide as the body.
 fn floor(out: &mut String, run: &Run) {
     let mut path = String::new();
     for (index, (x, y)) in points(run).map(|(_, x, y)| (x, y)).enumerate() {
@@ -176,7 +178,7 @@ fn way(out: &mut String, run: &Run, phase: Phase) {
         is_drawing = of == phase;
         last = Some((x, y));
     }
-    // No phase ends at the start.
+    // Only a path that begins at the start of the run begins with `L`. A path must begin with `M`.
     let path = path.strip_prefix('L').map_or_else(|| path.clone(), |rest| format!("M{rest}"));
     let Look { class, colour, width } = look(phase);
     if !path.is_empty() {
@@ -189,7 +191,8 @@ fn way(out: &mut String, run: &Run, phase: Phase) {
     }
 }
 
-/// Points of the way, each with the phase that led to it: only the end of a straight phase, and many points of a spiral.
+/// Points of the path, each with the phase that led to it. Straight phases have only their end, and spirals have many
+/// points.
 fn points(run: &Run) -> impl Iterator<Item = (Phase, f64, f64)> {
     let next = run.frames.iter().skip(1).map(Some).chain([None]);
     let drawn = run.frames.iter().zip(next).filter(|(frame, next)| {
@@ -200,7 +203,7 @@ fn points(run: &Run) -> impl Iterator<Item = (Phase, f64, f64)> {
     drawn.map(|(frame, _)| (frame.phase, frame.pose.x_m * SCALE, frame.pose.y_m * SCALE))
 }
 
-/// Point of the wall that a body touches, in units of the drawing.
+/// The point of the wall that the body touches, in units of the drawing.
 fn touched(frame: &Frame) -> (f64, f64) {
     let towards = |at: f64, most: f64| {
         if at <= RADIUS_M {
@@ -300,7 +303,7 @@ mod tests {
         drawing.matches(what).count()
     }
 
-    /// The legend has one mark of each kind more.
+    /// The legend adds one mark of each kind.
     #[test]
     fn every_wall_met_and_every_turn_is_marked() {
         let run = run(3, 120.0);

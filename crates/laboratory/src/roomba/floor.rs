@@ -1,15 +1,15 @@
-//! The part of the floor that the Roomba has passed over, in squares of 5 cm. A square counts as soon as the body is over its
-//! centre. Squares in the corners, which a round body cannot reach, are not counted.
+//! The part of the floor that the Roomba has passed over, in squares of 5 cm. A square counts when the body passes
+//! over its centre. Squares in the corners are not counted, because a round body cannot reach them.
 
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M};
 
-/// Side of a square, in metres: a third of the radius, so that gaps in corners and narrow strips are seen.
+/// Side of a square, in metres. It is about a third of the radius, so gaps in corners and narrow strips are noticed.
 pub(super) const SQUARE_M: f64 = 0.05;
 
-/// Squares along x: 6.4 m.
+/// Number of squares along x, for 6.4 m.
 const COLUMNS: usize = 128;
 
-/// Squares along y: 4.8 m.
+/// Number of squares along y, for 4.8 m.
 const ROWS: usize = 96;
 
 #[derive(Clone, Debug)]
@@ -23,7 +23,8 @@ impl Floor {
         Floor { passed: vec![false; COLUMNS * ROWS], count: 0 }
     }
 
-    /// Counts the squares under a body with its centre at (`x_m`, `y_m`); no square counts twice.
+    /// Counts the squares under a body with its centre at (`x_m`, `y_m`). A square that was counted before is not
+    /// counted again.
     pub(super) fn pass(&mut self, x_m: f64, y_m: f64) {
         for row in near(y_m, ROWS) {
             for column in near(x_m, COLUMNS) {
@@ -42,7 +43,7 @@ impl Floor {
     }
 }
 
-/// Number of squares that a body which goes everywhere in the room can pass over.
+/// Number of squares that a body can pass over if it goes everywhere in the room.
 pub(super) fn reachable() -> u32 {
     let squares = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (centre(column), centre(row))));
     let within = squares.filter(|(x, y)| {
@@ -53,18 +54,18 @@ pub(super) fn reachable() -> u32 {
     within.fold(0, |count, _| count + 1)
 }
 
-/// Whether a point at this distance from the body's centre, in metres, is under the body.
+/// Whether a point is under the body. (`dx`, `dy`) is its distance from the body's centre, in metres.
 fn is_within(dx: f64, dy: f64) -> bool {
     dx * dx + dy * dy <= RADIUS_M * RADIUS_M
 }
 
-/// Centre of this column or row, in metres.
+/// Centre of the column or row with this index, in metres.
 #[expect(clippy::cast_precision_loss, reason = "there are a few hundred columns and rows")]
 fn centre(index: usize) -> f64 {
     (index as f64 + 0.5) * SQUARE_M
 }
 
-/// Range of the `of` columns or rows that a body at this coordinate can be over.
+/// The columns (or rows) that a body at this coordinate may cover. There are `of` columns in total.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float becomes the nearest number that there is")]
 fn near(at_m: f64, of: usize) -> std::ops::Range<usize> {
     let index = |m: f64| (m / SQUARE_M) as usize;
@@ -96,8 +97,8 @@ mod tests {
         assert!((mean - disc).abs() < 0.2, "{mean} squares for {disc}");
     }
 
-    /// Six or seven rows of centres are within 17 cm to either side, depending on whether the way runs between centres or over
-    /// them.
+    /// Six or seven rows of squares have their centres within 17 cm of the body's path. It is seven if the path runs
+    /// exactly over centres.
     #[test]
     fn a_straight_way_covers_a_strip_as_wide_as_the_body() {
         for (y_m, rows) in [(1.0, 6), (1.025, 7)] {
@@ -112,7 +113,7 @@ mod tests {
 
     #[test]
     fn all_but_the_corners_can_be_reached_and_going_everywhere_reaches_it() {
-        // Each corner keeps (1 − π/4) r² out of reach, which is 2.5 squares.
+        // In each corner, (1 − π/4) r² cannot be reached. This is the area of 2.5 squares.
         assert!((12_288 - 24..12_288).contains(&reachable()), "{}", reachable());
         let mut floor = Floor::new();
         let steps = |most: f64| (0..).map(|step| RADIUS_M + f64::from(step) * 0.02).take_while(move |at| *at < most);

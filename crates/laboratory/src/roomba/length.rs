@@ -1,4 +1,4 @@
-//! The length of a run of the Roomba, in whole ticks, within its limits.
+//! The duration of a run of the Roomba, in whole ticks, and its limits.
 
 use std::str::FromStr;
 
@@ -14,13 +14,13 @@ pub struct RunLength {
 pub struct RunLengthError(String);
 
 impl RunLength {
-    /// The longest run, in seconds: an hour, whose frames take 10 MB.
+    /// The longest run, in seconds. The frames of an hour take 10 MB.
     pub const LONGEST_S: u32 = 3600;
 
-    /// A length of 1 to `LONGEST_S` seconds, rounded to a tick.
+    /// A duration of 1 to `LONGEST_S` seconds, rounded to a whole tick.
     ///
     /// # Errors
-    /// When it is shorter, longer or not a number.
+    /// When `seconds` is outside these limits or not a number.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is within 1..=3600 seconds")]
     pub fn from_seconds(seconds: f64) -> Result<RunLength, RunLengthError> {
         if !(1.0..=f64::from(RunLength::LONGEST_S)).contains(&seconds) {

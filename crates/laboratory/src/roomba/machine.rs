@@ -1,4 +1,4 @@
-//! The Roomba's state machine: four states with their transitions. `phase` describes each state.
+//! The Roomba's state machine: four states and their transitions. The states themselves are described in `phase`.
 //!
 //! ```text
 //!               ┌───────── 20 s ─────────┐
@@ -14,7 +14,7 @@ use super::phase::{Motion, Phase, TURNS};
 use super::room::Velocity;
 use hallsweep_core::rng::RandomStream;
 
-/// State machine of seed 001.
+/// State machine of the original specification (seed 001).
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
     motion: Motion,
@@ -27,7 +27,7 @@ impl Machine {
         Machine { motion: Motion::begin(Phase::MoveForward, &mut turns), turns }
     }
 
-    /// Checks the bumper before the time, so that a wall met in the last tick still counts.
+    /// Checks the bumper before the time, so that a wall met in the last tick of a phase still counts.
     fn next(&self, bumper: bool) -> Option<Phase> {
         if self.motion.meets_wall(bumper) {
             return Some(Phase::GoBack);
@@ -57,7 +57,8 @@ impl Driver for Machine {
 mod tests {
     use super::*;
 
-    /// The states of this many ticks with the duration of each; `bumper` says in which ticks the bumper is pressed.
+    /// The states of the first `ticks` ticks, each with its duration. `bumper` says for each tick whether the bumper
+    /// is pressed.
     fn states(ticks: u32, bumper: impl Fn(u32) -> bool) -> Vec<(Phase, u32)> {
         let mut machine = Machine::new(1);
         let mut seen: Vec<(Phase, u32)> = Vec::new();

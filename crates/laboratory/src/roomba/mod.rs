@@ -1,13 +1,15 @@
-//! The Roomba of seed 001: a round robot in an empty room, driven by a state machine or by a behaviour tree with the same
-//! behaviour. It shares only arithmetic and random numbers with the hall and its mission.
+//! The Roomba of the original specification (seed 001): a round robot in an empty room. It is driven by a state
+//! machine or by a behaviour tree, which behave the same. Only arithmetic and random numbers are shared with the hall
+//! mission.
 //!
 //! ```text
 //!              ┌── machine ──┐  how fast?                 ┌─ drawing (SVG)
 //!  seed ─► phase             ├───────────► room ─► run ───┼─ compare
 //!              └── tree ─────┘  ◄── bumper ──            └─ floor (share passed over)
 //! ```
-//! There are sixty ticks per second. In each tick the driver is told whether a wall cut the last move short, and returns the
-//! speeds; then the body moves. `phase` describes each of the four phases. Machine and tree only know the order of the phases.
+//! There are sixty ticks per second. In each tick, the driver is told whether a wall cut the last move short, and
+//! returns the speeds. Then the body moves. Each of the four phases is described in `phase`. Machine and tree only
+//! know the order of the phases.
 
 mod compare;
 mod drawing;

@@ -1,5 +1,5 @@
-//! The four phases of the Roomba of seed 001, each with its speeds from beginning to end. The state machine and the behaviour
-//! tree decide which phase follows which.
+//! The four phases of the Roomba of the original specification (seed 001), with the speeds during each. The state
+//! machine and the behaviour tree decide which phase comes next.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,46 +9,46 @@ use hallsweep_core::rng::RandomStream;
 /// Speed forward and in a spiral, in metres per second (docs/laboratory.md).
 const FORWARD_SPEED: f64 = 0.5;
 
-/// Duration of MoveForward, in seconds: t1 of the seed.
+/// Duration of MoveForward, in seconds. It is t1 of the original specification.
 const FORWARD_S: u32 = 3;
 
-/// Duration of a spiral, in seconds: t2 of the seed.
+/// Duration of a spiral, in seconds. It is t2 of the original specification.
 const SPIRAL_S: u32 = 20;
 
-/// Radius at the beginning of a spiral, in metres: r0 of the seed.
+/// Radius at the beginning of a spiral, in metres. It is r0 of the original specification.
 const SPIRAL_START_M: f64 = 0.2;
 
-/// Growth of the radius of a spiral, in metres per second: b of the seed.
+/// How fast the radius of a spiral grows, in metres per second. It is b of the original specification.
 const SPIRAL_GROWTH: f64 = 0.05;
 
 /// Speed backward, in metres per second (docs/laboratory.md).
 const BACK_SPEED: f64 = 0.1;
 
-/// Duration of GoBack, in ticks: half a second, t3 of the seed.
+/// Duration of GoBack, in ticks: half a second. It is t3 of the original specification.
 const BACK_TICKS: u32 = TICKS_PER_SECOND / 2;
 
 /// Speed of a turn, in radians per second (docs/laboratory.md).
 const TURN_SPEED: f64 = 0.5;
 
-/// Random stream of the angles; one is drawn at the beginning of each turn.
+/// Name of the random stream of the angles. One angle is drawn at the beginning of each turn.
 pub(super) const TURNS: &str = "roomba turns";
 
-/// A phase is a state of the machine and a leaf of the tree.
+/// A phase of the Roomba's behaviour: a state of the machine, and also a leaf of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
     MoveForward,
     MoveInSpiral,
-    /// Drives straight back from the wall that was touched.
+    /// Drives straight back from the wall that the robot touched.
     GoBack,
-    /// Turns by an angle that is drawn at the beginning.
+    /// Turns by a random angle.
     Rotate,
 }
 
 impl Phase {
-    /// All phases, in the order of the seed.
+    /// All phases, in the order of the original specification.
     pub const ALL: [Phase; 4] = [Phase::MoveForward, Phase::MoveInSpiral, Phase::GoBack, Phase::Rotate];
 
-    /// The name on the page, in figures and in the file of the tree.
+    /// The name of the phase on the page, in figures and in the file of the tree.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -71,12 +71,12 @@ impl Phase {
 pub(super) struct Motion {
     pub(super) phase: Phase,
     pub(super) ticks: u32,
-    /// Angle of a turn, in radians in `-π..π`; `None` in other phases.
+    /// Angle of the turn, in radians in `-π..π`. `None` in other phases.
     pub(super) angle: Option<f64>,
 }
 
 impl Motion {
-    /// Begins a phase. Only a turn draws a random number here.
+    /// Begins a phase. Only `Rotate` draws a random number.
     pub(super) fn begin(phase: Phase, turns: &mut RandomStream) -> Motion {
         let angle = match phase {
             Phase::Rotate => Some(TAU * turns.fraction() - PI),
@@ -85,8 +85,8 @@ impl Motion {
         Motion { phase, ticks: 0, angle }
     }
 
-    /// Whether a wall ends the phase. In its first tick a phase ignores the bumper, since the wall was met in the phase before;
-    /// so each phase lasts at least one tick.
+    /// Whether a wall ends the phase. In its first tick, a phase ignores the bumper, because the phase before met
+    /// that wall. So each phase lasts at least one tick.
     pub(super) const fn meets_wall(&self, bumper: bool) -> bool {
         bumper && self.ticks > 0 && self.phase.heeds_bumper()
     }
@@ -100,19 +100,19 @@ impl Motion {
         }
     }
 
-    /// The speeds of the next tick. Counts the tick.
+    /// Returns the speeds of the next tick, and counts the tick.
     pub(super) fn tick(&mut self) -> Velocity {
         let velocity = match self.phase {
             Phase::MoveForward => Velocity { linear: FORWARD_SPEED, angular: 0.0 },
             Phase::MoveInSpiral => {
                 let radius = SPIRAL_START_M + SPIRAL_GROWTH * seconds(self.ticks);
-                // The body cannot turn that fast in the first second, while the radius is below 0.25 m: it drives a circle of
-                // 0.25 m instead.
+                // In the first second, the radius is below 0.25 m and the body cannot turn that fast. It then drives
+                // a circle of 0.25 m.
                 Velocity { linear: FORWARD_SPEED, angular: FORWARD_SPEED / radius }
             }
             Phase::GoBack => Velocity { linear: -BACK_SPEED, angular: 0.0 },
             Phase::Rotate => {
-                // The last tick turns by the remaining angle, so that the total is exact.
+                // The last tick turns by the angle that is left, so that the total is exact.
                 let step = self.left_to_turn().min(TURN_SPEED * TICK_S);
                 Velocity { linear: 0.0, angular: (step / TICK_S).copysign(self.angle.unwrap_or_default()) }
             }
@@ -121,7 +121,7 @@ impl Motion {
         velocity
     }
 
-    /// Absolute value of the angle left to turn, in radians.
+    /// The angle that is still to turn, in radians, without its sign.
     fn left_to_turn(&self) -> f64 {
         let whole = self.angle.map_or(0.0, f64::abs);
         (whole - TURN_SPEED * seconds(self.ticks)).max(0.0)
@@ -133,7 +133,7 @@ mod tests {
     use super::super::room::Body;
     use super::*;
 
-    /// The body after a whole phase from the middle of a room without walls near, and the duration in ticks.
+    /// Drives a whole phase from the middle of a room, far from walls. Returns the body and the duration in ticks.
     fn driven(mut motion: Motion) -> (Body, u32) {
         let mut body = Body::START;
         while !motion.is_over() {
@@ -178,8 +178,9 @@ mod tests {
         assert_eq!((body.pose, ticks), (Body::START.pose, 1));
     }
 
-    /// ω = v / (r0 + b·t) is more than 2 rad/s until r = v / 2 = 0.25 m, which is at t = (0.25 − 0.2) / 0.05 = 1 s. Until then
-    /// the body turns by 2 rad; from then on by ∫ v / (r0 + b·t) dt = (v / b) ln(r(20) / r(1)) = 10 ln(1.2 / 0.25).
+    /// ω = v / (r0 + b·t) is above 2 rad/s until r = v / 2 = 0.25 m, which is at t = (0.25 − 0.2) / 0.05 = 1 s. Until
+    /// then the body turns by 2 rad. After that it turns by ∫ v / (r0 + b·t) dt = (v / b) ln(r(20) / r(1)) = 10
+    /// ln(1.2 / 0.25).
     #[test]
     fn a_spiral_turns_at_most_by_what_the_body_can_in_its_first_second_and_by_the_integral_from_there() {
         let (mut motion, mut body, mut turned) = (of(Phase::MoveInSpiral), Body::START, 0.0);
@@ -194,12 +195,14 @@ mod tests {
         }
         assert_eq!(motion.ticks, 1200);
         assert!((after_a_second - 2.0).abs() < 1e-9, "{after_a_second}");
-        // The speed of a tick is that of its beginning, so the sum exceeds the integral by less than the first tick's share.
+        // Each tick uses the speed of its beginning. So the sum is greater than the integral, by less than the share
+        // of the first tick.
         let above = turned - 2.0 - 10.0 * (1.2_f64 / 0.25).ln();
         assert!((0.0..2.0 / 60.0).contains(&above), "{above}");
     }
 
-    /// With a fine enough clock the way is ∫ (cos θ, sin θ) v dt; θ(t) = 2t up to 1 s, then 2 + 10 ln((0.2 + 0.05 t) / 0.25).
+    /// With very short ticks, the path is ∫ (cos θ, sin θ) v dt. Here θ(t) = 2t up to 1 s, and later 2 + 10 ln((0.2 +
+    /// 0.05 t) / 0.25).
     #[test]
     fn a_spiral_ends_where_the_integral_of_its_curve_does() {
         let heading = |t: f64| if t < 1.0 { 2.0 * t } else { 2.0 + 10.0 * ((0.2 + 0.05 * t) / 0.25).ln() };

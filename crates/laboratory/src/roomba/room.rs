@@ -1,8 +1,8 @@
-//! The room of the Roomba and its body: where the body is after a tick at some speed, and when it touches a wall. The
-//! phases and the count of the floor are not known here.
+//! The room of the Roomba and its body: where the body is after one tick at given speeds, and when it touches a wall.
+//! Phases and the counting of the floor are elsewhere.
 //!
 //! ```text
-//!   (0, 0)  x ─►           The room is continuous: no cells. θ is 0 along x and grows clockwise, from x towards y,
+//!   (0, 0)  x ─►           The room has no cells. θ is 0 along x and grows clockwise, from x towards y,
 //!     ┌──────────────┐     so a negative angle turns counterclockwise as seen from above.
 //!   y │   ╭───╮      │     The centre of the body stays at least its radius from every wall.
 //!   ▼ │   │ ──► θ=0  │
@@ -22,7 +22,7 @@ pub(super) const ROOM_WIDTH_M: f64 = 4.8;
 /// Radius of the round body, in metres (docs/laboratory.md).
 pub(super) const RADIUS_M: f64 = 0.17;
 
-/// Number of ticks per second, in each of which the Roomba decides and moves (docs/laboratory.md).
+/// Number of ticks per second. In each tick the Roomba decides and moves once (docs/laboratory.md).
 pub(super) const TICKS_PER_SECOND: u32 = 60;
 
 /// Highest driving speed, in metres per second (docs/laboratory.md).
@@ -35,16 +35,17 @@ pub(super) const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Velocity {
-    /// Metres per second, forward; backward when negative.
+    /// Forward speed in metres per second. Negative is backward.
     pub(super) linear: f64,
-    /// Radians per second, with the sign of the angle.
+    /// Turning speed in radians per second. It has the same sign as the angle: positive is clockwise.
     pub(super) angular: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
     pub(super) pose: BodyPose,
-    /// Whether a wall cut the last move short. A body that stands or turns beside a wall does not press the bumper.
+    /// Whether a wall cut the last move short. A body that only stands or turns beside a wall does not press the
+    /// bumper.
     pub(super) bumper: bool,
 }
 
@@ -53,9 +54,11 @@ impl Body {
     pub(super) const START: Body =
         Body { pose: BodyPose { x_m: ROOM_LENGTH_M / 2.0, y_m: ROOM_WIDTH_M / 2.0, theta: 0.0 }, bumper: false };
 
-    /// The body after a tick at these speeds. A wall stops only the component of the move towards the wall.
+    /// The body after one tick at these speeds. A wall stops only the part of the move that is directed towards the
+    /// wall.
     pub(super) fn driven(self, velocity: Velocity) -> Body {
-        // Each speed is limited separately: a body told to turn too fast keeps its driving speed in a wider curve.
+        // Each speed is limited separately. If the body should turn too fast, it keeps its driving speed and drives a
+        // wider curve.
         let linear = velocity.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
         let angular = velocity.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR);
         let free = self.pose.after(linear, angular, TICK_S);

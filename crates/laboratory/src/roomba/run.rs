@@ -1,5 +1,5 @@
-//! A run of the Roomba in simulated time: its frames, its transitions and its figures. `drawing` draws a run, `compare` compares
-//! two.
+//! A run of the Roomba in simulated time: its frames, its transitions and its figures. `drawing` draws a run.
+//! `compare` compares two runs.
 
 use super::driver::Driver;
 use super::floor::{self, Floor};
@@ -20,35 +20,35 @@ pub enum Controller {
 pub struct Frame {
     /// Number of ticks since the start.
     pub tick: u32,
-    /// Pose, from the north-west corner of the room.
+    /// Pose of the body, measured from the north-west corner of the room.
     pub pose: BodyPose,
     pub phase: Phase,
     /// Whether a wall cut the move of this tick short.
     pub bumper: bool,
-    /// Number of squares of the floor passed over so far.
+    /// Number of floor squares that the body has passed over so far.
     pub passed: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// Number of ticks since the start when the new phase began.
+    /// Number of ticks from the start until the new phase began.
     pub tick: u32,
     pub from: Phase,
     pub to: Phase,
-    /// Angle of the turn, in radians in `-π..π`, when the new phase is a turn.
+    /// Angle of the turn, in radians in `-π..π`, if the new phase is a turn.
     pub angle: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     pub seconds: f64,
-    /// Way of the centre of the body, in metres.
+    /// Length of the path of the body's centre, in metres.
     pub path_m: f64,
     /// Number of phases that a wall ended.
     pub bumps: u32,
-    /// Number of squares of 5 cm whose centres the body passed over.
+    /// Number of squares of 5 cm of which the body passed over the centre.
     pub passed: u32,
-    /// Number of squares that a body can pass over: all squares except in the corners.
+    /// Number of squares that a body can pass over. Only squares in the corners are out of reach.
     pub reachable: u32,
     /// Duration of each phase in seconds, in the order of `Phase::ALL`.
     pub in_phase_s: [f64; 4],
@@ -57,9 +57,9 @@ pub struct Figures {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     pub controller: Controller,
-    /// Seed of the angles.
+    /// Seed of the random angles.
     pub seed: u64,
-    /// The start and every tick.
+    /// One frame for the start and one for each tick.
     pub frames: Vec<Frame>,
     pub transitions: Vec<Transition>,
     pub figures: Figures,
@@ -126,7 +126,8 @@ pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u
         let before = driver.motion().phase;
         let next = body.driven(driver.tick(body.bumper));
         let motion = driver.motion();
-        // A phase in its first tick has just begun. The first phase of the run is no transition, because it follows no other.
+        // A phase in its first tick has just begun. The first phase of the run is not a transition, because no phase
+        // was before it.
         if motion.ticks == 1 && tick > 0 {
             transitions.push(Transition { tick, from: before, to: motion.phase, angle: motion.angle });
         }

@@ -1,4 +1,4 @@
-//! Runs of the Roomba as the doors and the command line show them.
+//! Runs of the Roomba as the pages and the command line show them.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,17 +11,17 @@ use super::phase::Phase;
 use super::room::{RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, TICKS_PER_SECOND};
 use super::run::{Controller, Figures, Frame, Run, Transition};
 
-/// Interval of the frames, in ticks: fifteen per second make an even picture. The end of each phase is a frame too.
+/// Interval of the frames, in ticks. Fifteen frames per second look smooth. The end of each phase is a frame too.
 const FRAME_TICKS: u32 = TICKS_PER_SECOND / 15;
 
-/// Runs of one seed and one length: of the machine, of the tree, or of both.
+/// Runs with the same seed and duration: of the machine, of the tree, or of both.
 #[derive(Clone, Debug)]
 pub struct Roomba {
     seed: u64,
     runs: Vec<Run>,
 }
 
-/// Name of a figure, and its value in each run.
+/// Name of a figure, and its value in each of the runs.
 pub type FigureRow = (&'static str, Vec<String>);
 
 /// Runs of the Roomba: times in seconds, lengths in metres.
@@ -32,12 +32,12 @@ pub struct RoombaJson {
     seconds: f64,
     room: RoomJson,
     robot: BodyJson,
-    /// Names of the phases; the fifth number of a frame is an index of this list, from 0.
+    /// Names of the phases. The fifth number of a frame is an index into this list, counted from 0.
     phases: [&'static str; 4],
     runs: Vec<RunJson>,
-    /// Whether machine and tree made the same transitions; null for a single run.
+    /// Whether machine and tree made the same transitions. Null if there is only one run.
     same: Option<bool>,
-    /// Where and how the runs part, in words.
+    /// Where and how the two runs differ, in words.
     parting: Option<String>,
 }
 
@@ -48,7 +48,7 @@ pub struct RoombaJson {
 struct RoomJson {
     length_m: f64,
     width_m: f64,
-    /// Side of a square of the floor.
+    /// Side of a square of the floor, in metres.
     square_m: f64,
 }
 
@@ -69,8 +69,8 @@ struct RunJson {
     figures: FiguresJson,
 }
 
-/// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, index of the phase until then, and
-/// number of squares of the floor passed over.
+/// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, index of the phase that
+/// lasted until then, and number of floor squares passed over.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "RoombaFrame")]
 struct FrameJson(f64, f64, f64, f64, usize, u32);
@@ -82,7 +82,7 @@ struct TransitionJson {
     t: f64,
     from: &'static str,
     to: &'static str,
-    /// Angle of a turn, in radians in -π..π; null for other phases.
+    /// Angle of a turn, in radians in -π..π. Null for other phases.
     angle_rad: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ struct FiguresJson {
     bumps: u32,
     transitions: usize,
     passed_squares: u32,
-    /// Squares that a round body can pass over: all but those in the corners.
+    /// Number of squares that a round body can pass over: all except those in the corners.
     reachable_squares: u32,
     /// `passedSquares` divided by `reachableSquares`.
     share: f64,
@@ -107,15 +107,15 @@ impl Roomba {
         Roomba { seed, runs: controllers.iter().map(|controller| Run::new(*controller, seed, length)).collect() }
     }
 
-    /// Runs of machine and tree of this length, in seconds.
+    /// Runs the machine and the tree for this number of seconds.
     ///
     /// # Errors
-    /// When the length is not within 1 to `RunLength::LONGEST_S` seconds.
+    /// When `seconds` is not within 1 to `RunLength::LONGEST_S`.
     pub fn both(seed: u64, seconds: u32) -> Result<Roomba, RunLengthError> {
         Ok(Roomba::new(&Controller::ALL, seed, RunLength::from_seconds(f64::from(seconds))?))
     }
 
-    /// Name of each run, in order: `machine`, `tree`.
+    /// Name of each run, in the order of the runs.
     pub fn names(&self) -> Vec<&'static str> {
         self.runs.iter().map(|run| run.controller.name()).collect()
     }
@@ -132,7 +132,7 @@ impl Roomba {
         self.runs.len() > 1
     }
 
-    /// The point from which machine and tree differ, if both were run and differ.
+    /// The first difference between machine and tree, if both were run and they differ.
     pub fn parting(&self) -> Option<Parting> {
         match self.runs.as_slice() {
             [one, other] => parting(one, other),
@@ -140,12 +140,12 @@ impl Roomba {
         }
     }
 
-    /// One drawing with all runs side by side.
+    /// Draws all runs side by side.
     pub fn drawing(&self) -> String {
         svg(&self.runs.iter().collect::<Vec<_>>(), &English)
     }
 
-    /// A drawing of each run, in order, with these texts.
+    /// Draws each run by itself, in order, with these texts.
     pub fn drawings(&self, said: &dyn Words) -> Vec<String> {
         self.runs.iter().map(|run| svg(&[run], said)).collect()
     }
@@ -206,7 +206,7 @@ impl From<&Run> for RunJson {
 
 impl From<&Frame> for FrameJson {
     fn from(frame: &Frame) -> FrameJson {
-        // A tenth of a millimetre is finer than any drawing.
+        // Four decimals are a tenth of a millimetre. No drawing is finer.
         let short = |number: f64| (number * 10_000.0).round() / 10_000.0;
         let phase = Phase::ALL.iter().position(|phase| *phase == frame.phase).unwrap_or_default();
         FrameJson(

@@ -1,5 +1,5 @@
-//! Tests of the Roomba from the seed's test plan: the order and duration of phases in hundreds of runs, and machine and tree side
-//! by side.
+//! Tests of the Roomba from the test plan of the original specification. They check order and duration of phases in
+//! hundreds of runs, and compare machine and tree.
 
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -24,7 +24,7 @@ fn machine(seed: u64) -> Run {
     Run::new(Controller::Machine, seed, minutes(2.0))
 }
 
-/// The completed phases of a run: phase, duration in ticks, angle, and next phase.
+/// The completed phases of a run. Each has its phase, duration in ticks, angle, and the next phase.
 fn ended(run: &Run) -> impl Iterator<Item = (Phase, u32, Option<f64>, Phase)> {
     let before = std::iter::once((0, None)).chain(run.transitions.iter().map(|change| (change.tick, change.angle)));
     before.zip(&run.transitions).map(|((began, angle), change)| (change.from, change.tick - began, angle, change.to))
@@ -96,7 +96,7 @@ fn the_robot_never_leaves_the_room_nor_goes_faster_than_it_can() {
     }
 }
 
-/// Every frame is equal to the last bit, not only the transitions, their angles and times.
+/// Every frame must be equal to the last bit. Transitions, angles and times are equal then too.
 #[test]
 fn machine_and_tree_do_the_same_with_the_same_seed() {
     let mut turns = 0;
@@ -124,8 +124,8 @@ fn from_the_same_place_machine_and_tree_do_the_same_wherever_it_is() {
     }
 }
 
-/// Walls where no room has them: in the tick in which a phase ends by its time, in several ticks in a row, during GoBack and
-/// Rotate.
+/// Presses the bumper where no room has walls: in the last tick of a phase, in several ticks in a row, and during
+/// GoBack and Rotate.
 #[test]
 fn machine_and_tree_do_the_same_wherever_walls_are_met() {
     let mut chance = RandomStream::new(7, "walls");
@@ -160,7 +160,7 @@ fn the_figures_of_a_run_agree_with_its_frames() {
     assert_eq!(figures.seconds, 120.0);
     assert!((figures.in_phase_s.iter().sum::<f64>() - 120.0).abs() < 1e-9);
     let driving = figures.in_phase_s[0] + figures.in_phase_s[1];
-    // Half a metre per second forward and a tenth backward; each wall may take away a part of a tick.
+    // Forward speed is 0.5 m/s and backward speed 0.1 m/s. Each wall may cut off a part of one tick.
     let most = driving * 0.5 + figures.in_phase_s[2] * 0.1;
     assert!((most - 0.01 * f64::from(figures.bumps) - 0.01..=most + 1e-9).contains(&figures.path_m), "{figures:?}");
     assert!(figures.passed <= figures.reachable && figures.share() > 0.1);

@@ -1,5 +1,5 @@
-//! The Roomba's behaviour tree, `config/behaviours/roomba.xml`, and its four leaves. `phase` describes the leaves; the file has
-//! their order.
+//! The Roomba's behaviour tree, `config/behaviours/roomba.xml`, and its four leaves. Their order is in the file,
+//! while `phase` describes each leaf.
 
 use std::time::Duration;
 
@@ -9,14 +9,14 @@ use super::room::{TICKS_PER_SECOND, Velocity};
 use behaviour_trees::{Blackboard, Catalogue, Leaf, LeafKind, Leaves, Status, xml};
 use hallsweep_core::rng::RandomStream;
 
-/// The tree, as a file that the usual graphical editor opens.
+/// The tree, in the file format of the usual graphical editor.
 const FILE: &str = include_str!("../../../../config/behaviours/roomba.xml");
 
-/// Maximum number of ticks of the tree in one tick of the body. A tree that has ended is ticked once more, so that it begins
-/// again at once. Its first leaf, or the leaf after a wall, then runs for more than a tick.
+/// Maximum number of ticks of the tree in one tick of the body. A tree that has ended is ticked once more, so that it
+/// begins again immediately. Once is enough, because the leaf that then runs lasts for more than a tick.
 const ROUNDS: u32 = 2;
 
-/// Behaviour tree of seed 001.
+/// Behaviour tree of the original specification (seed 001).
 #[derive(Debug)]
 pub(super) struct Tree {
     tree: behaviour_trees::Tree,
@@ -24,7 +24,7 @@ pub(super) struct Tree {
     leaves: Wheels,
 }
 
-/// Performs the leaves, and stores the speeds that they request.
+/// Runs the leaves of the tree, and stores the speeds that they request.
 #[derive(Debug)]
 struct Wheels {
     motion: Motion,
@@ -56,7 +56,8 @@ impl Driver for Tree {
         for _ in 0..ROUNDS {
             match self.tree.tick(&mut self.blackboard, &mut self.leaves, passed) {
                 Ok(Status::Success | Status::Failure) => passed = Duration::ZERO,
-                // A fault halts the tree, and the body with it; leaves without ports have no faults.
+                // After a fault, tree and body stand still. A fault cannot happen here, because the leaves have no
+                // ports.
                 Ok(Status::Running | Status::Skipped | Status::Idle) | Err(_) => break,
             }
         }
@@ -70,12 +71,12 @@ impl Driver for Tree {
 
 impl Leaves for Wheels {
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        // The catalogue lists the phases in the same order, and has no other leaves.
+        // The catalogue contains exactly the phases, in the same order.
         let Some(phase) = Phase::ALL.get(leaf.kind()).copied() else { return Status::Failure };
         if leaf.is_starting() {
             self.motion = Motion::begin(phase, &mut self.turns);
         }
-        // The bumper is checked first, as in the machine: a wall met in the last tick still counts.
+        // The bumper is checked first, as in the state machine. So a wall that is met in the last tick still counts.
         if self.motion.meets_wall(self.bumper) {
             return Status::Failure;
         }
@@ -95,7 +96,7 @@ impl Leaves for Wheels {
 mod tests {
     use super::*;
 
-    /// The names of the running nodes after each of these ticks; each tick says whether the bumper is pressed.
+    /// The names of the running nodes after each tick. `ticks` says for each tick whether the bumper is pressed.
     fn told(ticks: &[bool]) -> Vec<String> {
         let mut tree = Tree::new(1);
         let mut told = Vec::new();

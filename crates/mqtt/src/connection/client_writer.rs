@@ -16,7 +16,7 @@ use crate::subscriber::Delivery;
 pub(super) struct ClientWriter {
     version: Version,
     reception: Reception,
-    /// Topics that have an alias, which is their index plus 1.
+    /// Topics that have an alias. The alias of a topic is its index plus 1.
     aliases: Vec<Arc<str>>,
 }
 
@@ -63,8 +63,8 @@ impl ClientWriter {
         true
     }
 
-    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP. The reason code is left out in MQTT 3.1.1, which has none, and for a
-    /// success without words.
+    /// Writes a PUBACK, PUBREC, PUBREL or PUBCOMP. The reason code is left out in MQTT 3.1.1, which has none. It is
+    /// also left out for a success without a reason in words.
     pub(super) fn ack(&self, kind: PacketKind, id: u16, reason: Reason, words: &str, out: &mut Outbox) {
         if self.version == Version::Three || reason == Reason::Success && words.is_empty() {
             return write::ack(out.end(), kind, id);
@@ -78,7 +78,8 @@ impl ClientWriter {
         }
     }
 
-    /// The reason in words; `None` unless the client asked for reasons in words and accepts packets of that length.
+    /// Returns the reason in words, or `None` unless the client asked for such reasons and accepts packets of that
+    /// length.
     pub(super) fn words<'a>(&self, words: &'a str) -> Option<&'a str> {
         let is_wanted = self.reception.wants_words && self.reception.largest > WITH_WORDS;
         (is_wanted && !words.is_empty()).then_some(words)

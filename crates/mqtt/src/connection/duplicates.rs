@@ -1,5 +1,5 @@
-//! Which messages of a client were handled before. A command counts as a duplicate only if its sender marks it as
-//! one and every byte is the same, so that no urgent command is lost here.
+//! Remembers which messages of a client were handled before. A command counts as a duplicate only if its sender marks
+//! it as one, and its id, topic and payload are the same. So no urgent command is lost here.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -29,20 +29,21 @@ impl Duplicates {
         self.unreleased
     }
 
-    /// Whether this message of QoS 2 repeats one that was not released yet (section 4.3.3).
+    /// Whether this message of QoS 2 repeats a message that the client has not released yet (section 4.3.3).
     pub(super) fn is_unreleased(&self, publish: &Publish<'_>) -> bool {
         publish.qos == Qos::Two && self.unreleased.contains_key(&publish.id)
     }
 
-    /// Whether a command with this fingerprint was heard before. False unless its sender marks the message as a
-    /// duplicate.
+    /// Whether this command was handled before: its sender marks it as a duplicate, and its id and fingerprint are
+    /// known.
     pub(super) fn was_heard(&self, publish: &Publish<'_>, print: u64) -> bool {
         publish.is_duplicate
             && (self.commands.contains(&(publish.id, print))
                 || publish.qos == Qos::Two && self.unreleased.get(&publish.id) == Some(&print))
     }
 
-    /// Notes that a message was handled, so that its repetition is recognised; `print` is the fingerprint of a command.
+    /// Notes that a message was handled, so that its repetition is recognised. `print` is the fingerprint if it is a
+    /// command.
     pub(super) fn handled(&mut self, publish: &Publish<'_>, print: Option<u64>) -> Result<(), Ended> {
         match (publish.qos, print) {
             (Qos::One, Some(print)) => {

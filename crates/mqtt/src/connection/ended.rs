@@ -28,7 +28,7 @@ pub enum Ended {
     /// More than `limits::UNRELEASED` messages of QoS 2 wait for the client's PUBREL.
     #[error("the client has more than {UNRELEASED} messages of QoS 2 that it has not released")]
     Unreleased,
-    /// The client used more than its share of something, such as the room for answers that it does not read.
+    /// The client used more than its share of something, such as the room for unread answers.
     #[error("the client has more than {most} {what}")]
     TooMuch {
         /// The thing that the client has too much of, in the plural.
@@ -39,7 +39,7 @@ pub enum Ended {
     /// Another connection came with the same client id, so the older one ends (section 3.1.4).
     #[error("another connection came with the same client id")]
     TakenOver,
-    /// The connection had to make room for others; data that waited to be sent is dropped.
+    /// The connection had to make room for others. Data that waited to be sent is dropped.
     #[error("the connection was closed because there were too many connections or too much unread data")]
     GaveWay,
     /// The client's key was removed or is no longer valid, so the client's session ends as well.

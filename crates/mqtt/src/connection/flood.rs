@@ -10,14 +10,15 @@ use crate::limits::{CLIENT_ROOM, NO_FLOOD, STILL, STILL_SHORTEST};
 pub(super) struct Flood {
     since: Duration,
     passed: u64,
-    /// Number of waits in vain in succession, each less than a second after the one before.
+    /// Number of failed waits in a row, each less than a second after the one before. A wait fails if it ends while a
+    /// subscriber is still behind.
     in_vain: u32,
-    /// Time of the last wait in vain.
+    /// Time of the last failed wait.
     waited_at: Duration,
 }
 
 impl Flood {
-    /// Counts messages passed on by `now`. Returns whether more than `NO_FLOOD` were passed on within one second.
+    /// Counts `passed` further messages. Returns whether more than `NO_FLOOD` were passed on within one second.
     pub(super) fn handle_passed(&mut self, passed: u64, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= Duration::from_secs(1) {
             (self.since, self.passed) = (now, 0);
@@ -31,9 +32,9 @@ impl Flood {
         self.waited_at = now;
     }
 
-    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before, so all
-    /// waits together are less than twice the first, however many subscribers stop reading. They have to be short, since
-    /// an urgent message of this client may come next.
+    /// How long to wait for the next subscriber that does not read. Each wait is half as long as the one before, so
+    /// all waits together are less than twice the first, however many subscribers stop reading. Waits have to be
+    /// short, because an urgent message of this client may come next.
     pub(super) fn still(&mut self, now: Duration) -> Duration {
         if now.saturating_sub(self.waited_at) >= Duration::from_secs(1) {
             self.in_vain = 0;
@@ -44,22 +45,22 @@ impl Flood {
 }
 
 impl ClientConnection {
-    /// Call this after every event. It notes whether this client reads nothing, in which case publishers wait for it
-    /// only briefly.
+    /// Notes whether this client has stopped reading. Publishers wait only briefly for a client that has. Call this
+    /// after every event.
     pub fn note_room(&self, now: Duration) {
         let is_full = self.to_client.len() >= CLIENT_ROOM;
         self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);
     }
 
-    /// The end of the wait for the subscribers of [`ClientConnection::poll_behind`], unless they catch up before. Ask
-    /// again at that time.
+    /// When to stop waiting for the subscribers that [`ClientConnection::poll_behind`] returned. If they are still
+    /// behind then, call [`ClientConnection::handle_waited`].
     #[must_use]
     pub fn waits_until(&mut self, now: Duration) -> Duration {
         now + self.flood.still(now).max(STILL_SHORTEST)
     }
 
-    /// Ends a wait for subscribers that are still behind. A subscriber that was waited for long enough is not waited
-    /// for again for a while.
+    /// Ends a wait for subscribers that are still behind. Publishers do not wait again for a while for a subscriber
+    /// for which they have waited long enough.
     pub fn handle_waited(&mut self, now: Duration) {
         let still = self.flood.still(now);
         let behind = self.routes.behind(now);
@@ -74,7 +75,8 @@ impl ClientConnection {
 mod tests {
     use super::*;
 
-    /// An ordinary client's messages, and urgent ones above all, are read at once.
+    /// The messages of a client that publishes at an ordinary rate are read at once. This matters most for urgent
+    /// ones.
     #[test]
     fn only_whoever_says_much_within_a_second_publishes_in_a_flood() {
         let mut flood = Flood::default();

@@ -1,6 +1,6 @@
-//! Retained messages on their way to one client: one filter after the other, and no more at once than the client takes.
-//! Each message is looked up just before it is sent. So the client gets the newest one, and nothing is stored for a
-//! client that does not read.
+//! Sends retained messages to one client, one filter after the other, and only while the client has room. Each
+//! message is looked up just before it is sent. So the client gets the newest one, and nothing is stored for a client
+//! that does not read.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::subscriber;
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {
     waiting: VecDeque<Delivery>,
-    /// Whether the next message waits for acknowledgements.
+    /// Whether the next message has to wait until earlier ones are acknowledged.
     is_held_up: bool,
 }
 
@@ -27,20 +27,20 @@ pub(super) struct Deliveries {
 struct Delivery {
     walk: Walk,
     grant: Grant,
-    /// Whether the client was connected when the message was published, and missed it.
+    /// Whether the client was subscribed when the messages were published, and missed some of them.
     is_missed: bool,
 }
 
 impl Deliveries {
-    /// Starts to send all retained messages that match a filter. An unfinished delivery for the same filter is given
-    /// up.
+    /// Starts to send all retained messages that match a filter. An unfinished delivery for the same filter is
+    /// stopped.
     pub(super) fn start(&mut self, filter: Arc<str>, grant: Grant) {
         self.stop(&filter);
         self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), grant, is_missed: false });
     }
 
-    /// Sends the messages again that were retained for a filter after this stamp. Does nothing if a delivery for the
-    /// filter is under way.
+    /// Starts to send the messages again that match a filter and were retained after the stamp `since`. Does nothing
+    /// if a delivery for the filter is under way.
     pub(super) fn repeat(&mut self, filter: Arc<str>, grant: Grant, since: u64) {
         if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
             self.waiting.push_back(Delivery { walk: Walk::new(filter, since), grant, is_missed: true });
@@ -56,7 +56,7 @@ impl Deliveries {
         !self.waiting.is_empty() && !self.is_held_up
     }
 
-    /// Sends the client as many messages as it has room for, and examines `KEPT_STEPS` at most.
+    /// Sends as many messages as the client has room for. Examines at most `KEPT_STEPS` retained messages.
     pub(super) fn fill(
         &mut self,
         retained: &Retained,

@@ -1,20 +1,21 @@
-//! The program's interface for commands: the listener that hears them, and what is known of a packet before the gate
-//! handles it. What becomes of a message afterwards stands in `publishing`.
+//! The program's interface for commands: a listener that receives them, and marks that describe a packet before it is
+//! handled. `publishing` decides what happens to a message afterwards.
 
-/// A counter with which the listener stamps incoming packets, to tell packets before an urgent message from packets
-/// after it. The gate does not interpret the counter.
+/// A counter of the listener, stored with each incoming packet. It shows whether a packet arrived before or after an
+/// urgent message. The broker does not interpret the counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Epoch(pub u64);
 
 /// The contents of a PUBLISH, as far as they can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Said<'a> {
-    /// The bytes of its topic, which need not be UTF-8. For a packet with only a topic alias, the topic that the
-    /// alias stands for.
+    /// The bytes of its topic, which need not be UTF-8. If the packet has only a topic alias, this is the topic that
+    /// the alias stands for.
     pub topic: &'a [u8],
-    /// The part of its payload that has arrived.
+    /// The part of its payload that has arrived so far.
     pub payload: &'a [u8],
-    /// `None`: MQTT 3.1.1, no response topic, or one that has not arrived yet.
+    /// Where to send an answer. `None` in MQTT 3.1.1, without a response topic, or while the response topic has not
+    /// arrived.
     pub answer_to: Option<AnswerTo<'a>>,
 }
 
@@ -27,21 +28,22 @@ pub struct AnswerTo<'a> {
     pub correlation: Option<&'a [u8]>,
 }
 
-/// Hears the commands of one connection, and knows their sender.
+/// Receives the commands of one connection, and knows their sender.
 pub trait Listener: Send + Sync {
-    /// Acts at once if this message is urgent, ahead of all waiting messages and whatever else is wrong with it.
-    /// Returns whether it is urgent. The packet need not have arrived beyond the part that names the command.
+    /// Acts at once if this message is urgent, ahead of all waiting messages and even if the message is malformed.
+    /// Returns whether it is urgent. Only the part of the packet that names the command need have arrived.
     fn hear_urgent(&self, said: Said<'_>) -> bool;
 
-    /// Hears a message on a topic of commands that is not urgent: once, in the order of sending, before any subscriber
-    /// gets it. `arrived` is the epoch in which it arrived, and `is_again` says whether it was sent before.
+    /// Receives a message on a topic of commands that is not urgent. Called once for each message, in the order of
+    /// sending, before any subscriber gets the message. `arrived` is the epoch in which the message arrived, and
+    /// `is_again` says whether it was sent before.
     fn hear(&self, topic: &str, said: Said<'_>, arrived: Option<Epoch>, is_again: bool) -> CommandDecision;
 
     /// The epoch that began with the latest urgent message.
     fn epoch(&self) -> Epoch;
 }
 
-/// Whether a message that was heard goes on to subscribers. Urgent messages always do.
+/// Whether a command is passed on to its subscribers. Urgent commands always are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandDecision {
     /// The message goes on to its subscribers, and is not retained.
@@ -50,15 +52,15 @@ pub enum CommandDecision {
     Forbidden,
 }
 
-/// What is known of a packet before it is handled.
+/// Describes a packet before the packet is handled.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     /// Where the packet begins, in bytes since the CONNECT.
     pub begins: u64,
-    /// The epoch in which this packet arrived, and all packets after it up to the next mark. For an urgent message, the
-    /// epoch that the message began.
+    /// The epoch in which this packet and all packets up to the next mark arrived. For an urgent message, the epoch
+    /// that begins with the message.
     pub epoch: Epoch,
-    /// Whether the message was urgent and was heard on arrival. If so, it is not heard again when its packet is
-    /// handled.
+    /// Whether the message was urgent and the listener acted on it on arrival. If so, the listener does not get the
+    /// message again when its packet is handled.
     pub heard_ahead: bool,
 }

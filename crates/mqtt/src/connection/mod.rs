@@ -1,5 +1,5 @@
 //! One connection after its CONNECT was accepted: the client's bytes go in, and bytes for the client come out. The
-//! connection reads no clock and no socket. The program moves the bytes, and keeps them from piling up.
+//! connection reads no clock and no socket. The program moves the bytes, and limits how many wait.
 
 mod client_writer;
 mod duplicates;
@@ -54,17 +54,18 @@ pub struct Terms {
     pub name: Arc<str>,
     /// Whether `name` is the name of a key, which has its own share of the retained messages.
     pub has_key: bool,
-    /// Hears the client's commands before any subscriber gets them.
+    /// Receives the client's commands before any subscriber gets them.
     pub listener: Arc<dyn Listener>,
     /// The client's CONNECT. Remove the will unless [`Broker::may_leave_will`] allows it.
     pub connect: Connect,
-    /// The client's session from earlier connections; the default if there is none or it is not to be continued.
+    /// The client's session from earlier connections. The default if there is none, or if it is not to be continued.
     pub session: Session,
     /// The bytes to send to the client first: the CONNACK, or the rest of it.
     pub greeting: Bytes,
 }
 
-/// One client's connection. The owner of the socket calls a `handle_…` after each event, and then each `poll_…`.
+/// One client's connection. After each event, the owner of the socket calls a `handle_…` function and then every
+/// `poll_…` function.
 pub struct ClientConnection {
     tier: Tier,
     payer: Payer,
@@ -82,11 +83,11 @@ pub struct ClientConnection {
     aliases: HashMap<u16, Arc<[u8]>>,
     routes: Routes,
     flood: Flood,
-    /// Bytes of the client that were handled since its CONNECT.
+    /// Number of the client's bytes that were handled since its CONNECT.
     taken: u64,
-    /// Marks of later packets, in the order of these packets.
+    /// Marks of packets that were not handled yet, in the order of these packets.
     marks: VecDeque<Mark>,
-    /// The epoch in which the packet being handled arrived; `None`: there was no mark yet.
+    /// The epoch in which the packet being handled arrived; `None` before the first mark.
     arrived: Option<Epoch>,
     duplicates: Duplicates,
     subscription: Subscription,
@@ -96,8 +97,8 @@ pub struct ClientConnection {
 }
 
 impl ClientConnection {
-    /// A connection that was just accepted. `now` is on the clock of all later calls. Messages that waited for the
-    /// client's session go out at once.
+    /// Creates the connection of a client that was just accepted. `now` is on the clock of all later calls. Messages
+    /// that waited in the client's session go out at once.
     #[must_use]
     pub fn new(terms: Terms, broker: Arc<Broker>, now: Duration) -> ClientConnection {
         let version = terms.connect.version();
@@ -139,10 +140,10 @@ impl ClientConnection {
         }
     }
 
-    /// Stores what is known of a packet. Call it in the order of the packets, before the marked packet is handled.
+    /// Stores a mark for a packet. Call this in the order of the packets, before the marked packet is handled.
     pub fn handle_mark(&mut self, mark: Mark) {
-        // Marks of handled packets are dropped, since a client could send for ever packets whose marks are never looked
-        // up.
+        // Drops the marks of handled packets. Otherwise they could pile up for ever, because the marks of some
+        // packets are never looked up.
         while self.next_mark(|begins, taken| begins < taken).is_some() {}
         self.marks.push_back(mark);
     }
@@ -192,26 +193,27 @@ impl ClientConnection {
         outcome
     }
 
-    /// Call this when [`Subscriber::poll_come`] is ready.
+    /// Sends waiting messages. Call this when [`Subscriber::poll_come`] is ready.
     pub fn handle_come(&mut self, now: Duration) {
         self.now = now;
         self.deliver();
     }
 
-    /// Call this when bytes of [`ClientConnection::to_client`] were sent: there may be room for more.
+    /// Sends waiting messages. Call this when bytes of [`ClientConnection::to_client`] were sent, because there may
+    /// be room for more.
     pub fn handle_drained(&mut self, now: Duration) {
         self.now = now;
         self.deliver();
     }
 
-    /// Whether [`ClientConnection::handle_drained`] has more to do now, although nothing was sent: its last turn was
-    /// used up.
+    /// Whether to call [`ClientConnection::handle_drained`] again now, although nothing was sent. It stopped because
+    /// it had done all the work that is allowed in one turn.
     #[must_use]
     pub fn wants_turn(&self) -> bool {
         self.to_client.len() < KEPT_ROOM && self.deliveries.goes_on()
     }
 
-    /// Call this at the time of [`ClientConnection::poll_timeout`].
+    /// Checks how long the client was silent. Call this at the time of [`ClientConnection::poll_timeout`].
     ///
     /// # Errors
     /// `Ended::Idle` when the client was silent for too long.
@@ -219,8 +221,8 @@ impl ClientConnection {
         if now >= self.heard_at + self.silence { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// Ends the connection: tells a client of MQTT 5 why, and publishes the client's will, at once or after its delay.
-    /// When the program ends, no will is published: no client would receive it, and the client has not gone.
+    /// Ends the connection. Tells a client of MQTT 5 why, and publishes the client's will, at once or after its
+    /// delay. When the program ends, no will is published: no client would receive it, and the client has not gone.
     pub fn handle_end(&mut self, why: Ended, now: Duration) {
         self.now = now;
         if why == Ended::NotKnown {
@@ -228,7 +230,8 @@ impl ClientConnection {
             self.session_expiry_s = 0;
         }
         if why == Ended::GaveWay && !self.to_client.is_empty() {
-            // The waiting bytes may be the reason for the end, and no packet can follow half a message.
+            // The waiting bytes may be the reason for the end, so they are dropped. No DISCONNECT follows them,
+            // because a packet may have been sent in part.
             self.to_client.clear();
         } else if let Some(reason) = why.reason() {
             self.writer.disconnect(reason, &why.to_string(), &mut self.to_client);
@@ -248,13 +251,13 @@ impl ClientConnection {
         }
     }
 
-    /// The bytes for the client. Call [`ClientConnection::handle_drained`] each time that some of them were sent.
+    /// The bytes for the client. Call [`ClientConnection::handle_drained`] each time after sending some of them.
     pub const fn to_client(&mut self) -> &mut Outbox {
         &mut self.to_client
     }
 
-    /// The subscribers for which to wait before more packets of this client are handled. Empty unless the client
-    /// publishes in a flood. Call this after every event.
+    /// The subscribers that are behind. Wait for them before handling more packets of this client. Empty unless the
+    /// client publishes in a flood. Call this after every event.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Subscriber>> {
         self.note_room(now);
         let passed = self.routes.take_passed();
@@ -269,14 +272,15 @@ impl ClientConnection {
         behind
     }
 
-    /// The queue of messages for this client that have not gone out yet. Call `handle_come` when its `poll_come` is
-    /// ready.
+    /// The queue of messages for this client that have not gone out yet. Call `handle_come` when the queue's
+    /// `poll_come` is ready.
     #[must_use]
     pub fn subscriber(&self) -> Arc<Subscriber> {
         Arc::clone(self.subscription.subscriber())
     }
 
-    /// The time at which the client will have been silent for too long, if nothing arrives before.
+    /// When to call [`ClientConnection::handle_timeout`]: the client has then been silent for too long, if no packet
+    /// arrives before.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
         self.heard_at + self.silence
@@ -336,7 +340,7 @@ impl ClientConnection {
         ack::read(body, kind, self.writer.version())
     }
 
-    /// Handles a DISCONNECT. It may change how long the session lasts, but cannot begin one (MQTT 5, section
+    /// Handles a DISCONNECT. It may change how long the session lasts, but cannot begin a session (MQTT 5, section
     /// 3.14.2.2.2).
     fn leave(&mut self, body: &[u8]) -> Ended {
         let disconnect = match disconnect::read(body, self.writer.version()) {
@@ -354,16 +358,16 @@ impl ClientConnection {
 
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
-        // A client that leaves many answers unread would not notice a missing one.
+        // A client that leaves many answers unread gets no PINGRESP: it would not notice that one is missing.
         if self.to_client.len() < CLIENT_ROOM {
             self.to_client.end().extend_from_slice(&write::PINGRESP);
         }
         Ok(())
     }
 
-    /// Fills the outbox while there is room. First come messages of earlier connections without acknowledgement, and
-    /// retained messages for new subscriptions; then the queue; then the newest retained messages on topics where the
-    /// client missed something.
+    /// Fills the outbox while there is room. First come unacknowledged messages of earlier connections, and retained
+    /// messages for new subscriptions. The queue comes next. Last come the newest retained messages on topics where
+    /// the client missed something.
     fn deliver(&mut self) {
         self.unacknowledged.resend(&mut self.writer, &mut self.to_client, self.now);
         self.fill();
@@ -383,7 +387,7 @@ impl ClientConnection {
     }
 
     /// Sends the newest retained message of each topic on which the client missed something, once its queue is empty.
-    /// These messages are sent as to a client that was subscribed all the time.
+    /// The client was subscribed all the time, so these are sent like new messages.
     fn catch_up(&mut self) {
         let subscriber = self.subscription.subscriber();
         if !subscriber.is_empty() {

@@ -1,5 +1,4 @@
-//! PUBLISH packets of a client, its will, and its acknowledgements. What becomes of a message on each topic stands in
-//! `routes`.
+//! Handles a client's PUBLISH packets, its will, and its acknowledgements. `routes` decides where a message goes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,7 +16,7 @@ use crate::packet::reason::Reason;
 use crate::packet::{Qos, Version, text};
 use crate::rights::Tier;
 
-/// What became of a message, as a reason code and words for a sender that uses MQTT 5.
+/// What became of a message: a reason code and a text, for a sender that uses MQTT 5.
 #[derive(Clone, Debug)]
 struct Told {
     reason: Reason,
@@ -29,8 +28,8 @@ const TAKEN: Told = Told { reason: Reason::Success, words: String::new() };
 const NOT_KEPT: &str = "the message was delivered but not retained, because there are too many retained messages";
 
 impl ClientConnection {
-    /// Handles a PUBLISH; `packet` is the whole packet. The acknowledgement is sent whatever becomes of the message
-    /// (section 3.3.5); in MQTT 5 it says what became of it.
+    /// Handles a PUBLISH; `packet` is the whole packet. An acknowledgement is sent even if the message is dropped
+    /// (section 3.3.5). In MQTT 5 the acknowledgement says what became of the message.
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let publish = publish::read(frame, packet, self.writer.version())?;
         let named = self.named(publish)?;
@@ -50,8 +49,8 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// The topic that the topic alias stands for (MQTT 5, section 3.3.2.3.4); `None` if the packet itself names its
-    /// topic.
+    /// Returns the topic that the packet's topic alias stands for (MQTT 5, section 3.3.2.3.4); `None` if the packet
+    /// itself names its topic.
     fn named(&mut self, mut publish: Publish<'_>) -> Result<Option<Arc<[u8]>>, Malformed> {
         // A message with larger properties is refused, so it sets no alias.
         let is_taken = publish.properties.bytes().len() <= PROPERTIES;
@@ -97,8 +96,8 @@ impl ClientConnection {
         Ok(self.forward(publish, publish.retain))
     }
 
-    /// Passes a message on to the readers of the last route's topic, and first retains it if `retain` is set: so a
-    /// subscriber who arrives between the two steps finds it there.
+    /// Passes a message on to the readers of the topic that was routed last. If `retain` is set, the message is
+    /// retained first, so that a client that subscribes between the two steps gets it.
     fn forward(&mut self, publish: &Publish<'_>, retain: bool) -> Told {
         let publisher = self.subscription.subscriber().id();
         let is_read = self.routes.is_read(publisher, &self.broker);
@@ -126,8 +125,8 @@ impl ClientConnection {
         Told { reason, words: NOT_KEPT.to_owned() }
     }
 
-    /// Hears a message on a topic of commands. Checks that could fail for lack of room come later, so an urgent command
-    /// is always heard.
+    /// Passes a message on a topic of commands to the listener. Checks that could fail for lack of room come later,
+    /// so an urgent command always takes effect.
     fn hear(&mut self, publish: &Publish<'_>) -> Result<Told, Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.broker.print((publish.topic, publish.payload));
@@ -152,7 +151,8 @@ impl ClientConnection {
         Ok(told)
     }
 
-    /// Passes a heard message on to its readers. A failure does not affect the command, which was heard before.
+    /// Passes a command on to its readers. A failure does not affect the command itself, which the listener already
+    /// has.
     fn pass_on(&mut self, publish: &Publish<'_>, topic: &str) -> Result<(), Dropped> {
         filter::topic(topic).map_err(Dropped::Unfit)?;
         if publish.properties.bytes().len() > PROPERTIES {
@@ -164,8 +164,8 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// Returns whether the packet being handled was heard on arrival, so that it is not heard again. Notes the packet's
-    /// epoch.
+    /// Returns whether the listener acted on this packet on arrival, so that it does not get the packet again. Notes
+    /// the packet's epoch.
     fn heard_ahead(&mut self) -> bool {
         let mut heard_ahead = false;
         while let Some(mark) = self.next_mark(|begins, taken| begins <= taken) {
@@ -174,8 +174,8 @@ impl ClientConnection {
         heard_ahead
     }
 
-    /// Removes and returns the next mark if `is_there(mark.begins, taken)` holds. Packets handled from here on get the
-    /// epoch of that mark.
+    /// Removes and returns the next mark if `is_there(mark.begins, taken)` holds. Packets handled from here on get
+    /// the epoch of that mark.
     pub(super) fn next_mark(&mut self, is_there: impl Fn(u64, u64) -> bool) -> Option<Mark> {
         let mark = self.marks.front().copied().filter(|mark| is_there(mark.begins, self.taken))?;
         self.marks.pop_front();
@@ -193,8 +193,8 @@ impl ClientConnection {
         Ok(why.told())
     }
 
-    /// Whether a message need not be released: in MQTT 5 a refused message of QoS 2 ends at once, since its sender is
-    /// told (section 4.3.3).
+    /// Whether a message of QoS 2 needs no PUBREL. In MQTT 5 a refused message ends at once, because the PUBREC tells
+    /// its sender (section 4.3.3).
     fn need_not_be_released(&self, publish: &Publish<'_>, is_refused: bool) -> bool {
         is_refused && publish.qos == Qos::Two && self.writer.version() == Version::Five
     }

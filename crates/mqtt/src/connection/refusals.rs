@@ -1,5 +1,5 @@
-//! Logs what a client was refused: the first refusal, and then the second, fourth, eighth and so on. A client may go on
-//! for ever, and reconnect at will.
+//! Logs refusals of a client: the first, and then the second, fourth, eighth and so on. The log is limited because a
+//! client may go on for ever, and reconnect at will.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,7 +14,7 @@ const LINES: u32 = 20;
 /// The period for which `LINES` are counted.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// The end of the current period, and the number of lines requested in it for all clients.
+/// The end of the current period, and the number of lines that all clients together requested in it.
 #[derive(Debug, Default)]
 pub(crate) struct Lines(Mutex<(Duration, u32)>);
 
@@ -53,7 +53,7 @@ impl Refusals {
 mod tests {
     use super::*;
 
-    /// Safety A5: however many come, and however often.
+    /// Safety A5: the number of lines is bounded, however many refusals there are.
     #[test]
     fn so_many_lines_are_written_in_a_while_and_no_more() {
         let (lines, at) = (Lines::default(), Duration::from_secs);

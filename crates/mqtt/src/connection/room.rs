@@ -12,8 +12,8 @@ impl ClientConnection {
         self.to_client.own() + queue + size_of::<Mark>() * self.marks.len()
     }
 
-    /// Size in bytes of messages that wait for this client or for its acknowledgement, and that other clients may
-    /// share.
+    /// Size in bytes of the messages that wait for this client or for its acknowledgement. Other clients may share
+    /// these messages.
     #[must_use]
     pub fn shared(&self) -> usize {
         self.to_client.len() - self.to_client.own() + self.subscription.subscriber().bytes() + self.unacknowledged.bytes()

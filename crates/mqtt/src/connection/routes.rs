@@ -1,4 +1,4 @@
-//! What becomes of a message on each topic, and who receives it.
+//! Decides what becomes of a message on each topic, and who receives it.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,7 +20,7 @@ pub(super) enum Route {
     Pass,
     /// The topic may carry a command; the listener decides.
     Hear,
-    /// The message is acknowledged and goes nowhere.
+    /// The message is acknowledged, but nobody receives it.
     Drop(Dropped),
 }
 
@@ -44,7 +44,7 @@ impl Dropped {
     }
 }
 
-/// The latest topic and its route, cached because many clients publish on one topic only.
+/// The latest topic and its route. They are cached because many clients publish on one topic only.
 #[derive(Debug)]
 pub(super) struct Routes {
     topic: Arc<str>,
@@ -52,12 +52,12 @@ pub(super) struct Routes {
     /// The topic's readers, as of `generation`.
     readers: TopicReaders,
     generation: Option<u64>,
-    /// Whether messages were sent since the last check which readers are behind.
+    /// Whether messages were sent since the readers were last checked for being behind.
     is_unsettled: bool,
-    /// Messages for readers since the last `take_passed`. A long message counts more than once ([`LONG`]).
+    /// Number of messages passed on since the last `take_passed`. A long message counts more than once ([`LONG`]).
     passed: u64,
     piece: usize,
-    /// Readers that were found behind after something was published for them.
+    /// Readers that were found behind after a message was sent to them.
     behind: Vec<Arc<Subscriber>>,
 }
 
@@ -111,8 +111,8 @@ impl Routes {
         self.is_unsettled = true;
     }
 
-    /// Checks which readers of the last messages are behind: only once per topic or turn, since this takes the readers'
-    /// locks.
+    /// Checks which readers of the last messages are behind. This takes the readers' locks, so it is done only once
+    /// per topic or turn.
     pub(super) fn settle(&mut self) {
         if !std::mem::take(&mut self.is_unsettled) {
             return;
@@ -124,7 +124,8 @@ impl Routes {
         }
     }
 
-    /// Whether at least `PIECE` was passed on since the last `true`, so that lagging readers have to be looked for.
+    /// Whether at least `PIECE` bytes were passed on since this last returned true. If so, readers have to be checked
+    /// for being behind.
     pub(super) const fn take_piece(&mut self) -> bool {
         let is_piece = self.piece >= PIECE;
         if is_piece {

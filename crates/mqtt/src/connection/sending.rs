@@ -1,6 +1,6 @@
-//! Messages on their way to one client, and messages that it has not acknowledged, which go out again in the next
-//! connection of its session (section 4.4). `client_writer` writes them. Which messages go out, and when, is not
-//! decided here.
+//! Sends messages to one client, and stores the messages that the client has not acknowledged. Those go out again in
+//! the next connection of the client's session (section 4.4). `client_writer` writes the packets. This file does not
+//! decide which messages go out, and when.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -33,7 +33,7 @@ struct Sent {
     id: u16,
     cause: Cause,
     qos: Qos,
-    /// `None`: the client has the message, and only its PUBCOMP is missing.
+    /// `None` if the client has received the message, and only its PUBCOMP is missing.
     delivery: Option<Delivery>,
 }
 
@@ -49,7 +49,8 @@ impl Unacknowledged {
     /// messages are to go out again.
     pub(super) fn begin(&mut self, receive_maximum: u16) {
         self.window = WINDOW.min(usize::from(receive_maximum));
-        // Messages that were already sent again are older than messages that were not.
+        // The messages in `sent` are older: in the last connection, they were sent again before the messages in
+        // `unsent`.
         self.sent.append(&mut self.unsent);
         std::mem::swap(&mut self.sent, &mut self.unsent);
     }
@@ -59,7 +60,7 @@ impl Unacknowledged {
         self.unsent.is_empty() && self.sent.len() < self.window && self.bytes < WINDOW_BYTES
     }
 
-    /// Size in bytes of the messages, which other clients may share.
+    /// Size in bytes of the unacknowledged messages. Other clients may share these messages.
     pub(super) const fn bytes(&self) -> usize {
         self.bytes
     }
@@ -104,7 +105,7 @@ impl Unacknowledged {
         }
     }
 
-    /// Handles a PUBACK, which ends a message of QoS 1, or a PUBCOMP, which ends one of QoS 2. An unknown id is
+    /// Handles a PUBACK, which ends a message of QoS 1, or a PUBCOMP, which ends a message of QoS 2. An unknown id is
     /// ignored.
     pub(super) fn acknowledged(&mut self, id: u16, kind: PacketKind) {
         let is_meant = |sent: &Sent| sent.id == id && (kind == PacketKind::Puback) == (sent.qos == Qos::One);
@@ -113,7 +114,8 @@ impl Unacknowledged {
         }
     }
 
-    /// Handles a PUBREC: answers with PUBREL, unless the client refused the message. A refused message is over.
+    /// Handles a PUBREC. Answers with PUBREL, unless the client refused the message. A refused message needs no
+    /// further packets.
     pub(super) fn received(&mut self, id: u16, is_refused: bool, writer: &mut ClientWriter, out: &mut Outbox) {
         if is_refused {
             return self.acknowledged(id, PacketKind::Pubcomp);
@@ -131,7 +133,7 @@ impl Unacknowledged {
         self.bytes -= sent.delivery.map_or(0, |delivery| delivery.message.cost());
     }
 
-    /// The next id that no unacknowledged message has. Ids count from 1, and begin again after 65,535.
+    /// Returns the next id that no unacknowledged message has. Ids count from 1, and begin again after 65,535.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id % u16::MAX + 1;

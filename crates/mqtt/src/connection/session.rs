@@ -15,18 +15,18 @@ use crate::subscription::Subscription;
 /// for it here.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// The client's filters and its queue; `None`: the client was never connected.
+    /// The client's filters and its queue; `None` if the client was never connected.
     pub(crate) subscription: Option<Subscription>,
-    /// Ids of the client's messages of QoS 2 that it has not released, each with a fingerprint by which the message is
+    /// Ids of the messages of QoS 2 that the client has not released. Each has a fingerprint by which the message is
     /// recognised.
     pub(crate) unreleased: BTreeMap<u16, u64>,
     pub(super) unacknowledged: Unacknowledged,
-    /// When the session ends, on the clock of all connections; `None`: never.
+    /// When the session ends, on the clock of all connections; `None` if it never ends.
     pub(super) expires_at: Option<Duration>,
     pub(super) will: Option<LateWill>,
 }
 
-/// A will with a delay, in which its client may come back (MQTT 5, section 3.1.3.2.2).
+/// A will with a delay. Its client may come back before the delay is over (MQTT 5, section 3.1.3.2.2).
 #[derive(Debug)]
 pub struct LateWill {
     pub(super) will: Will,
@@ -37,7 +37,7 @@ pub struct LateWill {
 }
 
 impl Session {
-    /// The filters that the client holds. Shared filters keep their `$share/…`.
+    /// The filters that the client has subscribed to. Shared filters keep their `$share/…`.
     pub fn filters(&self) -> impl Iterator<Item = &str> {
         self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
     }
@@ -61,12 +61,13 @@ impl Session {
         (is_over, self.will.take_if(|will| will.due <= now))
     }
 
-    /// Ends the session, and publishes its delayed will, if any, before the delay is over (MQTT 5, section 3.1.3.2.2).
+    /// Ends the session, and publishes its delayed will, if any, before the delay is over (MQTT 5, section
+    /// 3.1.3.2.2).
     pub fn end(mut self, now: Duration) {
         self.will.take().into_iter().for_each(|will| will.publish(now));
     }
 
-    /// Drops a delayed will, because its client has connected again in another way.
+    /// Drops a delayed will, because a later connection of the client has resumed the session.
     pub fn withdraw_will(&mut self) {
         self.will = None;
     }

@@ -1,4 +1,4 @@
-//! SUBSCRIBE and UNSUBSCRIBE: which filters a client holds.
+//! Handles SUBSCRIBE and UNSUBSCRIBE: which filters a client holds.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,8 +58,8 @@ impl ClientConnection {
                 }
             }
         }
-        // Earlier messages go out before the subscription holds, and retained messages go out at once. So the result
-        // does not depend on which packets arrived together.
+        // Sends the messages that came before the SUBSCRIBE, so that the result does not depend on which packets
+        // arrived together.
         self.deliver();
         match self.writer.version() {
             Version::Three => write::suback(self.to_client.end(), filters.id, &codes),
@@ -105,8 +105,8 @@ impl ClientConnection {
         Ok(filters?)
     }
 
-    /// Accepts a filter; a filter that was held before gets the new options. Returns the filter and whether it is
-    /// shared, or why it was refused.
+    /// Accepts a filter. If the client holds the filter already, it gets the new options. Returns the filter and
+    /// whether it is shared, or why it was refused.
     fn accept(&mut self, filter: &str, grant: Grant) -> Result<(Arc<str>, bool), NotTaken> {
         let shared = filter::share(filter)?;
         match shared {

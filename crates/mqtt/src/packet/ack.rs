@@ -7,14 +7,14 @@ use crate::frame::{Malformed, PacketKind};
 /// A PUBACK, PUBREC, PUBREL or PUBCOMP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ack {
-    /// The id of the packet that it answers, never 0.
+    /// The id of the packet that this one answers, never 0.
     pub id: u16,
     /// The reason code. 0 means success, the only result in MQTT 3.1.1.
     pub reason: u8,
 }
 
 impl Ack {
-    /// Whether it refuses the packet that it answers: codes from 0x80 on are refusals (MQTT 5, section 2.4).
+    /// Whether this packet refuses the packet that it answers: codes from 0x80 on are refusals (MQTT 5, section 2.4).
     #[must_use]
     pub const fn is_refusal(self) -> bool {
         self.reason >= 0x80

@@ -18,7 +18,7 @@ pub const FOR_EVER_S: u32 = u32::MAX;
 pub struct Connect {
     /// The client id, which may be empty (section 3.1.3.1).
     pub client_id: String,
-    /// Whether the client begins a new session, even if there is an old one.
+    /// Whether the client begins a new session, even if it has an old one.
     pub clean_start: bool,
     /// How long the session is stored after the connection, in seconds; [`FOR_EVER_S`] means for ever.
     pub session_expiry_s: u32,
@@ -28,7 +28,7 @@ pub struct Connect {
     pub will: Option<Will>,
     /// Limits on the packets for the client; in MQTT 3.1.1 there are none.
     pub reception: Reception,
-    /// The version, and the name and password, which were not checked.
+    /// The version, the user name and the password. Name and password were not checked.
     pub credentials: Credentials,
 }
 
@@ -45,15 +45,15 @@ pub struct Reception {
     pub wants_words: bool,
 }
 
-/// The message that a client leaves for its end. Its form was checked. `Broker::may_leave_will` decides whether its
-/// topic is allowed.
+/// The message that is published when its client goes without a normal DISCONNECT. Its form was checked.
+/// `Broker::may_leave_will` decides whether its topic is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Will {
     /// The topic, which is not empty and has no wildcards. Its length and its levels are not checked here.
     pub topic: String,
     /// The payload of at most 65,535 bytes, since its length is written in two bytes.
     pub payload: Bytes,
-    /// The QoS at which the will is published. No subscriber gets it at a higher one.
+    /// The QoS at which the will is published. Subscribers get it at this QoS or a lower one.
     pub qos: Qos,
     /// Whether to retain the will when it is published, if there is room then.
     pub retain: bool,
@@ -71,7 +71,7 @@ pub enum NoConnect {
     /// The protocol level of a version that is not supported, such as 3 for MQTT 3.1.
     #[error("the client uses protocol level {0}, but only 4 (MQTT 3.1.1) and 5 (MQTT 5) are supported")]
     Level(u8),
-    /// The version by which the CONNECT was read, and what is wrong with it. Only a client of MQTT 5 is told.
+    /// The version of the CONNECT, and the error in it. Only a client of MQTT 5 is told the error.
     #[error("{1}")]
     Malformed(Version, Malformed),
     /// The client asks for enhanced authentication, which is not supported (MQTT 5, section 4.12).
@@ -81,7 +81,7 @@ pub enum NoConnect {
 
 impl NoConnect {
     /// The bytes to send before the connection is closed. Empty for a malformed CONNECT of MQTT 3.1.1, which has no
-    /// code for this.
+    /// return code for such an error.
     #[must_use]
     pub fn answer(self) -> Vec<u8> {
         let five = |reason: Reason| Connack { words: Some(&self.to_string()), ..Connack::of(reason) }.written(u32::MAX);
@@ -168,7 +168,7 @@ fn read_of(version: Version, fields: &mut PacketFields<'_>) -> Result<Option<Con
     Ok(is_known.then_some(connect))
 }
 
-/// The credentials in a CONNECT. They are read as far as possible even if the CONNECT is malformed or of another
+/// The credentials in a CONNECT. As many as possible are read, even if the CONNECT is malformed or of another
 /// version.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Credentials {
@@ -287,7 +287,7 @@ fn will(fields: &mut PacketFields<'_>, flags: u8, version: Version) -> Result<Wi
 mod tests {
     use super::*;
 
-    /// A body: protocol, level, flags, a keep alive of 60 s, and these fields.
+    /// Builds the body of a CONNECT: protocol, level, flags, a keep alive of 60 s, and these fields.
     fn body(protocol: &str, level: u8, flags: u8, fields: &[&[u8]]) -> Vec<u8> {
         let field = |bytes: &[u8]| [&u16::try_from(bytes.len()).unwrap().to_be_bytes(), bytes].concat();
         let fields = fields.iter().flat_map(|bytes| field(bytes));
@@ -306,7 +306,7 @@ mod tests {
         assert_eq!((clean.clean_start, clean.session_expiry_s, clean.version()), (true, 0, Version::Three));
     }
 
-    /// A body of MQTT 5 with these properties before the client id, and these of its will.
+    /// Builds the body of a CONNECT of MQTT 5, with `properties` before the client id and a will with `of_will`.
     fn five(flags: u8, properties: &[Property<'_>], of_will: &[Property<'_>]) -> Vec<u8> {
         let mut out = bytes::BytesMut::from(&body("MQTT", 5, flags, &[])[..]);
         let put = |out: &mut bytes::BytesMut, properties: &[Property<'_>]| {
@@ -378,7 +378,7 @@ mod tests {
         }
     }
 
-    /// Credentials are read whatever else is wrong.
+    /// Credentials are read even if other parts of the CONNECT are wrong.
     #[test]
     fn who_sends_a_connect_is_read_although_it_is_wrong_or_of_another_version() {
         let me = |version| Credentials { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), version };

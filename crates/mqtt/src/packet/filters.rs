@@ -6,8 +6,8 @@ use super::{PacketFields, Qos, Version};
 use crate::frame::Malformed;
 use crate::limits::PACKET_FILTERS;
 
-/// The filters of a SUBSCRIBE, each with its options, or the filters of an UNSUBSCRIBE. All of them were read once as a
-/// check, so reading them again cannot fail.
+/// The filters of a SUBSCRIBE, each with its options, or the filters of an UNSUBSCRIBE. The constructor has read all
+/// of them once as a check, so reading them again cannot fail.
 #[derive(Clone, Copy, Debug)]
 pub struct Filters<'a> {
     /// The packet's id, which its answer repeats; never 0.
@@ -26,8 +26,8 @@ pub struct Options {
     pub qos: Qos,
     /// No Local: messages that the subscriber published itself are left out.
     pub no_local: bool,
-    /// Retain As Published: messages keep the RETAIN flag with which they were published. Without this option only
-    /// retained messages have the flag.
+    /// Retain As Published: messages keep the RETAIN flag with which they were published. Without this option, only
+    /// messages that are sent because they were retained have the flag.
     pub as_published: bool,
     /// When the SUBSCRIBE is answered with the retained messages.
     pub kept: RetainHandling,
@@ -36,7 +36,7 @@ pub struct Options {
 /// When a SUBSCRIBE is answered with the retained messages (MQTT 5, section 3.8.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetainHandling {
-    /// Each time, even for a filter that the client holds. MQTT 3.1.1 has only this.
+    /// Each time, even for a filter that the client holds. This is the only mode of MQTT 3.1.1.
     Always,
     /// Only when the client did not hold the filter before.
     New,

@@ -75,7 +75,7 @@ impl<'a> PacketFields<'a> {
         Ok(u32::from_be_bytes(bytes))
     }
 
-    /// A variable byte integer: one to four bytes (section 1.5.5).
+    /// Reads a variable byte integer: one to four bytes (section 1.5.5).
     pub(super) fn variable(&mut self, what: &'static str) -> Result<u32, Malformed> {
         let (number, own) = length(self.0)?.ok_or(Malformed::Short(what))?;
         self.0 = &self.0[own..];
@@ -109,7 +109,8 @@ impl<'a> PacketFields<'a> {
     }
 }
 
-/// UTF-8 without U+0000 (MQTT 3.1.1, section 1.5.3, and MQTT 5, section 1.5.4).
+/// Checks that bytes are UTF-8 without U+0000 (MQTT 3.1.1, section 1.5.3, and MQTT 5, section 1.5.4). `what` names
+/// the field in the error.
 pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
     std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
 }

@@ -50,8 +50,8 @@ pub enum PropertyContext {
 pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
-    /// Takes the properties off the head of `fields`. Each of them must be known and allowed in this place. Only the
-    /// user property may occur twice.
+    /// Takes the properties off the head of `fields`. Each of them must be known and allowed in this place. No
+    /// property except the user property may occur twice.
     pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
@@ -247,7 +247,8 @@ impl<'a> Property<'a> {
     }
 }
 
-/// The encoding of the properties that are forwarded unchanged. Expiry and alias are written anew for each reader.
+/// The encoding of the properties that are forwarded unchanged. Message expiry and topic alias are left out, because
+/// they are written separately for each reader.
 pub(crate) fn that_go_on<'a>(properties: impl IntoIterator<Item = Property<'a>>) -> BytesMut {
     let mut out = BytesMut::new();
     properties.into_iter().filter(|property| property.goes_on()).for_each(|property| property.write(&mut out));

@@ -1,5 +1,5 @@
-//! The head of a PUBLISH (section 3.3). The topic is checked elsewhere, since many messages of a sender have the same
-//! topic.
+//! Reads the head of a PUBLISH (section 3.3). The topic is checked elsewhere, since many messages of a sender have
+//! the same topic.
 
 use super::properties::{Properties, PropertyContext};
 use super::{PacketFields, Qos, Version};
@@ -12,7 +12,7 @@ pub struct Publish<'a> {
     pub topic: &'a [u8],
     /// The bytes behind the properties; they may be empty.
     pub payload: &'a [u8],
-    /// The QoS at which its sender sends it. Readers may get it at a lower QoS.
+    /// The QoS of the packet. Readers may get the message at a lower QoS.
     pub qos: Qos,
     /// Its id; 0 at QoS 0.
     pub id: u16,

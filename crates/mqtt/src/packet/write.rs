@@ -30,7 +30,7 @@ pub enum Welcome {
     Unavailable,
     /// The user name or the password is wrong; the client is not told which.
     Login,
-    /// The client may not do this, such as leave its will.
+    /// The client may not do what it asked for, such as leave its will.
     NotAllowed,
 }
 
@@ -48,7 +48,7 @@ impl Welcome {
         }
     }
 
-    /// The reason code that a client of MQTT 5 gets instead.
+    /// The reason code that a client of MQTT 5 gets in place of the return code.
     #[must_use]
     pub const fn reason(self) -> Reason {
         match self {
@@ -69,11 +69,11 @@ pub struct Connack<'a> {
     pub reason: Reason,
     /// Whether the broker has a session of the client; never true in a refusal (section 3.2.2.1.1).
     pub session_present: bool,
-    /// How long the session is stored, in seconds, if this differs from the client's wish.
+    /// How long the session is stored, in seconds, if this differs from what the client asked for.
     pub session_expiry_s: Option<u32>,
     /// The client id that the broker has chosen for a client that sent an empty one (section 3.1.3.1).
     pub assigned_id: Option<&'a str>,
-    /// The keep alive in seconds, if this differs from the client's wish.
+    /// The keep alive in seconds, if this differs from what the client asked for.
     pub keep_alive_s: Option<u16>,
     /// The reason in words. It is left out if the packet would otherwise be longer than the client accepts.
     pub words: Option<&'a str>,
@@ -175,7 +175,7 @@ impl PublishHead<'_> {
         2 + self.topic.len() + id + properties
     }
 
-    /// Writes the bytes before the payload, whose length is given.
+    /// Writes the bytes before the payload. `payload` is the length of the payload in bytes.
     pub(crate) fn before(self, out: &mut BytesMut, payload: usize) {
         let again = if self.is_duplicate && self.qos > Qos::Zero { DUPLICATE } else { 0 };
         let first = PacketKind::Publish.first_byte() | again | (self.qos as u8) << 1 | u8::from(self.retain);
@@ -278,7 +278,7 @@ fn written(properties: &[Property<'_>]) -> BytesMut {
     out
 }
 
-/// The reason in words, as the only property of a packet.
+/// Encodes the reason in words, as the only property of a packet.
 fn reason_string(words: Option<&str>) -> BytesMut {
     words.map_or_else(|| written(&[]), |words| written(&[Property::ReasonString(words)]))
 }
@@ -287,7 +287,7 @@ fn text(out: &mut BytesMut, text: &str) {
     bytes(out, text.as_bytes());
 }
 
-/// Writes a field with its length in two bytes. All values come from such a field of a packet, or are short.
+/// Writes a field with its length in two bytes. Every value is short, or comes from such a field of a packet.
 fn bytes(out: &mut BytesMut, bytes: &[u8]) {
     out.put_u16(u16::try_from(bytes.len()).expect("it comes from a field with a two-byte length, or is bounded by TOPIC"));
     out.put_slice(bytes);

@@ -1,5 +1,5 @@
-//! The pixels of a picture, each with its depth and the number of the solid that it shows. The things drawn are not
-//! known here.
+//! The pixels of a picture. Each pixel has a depth and the number of the solid that it shows. The canvas does not
+//! know what is drawn on it.
 
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};
@@ -11,7 +11,7 @@ pub(super) struct Canvas {
     solids: Vec<u16>,
 }
 
-/// A rectangle of pixels, as half-open ranges of columns and rows.
+/// A rectangle of pixels. Both ranges are half-open: the end is not included.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) columns: (usize, usize),
@@ -30,7 +30,7 @@ impl Canvas {
         self.depths[place] = depth;
     }
 
-    /// Draws a pixel of a solid. The solid's number distinguishes it from its neighbours.
+    /// Draws a pixel of a solid. `solid` is the solid's number, by which `soften_outlines` finds its outline.
     pub(super) fn set_solid(&mut self, column: usize, row: usize, depth: f32, paint: Paint, solid: u16) {
         self.set(column, row, depth, paint);
         self.solids[row * WIDTH + column] = solid;
@@ -40,7 +40,7 @@ impl Canvas {
         self.depths[row * WIDTH + column]
     }
 
-    /// Darkens (below 1) or lightens a pixel.
+    /// Multiplies a pixel's colour by `factor`. A factor below 1 darkens the pixel.
     pub(super) fn light(&mut self, column: usize, row: usize, factor: f32) {
         let pixel = &mut self.pixels[row * WIDTH + column];
         *pixel = Paint::from_bytes(*pixel).lit(factor).bytes();
@@ -57,7 +57,8 @@ impl Canvas {
                 let around = [place - 1, place + 1, place - WIDTH, place + WIDTH];
                 if around.iter().any(|other| self.solids[*other] != self.solids[place]) {
                     let sum = |part: usize| around.iter().map(|other| u16::from(sharp[*other][part])).sum::<u16>();
-                    // The mean of eight bytes fits into a byte.
+                    // Four times the pixel plus its four neighbours, divided by 8, is a mean of bytes. So the result
+                    // fits into a byte.
                     self.pixels[place] =
                         [0, 1, 2].map(|part| ((u16::from(sharp[place][part]) * 4 + sum(part)) / 8).to_le_bytes()[0]);
                 }
@@ -65,15 +66,15 @@ impl Canvas {
         }
     }
 
-    /// All pixels, row by row, three bytes each.
+    /// Returns all pixels, row by row, with three bytes each.
     pub(super) fn into_bytes(self) -> Vec<u8> {
         self.pixels.into_flattened()
     }
 }
 
 impl Frame {
-    /// The smallest frame on the picture that holds these points; the whole picture when a point is not ahead of the
-    /// camera.
+    /// The smallest frame in the picture that contains these points. If a point is not ahead of the camera, it is the
+    /// whole picture.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture before")]
     pub(super) fn around(view: &View, points: impl IntoIterator<Item = super::space::Vector>) -> Frame {
         let (mut least, mut most) = ((f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY));

@@ -1,5 +1,5 @@
-//! The bar under every photo: hall, cell of the luggage, cell and heading of the robot, time. It repeats the stamp of
-//! the photo; only the picture itself shows where the robot really stands.
+//! The bar under every photo: hall, cell of the luggage, cell and heading of the robot, time. These values come from
+//! the photo's stamp. Only the picture itself shows where the robot really stands.
 
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
@@ -29,7 +29,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
     write(canvas, &name, (WIDTH - MARGIN - width, HEIGHT - BAR + 28), TEXT);
 }
 
-/// Draws the bar of a plan, which has no name of a hall.
+/// Draws the bar under a plan. Unlike the bar of a photo, it has no hall name.
 pub(super) fn draw_plain(canvas: &mut Canvas, words: &str, wall: WallTime) {
     for row in HEIGHT - BAR..HEIGHT {
         for column in 0..WIDTH {
@@ -50,7 +50,8 @@ fn where_line(hall: &Hall, stamp: Stamp) -> String {
     format!("{what} {subject}  robot {} {}", stamp.pose.cell, stamp.pose.heading.name())
 }
 
-/// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. A moment beyond the calendar is shown in milliseconds.
+/// Formats a time as `2026-11-21 08:20:20 +00:00`, with its own UTC offset. A time that no calendar date can express
+/// is shown in milliseconds.
 fn in_words(wall: WallTime) -> String {
     let offset = jiff::tz::Offset::from_seconds(wall.offset_s).unwrap_or(jiff::tz::Offset::UTC);
     match jiff::Timestamp::from_millisecond(wall.unix_ms) {
@@ -63,7 +64,8 @@ fn write(canvas: &mut Canvas, text: &str, place: (usize, usize), paint: Paint) {
     write_large(canvas, text, place, paint, DOT);
 }
 
-/// Draws a line of text with dots of `dot` pixels; text beyond the edge of the picture is cut off.
+/// Draws a line of text. Each dot of a letter is a square of `dot` pixels. Text beyond the right edge of the picture
+/// is cut off.
 pub(super) fn write_large(canvas: &mut Canvas, text: &str, (left, top): (usize, usize), paint: Paint, dot: usize) {
     let columns = text.chars().count() * font::ADVANCE * dot;
     for column in (0..columns).filter(|column| left + column < WIDTH) {

@@ -1,13 +1,13 @@
-//! A bitmap font of five by seven dots: capitals, digits and the signs of coordinates and times. Small letters are shown as
-//! capitals, and anything else as a question mark.
+//! A bitmap font of five by seven dots: capitals, digits, and the signs that coordinates and times need. Small
+//! letters are shown as capitals. Any other character is shown as a question mark.
 
-/// Distance from one letter to the next, in dots.
+/// Distance from the left edge of one letter to the left edge of the next, in dots.
 pub(super) const ADVANCE: usize = 6;
 
 /// The height of a letter, in dots.
 pub(super) const HEIGHT: usize = 7;
 
-/// A letter by its five columns from the left; the lowest bit is the topmost dot.
+/// Each letter as five columns, from left to right. The lowest bit of a column is the topmost dot.
 #[rustfmt::skip]
 const GLYPHS: [(char, [u8; 5]); 49] = [
     (' ', [0x00, 0x00, 0x00, 0x00, 0x00]), ('#', [0x14, 0x7f, 0x14, 0x7f, 0x14]), ('\'', [0x00, 0x00, 0x07, 0x00, 0x00]),
@@ -29,13 +29,13 @@ const GLYPHS: [(char, [u8; 5]); 49] = [
     ('Z', [0x61, 0x51, 0x49, 0x45, 0x43]),
 ];
 
-/// Whether a dot of a line of text is inked; dots are counted from its top left corner.
+/// Whether the dot at this column and row of a line of text is inked. (0, 0) is the top left corner of the text.
 pub(super) fn dot(text: &str, column: usize, row: usize) -> bool {
     let Some(letter) = text.chars().nth(column / ADVANCE) else { return false };
     row < HEIGHT && columns(letter).get(column % ADVANCE).is_some_and(|bits| bits >> row & 1 == 1)
 }
 
-/// Like `dot`, for a place between dots, which may also lie outside the text.
+/// Like `dot`, for fractional coordinates, which may also lie outside the text.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "negative places have been excluded")]
 pub(super) fn inked(text: &str, column: f32, row: f32) -> bool {
     column >= 0.0 && row >= 0.0 && dot(text, column as usize, row as usize)

@@ -1,8 +1,7 @@
-//! The solids of which pieces of luggage are made: of a suitcase, a backpack, a box …, in the size and colour of the
-//! piece.
+//! The solids of each kind of luggage (suitcase, backpack, box …), in the size and colour of the piece.
 //!
-//! Lengths are in cells of half a metre. A piece on one cell is at most 0.76 long and wide; each further cell makes it
-//! one longer.
+//! Lengths are in cells of half a metre. A piece on one cell is at most 0.76 long and wide. Each further cell adds 1
+//! to its length.
 
 use super::super::bag::{Bag, BagKind};
 use super::solid::{Shape, Solid, Surface};
@@ -16,7 +15,7 @@ const LABEL: Paint = Paint(240.0, 240.0, 236.0);
 #[derive(Debug)]
 pub(super) struct Model {
     pub(super) solids: Vec<Solid>,
-    /// Half the size of its foot: to the right and to the front.
+    /// Half the size of the model's footprint on the floor: to the right, to the front.
     pub(super) foot: (f32, f32),
 }
 
@@ -51,7 +50,7 @@ impl Making {
         self.solids.push(Solid { shape: Shape::Rod { from, to, radius }, surface, paint });
     }
 
-    /// A handle: an arch of rods between two points of equal height, `rise` high.
+    /// Adds a handle: an arch of rods, `rise` high, between two points of equal height.
     fn arch(&mut self, from: Vector, to: Vector, rise: f32, radius: f32, paint: Paint) {
         const PARTS: u8 = 8;
         let point = |part: u8| {

@@ -1,4 +1,4 @@
-//! The simulated camera: from the robot's real place to an encoded picture. The simulator decides when a photo is
+//! The simulated camera: makes an encoded picture from the robot's real place. The simulator decides when a photo is
 //! taken and whether it fails.
 
 mod canvas;
@@ -26,30 +26,31 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
-/// Greatest distance of the subject, in cells: the longest range to which a sonar can be set.
+/// Greatest distance of the thing that is photographed, in cells. A sonar cannot be set to a longer range.
 const SIGHT: u16 = 7;
 
-/// A photo that was taken but not developed: everything needed to draw the picture, on any thread.
+/// A photo that was taken but not developed. It holds everything needed to draw the picture on any thread.
 #[derive(Clone, Debug)]
 pub struct Exposure {
     hall: Arc<Hall>,
     camera: Camera,
     body: BodyPose,
     subject: Cell,
-    /// Distance of the subject, in cells.
+    /// Distance from the robot to the photographed thing, in cells.
     away: u16,
     stamp: Stamp,
 }
 
 impl Exposure {
-    /// A photo by a robot that is really at `body` and believes to be at `pose`; the stamp is written on the photo.
+    /// Takes a photo. The robot is really at `body`, but believes that it is at `pose`. The stamp is written on the
+    /// photo.
     #[must_use]
     pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
         let away = away(&hall, pose);
         Exposure { subject: pose.cell.onward(pose.heading, away), hall, camera, body, away, stamp }
     }
 
-    /// Draws and encodes the picture; a rendered picture takes some 20 ms.
+    /// Draws and encodes the picture. A rendered picture takes about 20 ms.
     #[must_use]
     pub fn develop(&self) -> Photo {
         let bytes = match self.camera {
@@ -59,7 +60,8 @@ impl Exposure {
         Photo { bytes: bytes.into(), media_type: "image/png" }
     }
 
-    /// The smallest picture that still tells bags apart: two pixels, the bag's colour and its number.
+    /// The smallest picture that still distinguishes pieces of luggage. It has two pixels: the piece's colour and its
+    /// number.
     fn stub(&self) -> Vec<u8> {
         let [number, colour] = match self.hall.truth(self.subject) {
             Truth::Luggage(piece) => {
@@ -74,7 +76,7 @@ impl Exposure {
     }
 }
 
-/// Distance of the subject in cells: the first thing ahead within `SIGHT`, or the next cell when there is none.
+/// Distance to the first thing ahead within `SIGHT`, in cells. If there is nothing, it is 1.
 fn away(hall: &Hall, pose: Pose) -> u16 {
     let is_taken = |cells: &u16| hall.truth(pose.cell.onward(pose.heading, *cells)) != Truth::Free;
     (1..=SIGHT).find(is_taken).unwrap_or(1)
@@ -97,7 +99,7 @@ mod tests {
     use super::*;
     use hallsweep_core::units::{Heading, WallTime};
 
-    /// A photo of each piece of the airport from every free cell beside it.
+    /// Takes a photo of each piece of the hall `airport`, from every free cell beside the piece.
     fn photos(camera: Camera) -> Vec<(String, Vec<u8>)> {
         let hall = Arc::new(Hall::named_or_file("airport").unwrap());
         let reachable = hall.reachable();

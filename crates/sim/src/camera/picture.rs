@@ -12,10 +12,10 @@ use super::view::{HEIGHT, View, WIDTH};
 use super::{Exposure, caption, png, room};
 use hallsweep_core::units::{Cell, Piece};
 
-/// Greatest distance of luggage that is drawn, in cells: further away it would be a few pixels.
+/// Luggage that is further away is not drawn, since it would be only a few pixels. In cells.
 const SIGHT: i32 = 12;
 
-/// Most pieces that are drawn, the nearest first: more would stand behind one another.
+/// Maximum number of pieces that are drawn, nearest first. Further pieces would be hidden behind these.
 const PIECES: usize = 24;
 
 pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
@@ -37,7 +37,7 @@ pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
     png(size(WIDTH), size(HEIGHT), &canvas.into_bytes())
 }
 
-/// The pieces ahead, the nearest first.
+/// The pieces ahead of the camera, nearest first.
 fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
     let here = Cell::new(whole(view.eye.x), whole(view.eye.y));
     let around = (-SIGHT..=SIGHT).flat_map(|dy| (-SIGHT..=SIGHT).map(move |dx| Cell::new(here.x + dx, here.y + dy)));
@@ -55,7 +55,8 @@ fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
     bags
 }
 
-/// The models of a piece: a single one if its cells are in a row, or else one on each cell.
+/// The models of a piece. A piece in a straight row of cells has one model. Any other piece has one model on each
+/// cell.
 fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     let (Some(first), Some(last)) = (bag.cells.first(), bag.cells.last()) else { return Vec::new() };
     if first.y == last.y && bag.cells.iter().all(|cell| cell.y == first.y) || bag.cells.iter().all(|cell| cell.x == first.x) {
@@ -68,8 +69,8 @@ fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     }
 }
 
-/// The direction of a piece. A long piece lies along its cells. Any other piece turns its broad side to a free
-/// neighbouring cell, up to a small angle that depends on its number.
+/// Returns cosine and sine of the piece's angle. A long piece lies along its cells. A piece on one cell turns its
+/// broad side to a free neighbouring cell. A small angle that depends on its number is added.
 #[expect(clippy::cast_precision_loss, reason = "a piece is turned by a handful of steps")]
 fn turn(hall: &Hall, bag: &Bag, first: Cell, last: Cell) -> (f32, f32) {
     let free = |cell: Cell| hall.truth(cell) == Truth::Free;

@@ -1,5 +1,5 @@
-//! The replacement for a photo of a robot without a camera: a plan of what is known, seen from above. Large letters say
-//! that it is a drawing.
+//! The picture that replaces a photo when the robot has no camera: a plan of what is known, seen from above. Large
+//! letters say that it is a drawing.
 
 use super::canvas::Canvas;
 use super::space::Paint;
@@ -11,7 +11,7 @@ use hallsweep_core::event::Photo;
 /// The side of a cell, in pixels.
 const CELL: usize = 96;
 
-/// The upper left corner of the robot's cell, in pixels: the robot always looks up.
+/// The left edge of the robot's cell, in pixels. The robot always faces the top of the plan.
 const LEFT: usize = (WIDTH - CELL) / 2;
 const TOP: usize = 258;
 
@@ -21,15 +21,15 @@ const ROBOT: Paint = Paint(38.0, 84.0, 150.0);
 const THING: Paint = Paint(190.0, 92.0, 40.0);
 const INK: Paint = Paint(40.0, 36.0, 30.0);
 
-/// Pixels per dot of the headline's font.
+/// Size of each dot of the headline's letters, in pixels.
 const HEADLINE: usize = 5;
 const WORDS: usize = 3;
 
-/// Longest name beside the thing, in letters.
+/// Longest name that is written beside the thing, in letters.
 const NAME: usize = 16;
 
-/// A plan of the thing ahead of a robot, with the stamp of a photo, and with the robot's name for the thing if there is
-/// one.
+/// Draws a plan of the thing ahead of the robot. `name` is the robot's name for the thing, if it has one. The stamp
+/// is written under the plan, as under a photo.
 #[must_use]
 pub fn plan(stamp: Stamp, name: Option<&str>) -> Photo {
     let mut canvas = Canvas::new();

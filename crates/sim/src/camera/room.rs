@@ -1,5 +1,5 @@
-//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. In each
-//! column of the picture a ray is followed to the first wall. `solid` draws luggage over the hall.
+//! Draws the empty hall: tiled floor, walls with skirting, windows and signs, ceiling with strips of light. For each
+//! column of the picture, a ray is followed to the first wall. `solid` draws the luggage afterwards.
 
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
@@ -11,7 +11,7 @@ use hallsweep_core::units::Cell;
 /// The height of the hall, in cells.
 const CEILING: f32 = 6.0;
 
-/// Greatest distance of a wall that is drawn, in cells: further away it would be lost in the haze.
+/// Walls that are further away are not drawn, since the haze would hide them. In cells.
 const FAR: f32 = 120.0;
 
 const FLOOR: Paint = Paint(176.0, 178.0, 180.0);
@@ -29,19 +29,19 @@ const CEILING_PAINT: Paint = Paint(190.0, 194.0, 198.0);
 const LAMP: Paint = Paint(255.0, 254.0, 246.0);
 
 struct Face {
-    /// Distance ahead, in cells.
+    /// Distance from the camera in the direction of view, in cells.
     depth: f32,
-    /// Share of the wall's colour that is lost in the haze, 0–1.
+    /// How much of the wall's colour the haze replaces, 0–1.
     haze: f32,
-    /// Place along the wall, in cells.
+    /// Position along the wall, in cells.
     along: f32,
-    /// Whether the wall runs from north to south: such walls are a little darker.
+    /// Whether the wall runs from north to south. Such walls are drawn a little darker.
     meridian: bool,
     /// Whether the wall is the hall's outer wall rather than a pillar or counter.
     outer: bool,
 }
 
-/// Draws floor, walls and ceiling over the whole canvas, row by row because that is how pixels lie in memory.
+/// Draws floor, walls and ceiling over the whole canvas. It goes row by row, because pixels are stored in this order.
 pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     let directions: Vec<Vector> = (0..WIDTH).map(|column| view.column(column)).collect();
     let faces: Vec<Face> = directions.iter().map(|direction| walk(hall, view.eye, *direction)).collect();
@@ -62,7 +62,7 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
     }
 }
 
-/// The wall that a ray from the eye meets first; a ray that meets none ends after about `FAR` cells.
+/// Returns the wall that a ray from the eye meets first. A ray that meets no wall ends after about `FAR` cells.
 fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     let (x, y) = (eye.x + 0.5, eye.y + 0.5);
     let mut cell = Cell::new(whole(x.floor()), whole(y.floor()));
@@ -81,7 +81,7 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
         }
     }
     let depth = depth.max(0.01);
-    // The position along the wall grows from left to right as seen, so that signs can be read.
+    // The position grows from left to right in the picture, so that signs are not mirrored.
     let along = if meridian {
         (y + direction.y * depth) * direction.x.signum()
     } else {
@@ -90,12 +90,12 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     Face { depth, haze: haze(depth), along, meridian, outer: !hall.bounds().contains(cell) }
 }
 
-/// The floor in one row of the picture, whose points are all equally far ahead. It has square tiles of half a cell,
-/// with grout between them. The pattern fades with distance before it can flicker.
+/// The floor in one row of the picture. All points of the row have the same depth. The floor has square tiles of half
+/// a cell, with grout between them. The pattern fades with distance, because it would flicker there.
 struct FloorRow {
     depth: f32,
     haze: f32,
-    /// The width of the grout, in cells, and its strength.
+    /// Width of the grout, in cells, and how strongly it is visible, 0–1.
     grout: (f32, f32),
     tones: f32,
 }
@@ -118,7 +118,7 @@ impl FloorRow {
     }
 }
 
-/// A tone from 0 to 1, different for each tile.
+/// A brightness from 0 to 1 that differs between neighbouring tiles.
 fn tile_tone(at: Vector) -> f32 {
     let tile = |place: f32| whole(floored(place * 2.0)).cast_unsigned();
     let mixed = tile(at.x).wrapping_mul(0x9e37_79b1) ^ tile(at.y).wrapping_mul(0x85eb_ca77);
@@ -144,7 +144,7 @@ fn wall(face: &Face, height: f32) -> Paint {
     paint.lit(if face.meridian { 0.88 } else { 1.0 })
 }
 
-/// Pillars and counters: concrete with a hazard stripe at bumper height.
+/// The colour of pillars and counters: concrete, with a hazard stripe at the height of a bumper.
 fn pillar(along: f32, height: f32) -> Paint {
     let plain = CONCRETE.lit(0.9 + 0.1 * (height * 0.5).min(1.0));
     if (0.34..0.56).contains(&height) {
@@ -156,7 +156,7 @@ fn pillar(along: f32, height: f32) -> Paint {
     }
 }
 
-/// Windows three cells wide on the apron, and between them a sign to the gates.
+/// The colour of the outer wall: windows three cells wide towards the apron, and between them a sign to the gates.
 fn window(along: f32, height: f32) -> Paint {
     let place = wrapped(along, 5.0);
     if place >= 3.4 {
@@ -185,7 +185,7 @@ fn ceiling(at: Vector) -> Paint {
     if (1.6..2.4).contains(&strip) && wrapped(at.y, 6.0) < 5.2 { LAMP } else { CEILING_PAINT }
 }
 
-/// Share of a colour that is lost in the haze at this distance, 0–1.
+/// How much of a colour the haze replaces at this distance, 0–1.
 fn haze(depth: f32) -> f32 {
     smooth(2.0, 40.0, depth) * 0.85
 }

@@ -1,11 +1,11 @@
-//! Draws solids (boxes with round edges, rods with round ends) by casting a ray through every pixel they may cover. The
-//! solids of a piece of luggage stand in `luggage`, and the look of their surfaces in `surface`.
+//! Draws solids (boxes with round edges, rods with round ends). A ray is cast through every pixel that a solid may
+//! cover. `luggage` has the solids of a piece of luggage, and `surface` has the look of their surfaces.
 
 use super::canvas::{Canvas, Frame};
 use super::space::{Paint, Vector, smooth, vector};
 use super::view::{EYE, HORIZON, View, as_float};
 
-/// A body with its surface, in the coordinates of its piece: right, front, up from the middle of its foot.
+/// A shape with its surface. Coordinates are right, front and up, from the middle of the piece's foot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solid {
     pub(super) shape: Shape,
@@ -31,7 +31,7 @@ pub(super) enum Surface {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
-    /// A box: its middle, half its size, and the radius of its edges.
+    /// A box: its middle, half its size, and the radius of its rounded edges.
     Block {
         middle: Vector,
         half: Vector,
@@ -47,7 +47,7 @@ pub(super) enum Shape {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     pub(super) foot: Vector,
-    /// Cosine and sine of its turn about the vertical.
+    /// Cosine and sine of the piece's angle about the vertical axis.
     pub(super) turn: (f32, f32),
 }
 
@@ -65,8 +65,8 @@ impl Placement {
     }
 }
 
-/// Draws a solid wherever nothing nearer was drawn before. `number` distinguishes the solid from its neighbours when
-/// outlines are softened.
+/// Draws a solid. Pixels that already show something nearer are left as they are. `number` is the solid's number, by
+/// which outlines are found and softened.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &Solid, number: u16) {
     let (least, most) = solid.shape.bounds();
     let corners = corners(least, most).map(|corner| place.to_hall(corner));
@@ -80,7 +80,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &S
     for row in frame.rows.0..frame.rows.1 {
         let first = place.direction_to_piece(view.pixel(frame.columns.0, row));
         for column in frame.columns.0..frame.columns.1 {
-            // The direction of a ray has a length of one cell forward, so that distances along the ray are depths.
+            // The ray vector goes one cell forward, so a multiple of the vector is also a depth in cells.
             let ray = first + step * as_float(column - frame.columns.0);
             let Some(depth) = solid.shape.hit(eye, ray).filter(|depth| *depth < canvas.depth(column, row)) else { continue };
             let paint = solid.surface.seen(solid, eye + ray * depth, ray.unit(), light, depth);
@@ -89,7 +89,8 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &S
     }
 }
 
-/// Darkens the floor under and around a foot of this half size. Call it before any solid is drawn.
+/// Darkens the floor under and around a piece. `half` is half the size of its foot. Call it before any solid is
+/// drawn.
 pub(super) fn draw_shadow(canvas: &mut Canvas, view: &View, place: Placement, half: (f32, f32)) {
     const REACH: f32 = 0.4;
     let (x, y) = (half.0 + REACH, half.1 + REACH);
@@ -131,7 +132,8 @@ impl Shape {
         }
     }
 
-    /// Distance to the body along a direction, as a multiple of the direction's length.
+    /// Distance to the shape along a direction, as a multiple of the direction vector. `None` if the ray misses the
+    /// shape.
     fn hit(&self, eye: Vector, direction: Vector) -> Option<f32> {
         match *self {
             Shape::Block { middle, half, radius } => hit_block(eye - middle, direction, half, radius),
@@ -156,8 +158,8 @@ impl Shape {
     }
 }
 
-/// Intersects a ray with the box, and near the edges of the box with the rounding in the octant that the ray hits
-/// (after Inigo Quilez's collection of intersection formulas).
+/// Intersects a ray with a box. Near the edges of the box, the ray is intersected with the rounding in the octant
+/// that it hits. The formulas are from Inigo Quilez's collection.
 fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Option<f32> {
     let span = |place: f32, d: f32, half: f32| {
         let (a, b) = ((-half - place) / d, (half - place) / d);
@@ -180,15 +182,15 @@ fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Optio
     };
     let up = met.z.signum();
     let near = half_body(up);
-    // A ray that enters a flat body above its middle may hit the rounding below the middle: then the other half is
-    // tried.
+    // A ray can enter a flat box above its middle and hit the rounding below the middle. So the lower half may be
+    // tried too.
     if near.is_some_and(|way| (eye.z + direction.z * way) * up > -core.z) {
         return near;
     }
     [near, half_body(-up)].into_iter().flatten().min_by(f32::total_cmp)
 }
 
-/// Intersects a ray with the three rounded edges and the corner of the first octant.
+/// Intersects a ray with the three rounded edges and the rounded corner of the first octant.
 fn hit_rounding(eye: Vector, d: Vector, core: Vector, radius: f32) -> Option<f32> {
     let o = eye - core;
     let corner = root(d.dot(d), o.dot(d), o.dot(o) - radius * radius);
@@ -201,7 +203,7 @@ fn hit_rounding(eye: Vector, d: Vector, core: Vector, radius: f32) -> Option<f32
     [corner, along_x, along_y, along_z].into_iter().flatten().min_by(f32::total_cmp)
 }
 
-/// The lesser root of a t² + 2 b t + c.
+/// Returns the smaller root of a t² + 2 b t + c = 0.
 fn root(a: f32, b: f32, c: f32) -> Option<f32> {
     let h = b * b - a * c;
     (h > 0.0).then(|| (-b - h.sqrt()) / a)

@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-/// A point or direction: cells to the east (or a bag's right), to the south (or a bag's front), and up.
+/// A point or a direction. `x` points to the east of the hall or to the right of a piece. `y` points to the south or
+/// to the piece's front. `z` points up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vector {
     pub(super) x: f32,
@@ -31,7 +32,7 @@ impl Vector {
         vector(change(self.x), change(self.y), change(self.z))
     }
 
-    /// This vector, turned about the vertical by an angle with this cosine and sine.
+    /// Turns the vector about the vertical axis, by the angle with this cosine and sine.
     pub(super) fn turned(self, (cos, sin): (f32, f32)) -> Vector {
         vector(cos * self.x - sin * self.y, sin * self.x + cos * self.y, self.z)
     }
@@ -58,15 +59,15 @@ impl Mul<f32> for Vector {
     }
 }
 
-/// A colour. Its parts are 0–255, but may exceed that while colours are mixed.
+/// A colour. Its parts are 0–255, but may leave this range while colours are mixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Paint(pub(super) f32, pub(super) f32, pub(super) f32);
 
-/// The colour into which distant things fade.
+/// The colour of the haze, into which distant things fade.
 pub(super) const HAZE: Paint = Paint(206.0, 214.0, 222.0);
 
 impl Paint {
-    /// The colour made lighter (`factor` above 1) or darker.
+    /// Multiplies the colour by `factor`. A factor above 1 makes it lighter, a factor below 1 darker.
     pub(super) fn lit(self, factor: f32) -> Paint {
         Paint(self.0 * factor, self.1 * factor, self.2 * factor)
     }
@@ -76,7 +77,7 @@ impl Paint {
         Paint(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
 
-    /// The nearest colour a screen can show.
+    /// Converts to bytes. Parts outside 0–255 become 0 or 255.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast from float to byte saturates")]
     pub(super) const fn bytes(self) -> [u8; 3] {
         [self.0 as u8, self.1 as u8, self.2 as u8]
@@ -88,19 +89,19 @@ impl Paint {
     }
 }
 
-/// 0 at `from`, 1 at `to`, and a smooth way between.
+/// Rises smoothly from 0 to 1 while `at` goes from `from` to `to`.
 pub(super) fn smooth(from: f32, to: f32, at: f32) -> f32 {
     let share = ((at - from) / (to - from)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
 }
 
-/// How far `at` is into its period of length `period`, 0–`period`.
+/// The remainder of `at` divided by `period`, 0–`period`, also for a negative `at`.
 pub(super) fn wrapped(at: f32, period: f32) -> f32 {
     at - floored(at / period) * period
 }
 
-/// The greatest whole number that is not above `place`. Computed through an integer, because `f32::floor` is a function
-/// call on plain x86-64, and a picture needs half a million of them.
+/// The greatest whole number that is not above `place`. It converts through an integer, because `f32::floor` is a
+/// function call on plain x86-64. A picture needs half a million of them.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "places in a hall are a few thousand at most")]
 pub(super) fn floored(place: f32) -> f32 {
     let cut = place as i32 as f32;

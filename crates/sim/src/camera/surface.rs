@@ -11,7 +11,7 @@ const BRASS: Paint = Paint(214.0, 178.0, 90.0);
 const GLARE: Paint = Paint(255.0, 255.0, 250.0);
 
 impl Surface {
-    /// The visible colour of a point, including light and haze.
+    /// The visible colour of a point, after lighting and haze.
     pub(super) fn seen(self, solid: &Solid, point: Vector, direction: Vector, light: Vector, depth: f32) -> Paint {
         let normal = solid.shape.normal(point);
         let plain = self.pattern(solid, point, normal);
@@ -97,7 +97,8 @@ fn board(paint: Paint, at: Vector, half: Vector, normal: Vector) -> Paint {
     if on_top && at.x.abs() < 0.075 {
         return paint.lit(0.8);
     }
-    // Seen from outside, left is west on the southern side but east on the northern side; the ends differ likewise.
+    // Left on the print is west on the southern side, but east on the northern side. The two ends of the box differ
+    // in the same way.
     let across = if on_broad_side { at.x * normal.y.signum() } else { -at.y * normal.x.signum() };
     let down = half.z - at.z;
     let printed = font::inked("FRAGILE", (across + 0.26) / 0.0127, (down - half.z * 1.15) / 0.017);
@@ -105,7 +106,7 @@ fn board(paint: Paint, at: Vector, half: Vector, normal: Vector) -> Paint {
     if !on_top && (printed || arrows) { PRINT } else { paint.lit(if on_top { 1.05 } else { 1.0 }) }
 }
 
-/// The print that means *this side up*.
+/// Whether a point belongs to the printed arrow that means *this side up*.
 fn arrow(across: f32, up: f32) -> bool {
     let shaft = across.abs() < 0.012 && (-0.06..0.02).contains(&up);
     let head = (0.0..0.06).contains(&up) && across.abs() < (0.06 - up) * 0.7;

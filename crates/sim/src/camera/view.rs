@@ -1,7 +1,7 @@
-//! Where the camera is, which way a pixel looks, and on which pixel a point falls.
+//! The position of the camera, the direction of each pixel, and the pixel of each point.
 //!
-//! The lens is shifted instead of the camera being tilted: the horizon is above the middle of the picture, but upright
-//! lines stay upright. So the distance to a wall can be computed once for each column.
+//! The camera is not tilted. Instead, the lens is shifted: the horizon is above the middle of the picture, but
+//! upright lines stay upright. So the distance to a wall can be computed once for each column.
 
 use super::super::drive::BodyPose;
 use super::space::{Vector, vector};
@@ -12,13 +12,13 @@ pub(super) const HEIGHT: usize = 480;
 /// The row of the horizon, in pixels.
 pub(super) const HORIZON: f32 = 188.0;
 
-/// The focal length for a photo of a thing in the next cell, in pixels: a wide angle, as robots have.
+/// The focal length for a photo of a thing in the next cell, in pixels. It gives a wide angle, as robots have.
 const FOCAL: f32 = 310.0;
 
 /// The height of the camera, in cells: 0.4 m in a hall of half-metre cells.
 pub(super) const EYE: f32 = 0.8;
 
-/// Distance of the camera's mast behind the robot's middle, in cells: at the rear edge.
+/// Distance of the camera behind the robot's middle, in cells. Its mast is at the rear edge.
 const BEHIND: f32 = 0.40;
 
 /// A camera in the hall. All lengths are in cells.
@@ -33,7 +33,8 @@ pub(super) struct View {
 
 impl View {
     #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
-    /// The camera zooms: a thing `away` cells ahead is as large as it would be in the next cell.
+    /// Makes the view of a robot's camera. The camera zooms: a thing `away` cells ahead looks as large as in the next
+    /// cell.
     pub(super) fn of(body: BodyPose, cell_m: f64, away: u16) -> View {
         let (dx, dy) = body.ahead();
         let forward = vector(dx as f32, dy as f32, 0.0);
@@ -42,7 +43,7 @@ impl View {
         View { eye: middle - forward * BEHIND, forward, right: vector(-forward.y, forward.x, 0.0), focal }
     }
 
-    /// The horizontal direction of a column; the vector is so long that it goes one cell forward.
+    /// The horizontal direction of a column, as a vector that goes one cell forward.
     pub(super) fn column(&self, column: usize) -> Vector {
         self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / self.focal)
     }
@@ -51,18 +52,18 @@ impl View {
         self.right * (1.0 / self.focal)
     }
 
-    /// How far the line of sight of a row falls for each cell forward.
+    /// How far the line of sight of a row falls for each cell forward, in cells.
     pub(super) fn fall(&self, row: usize) -> f32 {
         (as_float(row) + 0.5 - HORIZON) / self.focal
     }
 
-    /// The direction of a pixel; the vector goes one cell forward.
+    /// The direction of a pixel, as a vector that goes one cell forward.
     pub(super) fn pixel(&self, column: usize, row: usize) -> Vector {
         let level = self.column(column);
         vector(level.x, level.y, -self.fall(row))
     }
 
-    /// The direction of the light on luggage: from above the robot's left shoulder.
+    /// The direction towards the lamp that lights the luggage. The lamp is above the robot's left shoulder.
     pub(super) fn lamp(&self) -> Vector {
         (vector(0.0, 0.0, 0.85) - self.forward * 0.62 - self.right * 0.5).unit()
     }
@@ -71,7 +72,7 @@ impl View {
         (point - self.eye).dot(self.forward)
     }
 
-    /// The column and row on which a point falls, fractions included; `None` when the point is not ahead of the camera.
+    /// The column and row of a point in the picture, with fractions. `None` if the point is not ahead of the camera.
     pub(super) fn project(&self, point: Vector) -> Option<(f32, f32)> {
         let depth = self.depth(point);
         let scale = self.focal / depth;

@@ -1,15 +1,15 @@
-//! Faults of hall files, worded for the author of the file: file, line, reason, what to do. The reader of each format
-//! finds the faults.
+//! Faults of hall files. Each message tells the author of the file the place, the reason, and what to do. The reader
+//! of each format finds the faults.
 
 use std::fmt;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HallError {
-    /// The file, or the name of the hall when it is not from a file.
+    /// The file. If the hall does not come from a file, the name of the hall.
     pub file: String,
-    /// The line, counted from 1, if the fault has one.
+    /// The line, counted from 1, if the fault has a line.
     pub line: Option<usize>,
-    /// Boxed, because an error should not be larger than the value that it replaces.
+    /// Boxed to keep the error small: it should not be larger than the value that a successful call returns.
     pub fault: Box<HallFault>,
 }
 
@@ -183,7 +183,7 @@ pub enum HallFault {
     CellGiven { asked: String, has: String },
 }
 
-/// Most characters of a wrong line that are repeated: the file may not be text at all.
+/// Maximum number of characters of a wrong line that a message repeats. The file may not be text at all.
 const REPEATED: usize = 40;
 
 fn said(found: &str) -> String {
@@ -197,13 +197,13 @@ fn said(found: &str) -> String {
 }
 
 impl HallFault {
-    /// Lines are counted from 1.
+    /// Adds the file and the line, counted from 1.
     #[must_use]
     pub fn at(self, file: &str, line: usize) -> HallError {
         HallError { file: file.to_owned(), line: Some(line), fault: Box::new(self) }
     }
 
-    /// A fault of the file as a whole.
+    /// Adds the file to a fault that has no line.
     #[must_use]
     pub fn of(self, file: &str) -> HallError {
         HallError { file: file.to_owned(), line: None, fault: Box::new(self) }

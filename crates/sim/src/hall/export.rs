@@ -1,5 +1,5 @@
-//! Writes halls and explored maps to files: the list of formats, the contents of each, and what each leaves out. The
-//! code that writes a format is beside the code that reads it.
+//! Writes halls and explored maps to files. It lists the formats, the contents of each format, and what each leaves
+//! out. The code that writes a format is beside the code that reads it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -17,9 +17,9 @@ use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark};
 pub enum Format {
     Toml,
     MovingAi,
-    /// A map of ROS `map_server`: YAML, and a PGM image beside it.
+    /// A map of ROS `map_server`: a YAML file and a PGM image.
     Occupancy,
-    /// The text of old clients.
+    /// The text in which the old clients show a map.
     SeedText,
 }
 
@@ -43,25 +43,25 @@ impl Format {
     }
 }
 
-/// The description in the file of an explored hall.
+/// The description that is written into the file of an explored hall.
 const EXPLORED: &str = "This is the hall as explored; unknown cells are walls.";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenHall {
     pub file: Vec<u8>,
-    /// The PGM image beside it, for the format that has one.
+    /// The PGM image that belongs to the file, if the format has one.
     pub image: Option<Vec<u8>>,
-    /// Parts of the hall that the file leaves out, a few words each.
+    /// What the file leaves out, in a few words each.
     pub lost: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// The hall to write, with walls where nothing is known.
+    /// The hall to write. Unknown cells are walls.
     hall: Hall,
-    /// What is known of each square of an explored hall.
+    /// What the robot knows of each square, if the hall was explored.
     marks: Option<Vec<Mark>>,
-    /// Parts of the scene that the hall does not have.
+    /// Parts of the scene file that were lost when the hall was made from it.
     lost_before: Vec<String>,
 }
 
@@ -78,8 +78,8 @@ impl From<HallOfScene> for Export {
 }
 
 impl Export {
-    /// The explored part of a hall, with walls round it; `cell_m` is the side of a cell. Each cell of luggage becomes a
-    /// piece; all that is known of it is whether it is dangerous.
+    /// Exports the explored part of a hall, with walls around it. `cell_m` is the side of a cell in metres. Each cell
+    /// of luggage becomes one piece. Of its description, only whether it is dangerous is known.
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
@@ -87,7 +87,7 @@ impl Export {
         let mut marks = Vec::new();
         for y in bounds.least.y..=bounds.most.y {
             for cell in (bounds.least.x..=bounds.most.x).map(|x| Cell::new(x, y)) {
-                // The robot has visited the cell where it started, even if that was forgotten since.
+                // The robot started in this cell, so it has visited the cell, even if the map was cleared later.
                 let mark = if cell == Cell::HOME { Mark::Visited } else { state.map.at(cell) };
                 let in_drawing = Cell::new(cell.x - bounds.least.x, cell.y - bounds.least.y);
                 let truth = match mark {
@@ -114,13 +114,13 @@ impl Export {
         format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
     }
 
-    /// Every square, row by row from the north. In an explored hall each square has its mark.
+    /// Every square, row by row from the north. In an explored hall, each square comes with its mark.
     fn squares(&self) -> impl Iterator<Item = (Truth, Option<Mark>)> {
         let marks = self.marks.iter().flatten().copied().map(Some).chain(std::iter::repeat(None));
         self.hall.squares.iter().copied().zip(marks)
     }
 
-    /// The file in this format; `stem` is its name without its ending.
+    /// The content of the file in this format. `stem` is the file name without its extension.
     #[must_use]
     pub fn file(&self, format: Format, stem: &str) -> Vec<u8> {
         match format {
@@ -131,17 +131,17 @@ impl Export {
         }
     }
 
-    /// The image of the format `Occupancy`.
+    /// The image that belongs to the format `Occupancy`.
     #[must_use]
     pub fn image(&self) -> Vec<u8> {
         occupancy::image(&self.hall, self.squares())
     }
 
-    /// All files of this format, and what they leave out. To find that out, the files are read again and compared with
-    /// the hall.
+    /// Writes all files of this format, and lists what they leave out. For the list, the files are read again and
+    /// compared with the hall.
     ///
     /// # Errors
-    /// When the written files could not be read again, for example because the map is wider than a hall may be.
+    /// When the written files cannot be read again, for example because the map is wider than a hall may be.
     pub fn written(&self, format: Format, stem: &str) -> Result<WrittenHall, HallError> {
         let (file, image) = (self.file(format, stem), (format == Format::Occupancy).then(|| self.image()));
         let name = format!("{stem}.{}", format.extension());
@@ -175,7 +175,7 @@ impl Export {
         lost
     }
 
-    /// Differences between known and unknown cells that the format cannot express.
+    /// Lists the knowledge about unknown and seen cells that the format cannot express.
     fn lost_knowledge(&self, format: Format) -> Vec<String> {
         let count = |mark: Mark| self.marks.iter().flatten().filter(|known| **known == mark).count();
         let (unknown, seen) = (count(Mark::Unknown), count(Mark::Seen));
@@ -200,7 +200,7 @@ fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     if !hall.pieces().is_empty() && !again.squares.iter().any(is_luggage) {
         return vec![format!("the luggage ({}, now walls)", pieces(hall.pieces().len()))];
     }
-    // A piece is recognised by its first cell, in either drawing.
+    // The same piece has the same first cell in both drawings.
     let begins =
         |hall: &Hall, bag: &Bag| bag.cells.first().map(|cell| (cell.x - hall.bounds().least.x, cell.y - hall.bounds().least.y));
     let known: BTreeMap<_, &Bag> = again.pieces().iter().map(|bag| (begins(again, bag), bag)).collect();
@@ -216,8 +216,9 @@ fn lost_luggage(hall: &Hall, again: &Hall) -> Vec<String> {
     counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what} of {}", pieces(count))).collect()
 }
 
-/// The known area with home and the walls round it. Walls round a hall of the largest size are left out: with them the
-/// file could not be read again, and outside a hall everything is wall anyway.
+/// The bounds of the known area, including home and the walls around it. If the area with its walls is too large for
+/// a hall, the walls are left out. A larger file could not be read again, and outside a hall everything is wall
+/// anyway.
 fn known_bounds(map: &HallMap) -> Bounds {
     let with = |bounds: Bounds, cell: Cell| Bounds {
         least: Cell::new(bounds.least.x.min(cell.x), bounds.least.y.min(cell.y)),

@@ -1,5 +1,5 @@
-//! Tests of halls that are written and read again, and of explored maps; and the rule of `map_server`, in a second
-//! implementation.
+//! Tests that write halls and explored maps and read them again. They also contain a second implementation of the
+//! rule by which `map_server` reads pixels.
 
 use proptest::prelude::*;
 
@@ -11,7 +11,7 @@ use hallsweep_core::command::Strategy as SearchStrategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Piece;
 
-/// A hall with everything that a hall file can say.
+/// A hall that uses everything that a hall file can express.
 const RICH: &str = r##"
 name = "Gate \"7\""
 description = """Two lines,
@@ -113,8 +113,8 @@ fn a_name_too_long_for_a_hall_file_is_left_out() {
     assert_eq!(lost(hall, Format::Toml), ["the name"]);
 }
 
-/// What `map_server` of ROS 2 makes of both files in its mode trinary, from its documentation: occupied 100, free 0,
-/// unknown −1, at a place of the world in metres (x to the east, y to the north).
+/// What `map_server` of ROS 2 (mode trinary, by its documentation) reads at a place of the world: occupied 100, free
+/// 0, unknown −1. The place is in metres, `x` to the east and `y` to the north.
 fn map_server(yaml: &str, pgm: &[u8], x: f64, y: f64) -> i8 {
     let value = |key: &str| yaml.lines().find_map(|line| line.strip_prefix(&format!("{key}: "))).unwrap().to_owned();
     let number = |key: &str| value(key).parse::<f64>().unwrap();
@@ -148,7 +148,7 @@ fn map_server_finds_every_cell_where_the_robot_does() {
     let bounds = hall.bounds();
     for y in bounds.least.y..=bounds.most.y {
         for x in bounds.least.x..=bounds.most.x {
-            // The centre of a cell, and places just within its corners.
+            // Checks the centre of a cell and points just inside two of its corners.
             for off in [0.0, -0.149, 0.149] {
                 let seen = map_server(&yaml, &image, f64::from(x) * 0.3 + off, f64::from(-y) * 0.3 + off);
                 assert_eq!(seen == 0, hall.truth(Cell::new(x, y)) == Truth::Free, "({x}, {y})");
@@ -168,7 +168,7 @@ fn an_image_file_is_named_so_that_yaml_reads_it() {
     }
 }
 
-/// The state once a robot has visited this many cells of the hall.
+/// The state of a run after the robot has visited `cells` cells of the hall.
 fn explored(hall: &Hall, cells: usize) -> std::sync::Arc<Snapshot> {
     let sim = SimSettings::new(7, Camera::Stub);
     let mut run = Run::new(std::sync::Arc::new(hall.clone()), sim, Settings::default(), SearchStrategy::Snail);
@@ -264,7 +264,7 @@ fn the_largest_hall_explored_can_be_read_again() {
     assert_eq!(known_bounds(&map), Bounds { least: Cell::HOME, most: Cell::new(2047, 2047) });
 }
 
-/// Halls of any shape: floor, walls, single pieces, long ones with letters, and descriptions for some of them.
+/// Random halls with floor, walls, single pieces, and long pieces with letters. Some pieces have descriptions.
 fn halls() -> impl Strategy<Value = Hall> {
     let square = prop::sample::select(vec!['.', '.', '.', '.', '#', '#', 'T', 'l', 'm']);
     let rows = (1usize..9, 1usize..9)
@@ -276,7 +276,7 @@ fn halls() -> impl Strategy<Value = Hall> {
             let start = start.index(count);
             rows[start / width][start % width] = 'S';
             let mut letters = ('a'..='k').cycle();
-            // Cells of a letter are one piece only if they touch in a row.
+            // A letter may be used again only in the next cell of the same row, so that its cells form one piece.
             let mut used = 0;
             for row in &mut rows {
                 let mut before = '.';

@@ -1,5 +1,5 @@
-//! Finds halls: built-in ones by name, and files in any format. The content of a file tells its format; images and
-//! their YAML are told by their names. Each format has a file of its own here.
+//! Finds halls: built-in halls by name, and files in any format. The format is recognised by the content of the file.
+//! Only images and their YAML files are recognised by their extensions. Each format is read in a file of its own.
 
 use std::fs::File;
 use std::io::Read;
@@ -16,8 +16,8 @@ const BUILT_IN: [(&str, &str); 4] = [
     ("seed", include_str!("../../../../config/halls/seed.toml")),
 ];
 
-/// Largest file, in bytes: a hall of the largest size in the text of old clients takes three bytes a cell, and there is
-/// room for everything else.
+/// Largest file, in bytes. A hall of the largest size takes three bytes a cell in the text of old clients. The rest
+/// is room for everything else.
 const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Hall {
@@ -26,7 +26,8 @@ impl Hall {
         BUILT_IN.into_iter().map(|(name, _)| name)
     }
 
-    /// A built-in hall by its name, or else the hall in the file of this path, in any format.
+    /// Reads the built-in hall of this name. If there is none, reads the hall in the file of this path, in any
+    /// format.
     ///
     /// # Errors
     /// When the file cannot be read or has a fault.
@@ -34,10 +35,11 @@ impl Hall {
         Hall::open(name_or_path, None)
     }
 
-    /// Like `named_or_file`. `cell_m` is the side of a cell in metres, for a file that leaves it open: a map of pixels.
+    /// Like `named_or_file`. `cell_m` is the side of a cell in metres. It is for image files, which need not say how
+    /// large a cell is.
     ///
     /// # Errors
-    /// When the file cannot be read, has a fault, or sets the side of its cells itself although `cell_m` is given.
+    /// When the file cannot be read or has a fault, or when the file sets another side of its cells than `cell_m`.
     pub fn open(name_or_path: &str, cell_m: Option<f64>) -> Result<Hall, HallError> {
         if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
             return Hall::parse(name, text).and_then(|hall| hall.with_own_cells(name, cell_m));
@@ -63,11 +65,11 @@ impl Hall {
         Hall::parse(name_or_path, &text)?.with_own_cells(name_or_path, cell_m)
     }
 
-    /// The hall described by `text`: a MovingAI map if it begins like such a map, a map of old clients if it contains
-    /// nothing else, otherwise TOML. A byte order mark is skipped. `file` is named in errors, and its stem is the
-    /// hall's name when the text has none.
+    /// Reads the hall described by `text`. The text is a MovingAI map if it begins like one. It is a map of old
+    /// clients if it contains nothing else. Any other text is TOML. A byte order mark is skipped. `file` is named in
+    /// errors, and its stem is the hall's name if the text has none.
     ///
-    /// The fault and its line.
+    /// On failure, returns the fault with its line.
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
         let (name, text) = (stem(file), unmarked(text));
         if has_extension(Path::new(file), &YAML) {
@@ -81,10 +83,10 @@ impl Hall {
         }
     }
 
-    /// The hall of an image that the YAML file `file` describes. `cell_m` is the side of a cell in metres. If neither
-    /// `cell_m` nor the file sets it, a cell is half a metre, or one pixel if that is longer.
+    /// Reads the hall of an image. `file` is the YAML file that describes the image. `cell_m` is the side of a cell
+    /// in metres. If neither `cell_m` nor the file sets it, a cell is half a metre, or one pixel if that is longer.
     ///
-    /// The fault, its file and its line.
+    /// On failure, returns the fault with its file and line.
     pub fn parse_occupancy(
         file: &str,
         yaml: &str,
@@ -95,7 +97,8 @@ impl Hall {
         occupancy::describe(file, unmarked(yaml))?.hall(file, &stem(file), image_file, image, cell_m)
     }
 
-    /// The hall of a file that sets the side of its cells; an error if the user asks for another side.
+    /// Returns the hall of a file that sets the side of its cells. Returns an error if the user asks for another
+    /// side.
     fn with_own_cells(self, file: &str, asked: Option<f64>) -> Result<Hall, HallError> {
         match asked {
             Some(asked) if !occupancy::is_same(asked, self.cell_m) => {
@@ -106,7 +109,7 @@ impl Hall {
     }
 }
 
-/// The endings of files that describe an image.
+/// The extensions of files that describe an image.
 const YAML: [&str; 2] = ["yaml", "yml"];
 
 fn has_extension(path: &Path, extensions: &[&str]) -> bool {
@@ -126,7 +129,7 @@ fn open_yaml(file: &str, path: &Path, cell_m: Option<f64>) -> Result<Hall, HallE
     let bytes = bytes.ok_or_else(|| HallFault::YamlTooLarge(occupancy::MAX_YAML_BYTES).of(file))?;
     let yaml = String::from_utf8(bytes).map_err(|_| HallFault::NotText.of(file))?;
     let description = occupancy::describe(file, unmarked(&yaml))?;
-    // An absolute path stays as it is.
+    // If the image has an absolute path, `join` returns that path.
     let image_path: PathBuf = path.parent().unwrap_or(Path::new("")).join(&description.image);
     let image_file = image_path.display().to_string();
     let image = read_at_most(&image_path, MAX_IMAGE_BYTES).map_err(|error| {
@@ -136,8 +139,9 @@ fn open_yaml(file: &str, path: &Path, cell_m: Option<f64>) -> Result<Hall, HallE
     description.hall(file, &stem(file), &image_file, &image, cell_m)
 }
 
-/// Whether a text is meant as a MovingAI map. Either it begins with a word of the header of such a map, even if lines
-/// are missing or in the wrong order; or its file has the extension of such maps and nothing in the text can be TOML.
+/// Whether a text is meant as a MovingAI map. There are two signs of such a map. Its first word is one of the map's
+/// header, even if header lines are missing or in the wrong order. Or its file has the extension `.map` and contains
+/// no `=`, which TOML would need.
 fn is_movingai(file: &str, text: &str) -> bool {
     let mut words = text.split_whitespace();
     let begins = words.next().is_some_and(|word| ["type", "height", "width", "map"].contains(&word));
@@ -146,13 +150,13 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-/// Whether a text is meant as a map of old clients. Either the whole text is such a map; or its file has the extension
-/// of such maps and nothing in the text can be TOML.
+/// Whether a text is meant as a map of old clients. There are two signs of such a map. The whole text can be read as
+/// one. Or its file has the extension `.txt` and contains no `=`, which TOML would need.
 fn is_seed_text(file: &str, text: &str) -> bool {
     seed_text::is_one(text) || (has_extension(Path::new(file), &["txt"]) && !text.contains('='))
 }
 
-/// All of a file, or as much of it as shows that it is an image.
+/// Reads a file up to one byte more than the size limit, so that the caller can see whether it is too large.
 fn read_file(path: &Path) -> Result<Vec<u8>, HallFault> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| unreadable(&error))?;
@@ -160,7 +164,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, HallFault> {
     Ok(bytes)
 }
 
-/// All of a file; `None` when it has more than `most` bytes.
+/// Reads a whole file. Returns `None` if it has more than `most` bytes.
 fn read_at_most(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -315,7 +319,8 @@ mod tests {
         }
     }
 
-    /// Bytes of valid files are changed, dropped, doubled and swapped at random; the reader must answer every time.
+    /// Bytes of valid files are changed, dropped, doubled and swapped at random. The reader must return a hall or an
+    /// error each time.
     #[test]
     fn mutated_files_are_read_or_refused_but_never_panic() {
         let map = "type octile\nheight 3\nwidth 4\nmap\n@@.T\nO.GS\nWTT.\n";

@@ -1,10 +1,10 @@
-//! A simulated hall: the truth about every cell, the luggage in it and its temperature over time. `files` finds hall
-//! files and tells their formats apart, `export` writes them; each format is read and written in a file of its own:
-//! `toml`, `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`. `scene` reads the scene files of the
-//! virtual robot's page, of which halls are made.
+//! A simulated hall: the truth about every cell, its luggage, and its temperature over time. `files` finds hall files
+//! by their formats. `export` writes hall files. Each format is read and written in a file of its own: `toml`,
+//! `movingai`, `seed_text`, and `occupancy` with `pixels` and `pgm`. `scene` makes halls from the scene files of the
+//! virtual robot's page.
 //!
-//! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
-//! where the robot's start is (0, 0).
+//! In files, columns are counted from the west and rows from the north of the drawing. Everything here is in map
+//! coordinates, in which the robot's start is (0, 0).
 
 mod error;
 mod export;
@@ -32,13 +32,13 @@ use hallsweep_core::state::Reach;
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// Most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.
+/// Maximum number of columns or rows of a hall: about a kilometre of cells of half a metre, and a few megabytes.
 pub(super) const MAX_SIDE: usize = 2048;
 
-/// Most pieces of luggage: more than any benchmark map holds, and bounded in memory.
+/// Maximum number of pieces of luggage. It bounds the memory, and no benchmark map has more.
 pub const MAX_PIECES: usize = 262_144;
 
-/// The side of a cell in metres when the file does not say.
+/// The side of a cell in metres, if the file does not set it.
 pub(super) const USUAL_CELL_M: f64 = 0.5;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,12 +60,12 @@ pub struct Hall {
     temperature: Option<Curve>,
 }
 
-/// The content of a hall file's cells, without name, cell size and temperature.
+/// The content of a hall file's cells. Name, cell size and temperature are not included.
 #[derive(Debug)]
 pub(super) struct Plan {
     /// The rectangle of the hall in map coordinates.
     pub(super) bounds: Bounds,
-    /// Row after row from the north, each from the west.
+    /// The squares, row by row from the north. Each row starts in the west.
     pub(super) squares: Vec<Truth>,
     pub(super) bags: Vec<Bag>,
 }
@@ -74,7 +74,7 @@ impl Hall {
     /// A hall with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
-        // The name is printed on terminals, which obey control characters.
+        // The name is printed on terminals. Control characters would change what the terminal shows.
         let name: String = name.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
@@ -107,7 +107,7 @@ impl Hall {
         self.bounds
     }
 
-    /// The content of a cell; outside the rectangle everything is wall.
+    /// The content of a cell. Every cell outside the hall's rectangle is a wall.
     #[must_use]
     pub fn truth(&self, cell: Cell) -> Truth {
         self.place(cell).and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
@@ -118,7 +118,7 @@ impl Hall {
         self.bounds.contains(cell).then(|| usize::try_from(place()).ok())?
     }
 
-    /// All pieces, in the order of their numbers.
+    /// All pieces, sorted by their numbers.
     #[must_use]
     pub fn pieces(&self) -> &[Bag] {
         &self.bags
@@ -129,14 +129,14 @@ impl Hall {
         self.bags.get(index)
     }
 
-    /// Whether this piece is dangerous; false if it does not exist.
+    /// Whether this piece is dangerous. False if there is no such piece.
     #[must_use]
     pub fn is_dangerous(&self, piece: Piece) -> bool {
         self.bag(piece).is_some_and(|bag| bag.dangerous)
     }
 
-    /// The same hall after some luggage was moved: each moved piece now lies in one cell, however large it was, or is
-    /// gone.
+    /// Returns the hall after some luggage was moved. A moved piece lies in one cell, however many cells it had
+    /// before. With `None` the piece is removed.
     #[must_use]
     pub fn rearranged(&self, moved: &BTreeMap<Piece, Option<Cell>>) -> Hall {
         let mut hall = self.clone();
@@ -156,8 +156,8 @@ impl Hall {
         hall
     }
 
-    /// The same hall with obstacles in the given cells, if they are free. Nobody knows what the obstacles are before a
-    /// look.
+    /// Returns the hall with obstacles in the given cells that are free. The obstacles are walls, of which the robot
+    /// does not know before it meets or sees them.
     #[must_use]
     pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
         let mut hall = self.clone();
@@ -169,10 +169,10 @@ impl Hall {
         hall
     }
 
-    /// The same hall with the robot starting in this column and row, counted from 0 in the north-west corner.
+    /// Moves the robot's start to this column and row, counted from 0 in the north-west corner.
     ///
     /// # Errors
-    /// When no free cell lies there.
+    /// When the cell there is not free.
     pub fn starting_at(mut self, (column, row): (u32, u32)) -> Result<Hall, HallFault> {
         let whole = |number: u32| i32::try_from(number).ok().filter(|number| *number < 1 << 16);
         let start = whole(column).zip(whole(row)).map(|(x, y)| Cell::new(x, y).relative_to(self.home()));
@@ -194,7 +194,7 @@ impl Hall {
         Reach { reachable: count(self.reached().len()), free: count(free) }
     }
 
-    /// Pieces that have no cell beside a reachable cell.
+    /// Pieces that no reachable cell touches with a side.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
         let reached = self.reachable();
@@ -210,7 +210,7 @@ impl Hall {
         all.filter(|cell| self.truth(*cell) == Truth::Free && !reached.contains(cell)).collect()
     }
 
-    /// Every cell that the robot can reach from its start, over the sides of free cells.
+    /// Every cell that the robot can reach from its start. Steps go over the sides of free cells.
     #[must_use]
     pub fn reachable(&self) -> BTreeSet<Cell> {
         let width = self.rows().next().map_or(1, <[Truth]>::len);
@@ -224,12 +224,12 @@ impl Hall {
         rows::part(&self.squares, width, home, &mut vec![false; self.squares.len()])
     }
 
-    /// The column and row of the robot's start, counted from 0 in the north-west corner.
+    /// The column and row of the robot's start in the drawing, counted from 0 in the north-west corner.
     pub(super) const fn home(&self) -> Cell {
         Cell::new(-self.bounds.least.x, -self.bounds.least.y)
     }
 
-    /// Rows from the north, each from the west.
+    /// The rows from north to south. Each row starts in the west.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[Truth]> {
         self.squares.chunks(usize::try_from(self.bounds.width()).unwrap_or(1))
     }

@@ -1,6 +1,6 @@
 //! Reads and writes the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding",
-//! 2012): `T` is luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no
-//! thermometer.
+//! 2012). `T` is luggage, and each such cell is one piece. All other obstacles are walls. Nothing is dangerous, and
+//! there is no thermometer.
 
 use super::error::{HallError, HallFault};
 use super::rows::{DrawingRows, drawn, sides};
@@ -9,7 +9,7 @@ use super::{Hall, Truth};
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;
 
-/// The header's line with the number of rows, counted from 1.
+/// Which line of the header has the number of rows, counted from 1.
 const HEIGHT_LINE: usize = 2;
 
 const WIDTH_LINE: usize = 3;
@@ -20,11 +20,11 @@ struct Header {
     height: usize,
 }
 
-/// Reads a map; the robot starts in the largest connected part of its floor.
+/// Reads a map. The robot starts in the largest connected part of the floor.
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     let header = header(file, &lines)?;
-    // A map of corners has one more column and one more row than the hall has.
+    // A map of type `octile-corner` has one more column and one more row than the hall.
     let more = usize::from(header.has_corners);
     let (width, height) = (header.width.saturating_sub(more), header.height.saturating_sub(more));
     let worst = if width == 0 || (width > height && height > 0) { WIDTH_LINE } else { HEIGHT_LINE };
@@ -74,13 +74,13 @@ fn header(file: &str, lines: &[&str]) -> Result<Header, HallError> {
     Ok(Header { has_corners, width, height })
 }
 
-/// The rows after the header; empty lines at the end do not count.
+/// Returns the rows after the header. Empty lines at the end are ignored.
 fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'a str], HallError> {
     let rows = lines.get(HEADER_LINES..).unwrap_or_default();
     let found = rows.iter().rposition(|row| !row.is_empty()).map_or(0, |last| last + 1);
     let height = header.height;
     let wanted = if header.has_corners { height.saturating_mul(2) } else { height };
-    // The line of the first surplus row, or of the last row if rows are missing.
+    // If there are too many rows, the line of the first surplus row. If rows are missing, the line of the last row.
     let line = HEADER_LINES + if found > wanted { wanted + 1 } else { found };
     match found == wanted {
         true => Ok(&rows[..found]),
@@ -89,7 +89,8 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
     }
 }
 
-/// Heights of corners are ignored, but a row of terrain among the heights means that a row is missing.
+/// Checks a row of corner heights. The heights themselves are ignored. A row of terrain among them means that a row
+/// is missing.
 fn check_corners(index: usize, row: &str) -> Result<(), HallFault> {
     match row.chars().enumerate().find(|(_, mark)| !mark.is_ascii_digit()) {
         Some((place, mark)) => Err(HallFault::CornerHeight { row: index + 1, column: place + 1, mark }),
@@ -111,7 +112,7 @@ fn read_row(reading: &mut DrawingRows, index: usize, row: &str, width: usize) ->
     Ok(())
 }
 
-/// A map of type `octile`.
+/// Writes a map of type `octile`.
 pub(super) fn write(hall: &Hall) -> String {
     let bounds = hall.bounds();
     let mut text = format!("type octile\nheight {}\nwidth {}\nmap\n", bounds.height(), bounds.width());

@@ -1,9 +1,9 @@
-//! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. `pixels` reads
-//! the image.
+//! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. The image is
+//! read by `pixels`.
 //!
-//! Pixels are judged as in the `map_io` of ROS 2 (Nav2): `occ` is how dark a pixel is (how light with `negate`). A
-//! pixel with `occ` above `occupied_thresh` is occupied, one below `free_thresh` is free; in between it is unknown
-//! (trinary) or a percentage (scale).
+//! Pixels are judged as in the `map_io` of ROS 2 (Nav2). `occ` is how dark a pixel is, or how light with `negate`. A
+//! pixel with `occ` above `occupied_thresh` is occupied, and one below `free_thresh` is free. A pixel in between is
+//! unknown in mode trinary, and a percentage in mode scale.
 
 use serde::Deserialize;
 use serde_saphyr::Spanned;
@@ -16,29 +16,29 @@ use super::{Hall, Truth, USUAL_CELL_M, pgm};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;
 
-/// Largest YAML file, in bytes: a few lines, and room for somebody's comments.
+/// Largest YAML file, in bytes. A description has a few lines, and the rest is room for comments.
 pub(super) const MAX_YAML_BYTES: u64 = 64 << 10;
 
-/// The limits of a side of a cell in metres, as in hall files.
+/// Shortest and longest side of a cell in metres, as in hall files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 
-/// Maximum distance between the borders of a cell and of a pixel that count as one border, as a share of a pixel:
-/// decimal fractions are not exact.
+/// Two borders of a cell and a pixel count as the same border if they are at most this far apart, in pixels. The
+/// limit is needed because decimal fractions are not exact.
 const NEAR: f64 = 1e-4;
 
-/// Largest relative error of a decimal number that went through a 32-bit float, as in the tools that write these files.
-/// A yaw below it turns no image by as much as a pixel.
+/// Largest relative error of a decimal number that was stored as a 32-bit float, as the usual tools do. A yaw
+/// (rotation) below this limit moves no point of the image by a whole pixel.
 const ROUNDING: f64 = 1e-6;
 
-/// The grey of a free cell; `map_saver` writes the same for free, occupied and unknown cells.
+/// The grey of a free cell. `map_saver` of ROS writes the same three greys for free, occupied and unknown cells.
 const FREE: u8 = 254;
 const OCCUPIED: u8 = 0;
 const UNKNOWN: u8 = 205;
 
-/// The grey of luggage, which is occupied for readers that know no luggage.
+/// The grey of luggage. A reader that does not know this grey takes it for occupied.
 const LUGGAGE: u8 = 50;
 
-/// As `map_saver` writes it: 205 is (255 − 205) / 255 = 0.1961 dark, which is not free.
+/// The thresholds that `map_saver` writes. A pixel of 205 is (255 − 205) / 255 = 0.1961 dark, so it is not free.
 const GREYS: &str = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 #[derive(Deserialize)]
@@ -60,7 +60,7 @@ enum Negate {
     Number(i64),
 }
 
-/// Additional keys of our own files, which `map_server` ignores.
+/// Additional keys that this program writes. `map_server` ignores them.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Own {
@@ -79,11 +79,11 @@ enum Mode {
 
 #[derive(Debug)]
 pub(super) struct Description {
-    /// The path of the image, as it is written, and the line in which it is.
+    /// The path of the image as the YAML file has it, and the line of the path in the file.
     pub(super) image: String,
     pub(super) image_line: usize,
     resolution: f64,
-    /// Where the south-west corner of the image lies, in metres to the east and to the north.
+    /// The south-west corner of the image, in metres to the east and to the north.
     origin: [f64; 2],
     mode: Mode,
     negate: bool,
@@ -127,7 +127,7 @@ pub(super) fn describe(file: &str, text: &str) -> Result<Description, HallError>
     })
 }
 
-/// Limits for the YAML parser: a dozen keys need neither aliases nor depth.
+/// Limits for the YAML parser. A dozen keys need neither aliases nor deep nesting.
 fn limits() -> serde_saphyr::Options {
     serde_saphyr::options! {
         budget: serde_saphyr::budget! { max_events: 4096, max_aliases: 64, max_anchors: 64, max_depth: 16, max_documents: 1 },
@@ -155,7 +155,8 @@ fn within(
     if limits.contains(&value) { Ok(value) } else { Err(fault.at(file, line)) }
 }
 
-/// The first two numbers of the origin, in metres to the east and to the north; the third must not turn the image.
+/// Returns the first two numbers of the origin, in metres to the east and to the north. The third number, the yaw,
+/// must be zero.
 fn corner(origin: &[f64]) -> Result<[f64; 2], HallFault> {
     let [x, y, yaw] = origin else { return Err(HallFault::OriginLength(origin.len())) };
     for value in [x, y] {
@@ -189,7 +190,7 @@ impl Mode {
 }
 
 impl Description {
-    /// The hall of this image. `cell_m` is the side of a cell in metres, if the user sets it.
+    /// Makes the hall of this image. `cell_m` is the side of a cell in metres, if the user sets it.
     pub(super) fn hall(
         &self,
         file: &str,
@@ -202,7 +203,8 @@ impl Description {
         let of_image = |fault: HallFault| fault.of(image_file);
         let mut image = Image::open(image).map_err(of_image)?;
         let (columns, rows) = image.size();
-        // Pixels per cell: 0.5 m over 0.05 m is 10, even if the file has 0.0500000007 m because of a 32-bit float.
+        // Pixels per cell. For example, 0.5 m divided by 0.05 m is 10. The file may have 0.0500000007 m because of a
+        // 32-bit float.
         let exact = cell_m / self.resolution;
         let ratio = if is_same(exact, exact.round()) { exact.round() } else { exact };
         let (columns, rows) = (Cells::over(columns, ratio), Cells::over(rows, ratio));
@@ -236,7 +238,8 @@ impl Description {
         Ok(Hall::of(name, reading.plan(home, size)).measured(cell_m, None))
     }
 
-    /// The side of a cell: from the file, from the user, or the usual side, and at least one pixel.
+    /// The side of a cell in metres. It is taken from the user, from the file, or from `USUAL_CELL_M`. It is at least
+    /// one pixel.
     fn cell_m(&self, asked: Option<f64>) -> Result<f64, HallFault> {
         let Some(asked) = asked else {
             return Ok(self.own.map_or(USUAL_CELL_M.max(self.resolution), |(own, _)| own.cell_m.max(self.resolution)));
@@ -255,8 +258,8 @@ impl Description {
         Ok(asked)
     }
 
-    /// The cell with world (0, 0) in it, if that is free: the robot that made the map stood there. The origin is the
-    /// image's south-west corner.
+    /// The cell that contains the world's (0, 0), if that cell is free. The robot that made the map usually stood
+    /// there. The origin is the south-west corner of the image.
     fn world_home(&self, reading: &DrawingRows, columns: &Cells, rows: &Cells) -> Option<Cell> {
         let [east, north] = self.origin.map(|metres| -metres / self.resolution);
         let (column, row) =
@@ -284,7 +287,7 @@ impl Description {
     }
 
     fn is_free(&self, pixel: Pixel) -> bool {
-        // The trinary mode averages the opacity of a pixel with its three colours.
+        // In mode trinary, a pixel's lightness is the mean of its three colours and its opacity.
         let shade = match (self.mode, pixel.alpha) {
             (Mode::Trinary, Some(alpha)) => (3.0 * pixel.shade + alpha) / 4.0,
             _ => pixel.shade,
@@ -302,7 +305,7 @@ impl Description {
     }
 }
 
-/// Kinds of pixels, in rising order: the greatest value among its pixels decides about a cell.
+/// What a pixel shows. The order matters: a cell gets the greatest value among its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum PixelGround {
     Free,
@@ -310,14 +313,15 @@ enum PixelGround {
     Blocked,
 }
 
-/// The number of cells along a side of an image, and the cells over which each pixel lies.
+/// How the pixels along one side of an image are divided into cells.
 struct Cells {
     count: usize,
     of_pixel: Vec<std::ops::Range<usize>>,
 }
 
 impl Cells {
-    /// Cells of `ratio` pixels, at least one, counted from the first pixel; the last takes the rest.
+    /// Divides a side of the image into cells of `ratio` pixels, starting at the first pixel. There is at least one
+    /// cell. The last cell may have fewer pixels.
     fn over(pixels: u32, ratio: f64) -> Cells {
         let near = |border: f64| (border.round(), (border - border.round()).abs() * ratio < NEAR);
         let begin = |border: f64| whole(if near(border).1 { near(border).0 } else { border.floor() });
@@ -327,12 +331,13 @@ impl Cells {
     }
 }
 
-/// Whether two numbers differ by rounding alone.
+/// Whether two numbers differ only by rounding.
 pub(super) fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() < ROUNDING * one.abs()
 }
 
-/// The pixel, counted from 0, at this distance in pixels from the border of the first pixel.
+/// The number of the pixel at this distance from the image's edge. Pixels and distance are counted from 0. `None` if
+/// the distance is not within an image of the largest size.
 fn pixel_at(pixels: f64) -> Option<usize> {
     let is_near = (pixels - pixels.round()).abs() < NEAR;
     let begun = if is_near { pixels.round() } else { pixels.floor() };
@@ -346,8 +351,8 @@ fn whole(cells: f64) -> usize {
 
 pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     let (bounds, home, cell_m) = (hall.bounds(), hall.home(), hall.cell_m());
-    // World (0, 0) is the centre of the home cell; the image is placed by its south-west corner,
-    // to the micrometre.
+    // The centre of the home cell is the world's (0, 0). The image is placed by its south-west corner, rounded to a
+    // micrometre.
     let metres = |cells: i32| (-(f64::from(cells) + 0.5) * cell_m * 1e6).round() / 1e6;
     let (x, y) = (metres(home.x), metres(bounds.height() - 1 - home.y));
     format!(
@@ -359,7 +364,7 @@ pub(super) fn yaml(hall: &Hall, image_file: &str) -> String {
     )
 }
 
-/// The image of these squares and of what is known of each square, one pixel per cell.
+/// The image of the hall, with one pixel per cell. Each square comes with what the robot knows of it.
 pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> Vec<u8> {
     let grey = |(truth, mark): (Truth, Option<Mark>)| match truth {
         Truth::Free => FREE,
@@ -371,7 +376,7 @@ pub(super) fn image(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Ma
     pgm::write(usize::try_from(hall.bounds().width()).unwrap_or(1), &pixels)
 }
 
-/// A file name as YAML reads it, in quotes where it needs them.
+/// Writes a file name for YAML, in quotes if it needs them.
 fn quoted(name: &str) -> String {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "._-".contains(letter);
     let is_plain = name.starts_with(|first: char| first.is_ascii_alphabetic()) && name.chars().all(plain);

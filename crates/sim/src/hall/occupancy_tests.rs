@@ -1,11 +1,12 @@
-//! Tests of maps of ROS `map_server`: what its YAML may say, which pixels are free, how pixels become cells.
+//! Tests for maps of ROS `map_server`: the allowed content of the YAML file, which pixels are free, and how pixels
+//! become cells.
 
 use proptest::prelude::*;
 
 use crate::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
-/// World (0, 0) lies outside the image.
+/// The world's (0, 0) lies outside this image.
 const YAML: &str =
     "image: m.pgm\nresolution: 0.5\norigin: [1.0, 1.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
@@ -13,7 +14,7 @@ fn pgm(width: usize, pixels: &[u8]) -> Vec<u8> {
     super::pgm::write(width, pixels)
 }
 
-/// The hall as rows of `.` `#` `T`, with `S` as the start, and the side of its cells.
+/// Returns the hall as rows of `.` `#` `T`, with `S` as the start, and the side of its cells in metres.
 fn drawn(yaml: &str, image: &[u8], cell_m: Option<f64>) -> Result<(String, f64), String> {
     let hall = Hall::parse_occupancy("m.yaml", yaml, "m.pgm", image, cell_m).map_err(|error| error.to_string())?;
     let home = hall.home();
@@ -56,7 +57,8 @@ fn negate_takes_dark_for_free() {
 #[test]
 fn scale_and_raw_are_free_where_the_occupancy_is_nought() {
     let scale = format!("{YAML}mode: scale\n");
-    // 0.196 and a two-hundredth of the way to 0.65 are rounded to zero: 204 is 0.2, of which 0.9 in a hundred remains.
+    // The scale is rounded to whole percent. A pixel of 205 is at 0.02 %, which becomes 0 (free). A pixel of 204 is
+    // at 0.9 %, which becomes 1.
     is_drawn(&scale, &pgm(4, &[254, 205, 204, 0]), "S.##");
     is_drawn(&format!("{YAML}mode: Raw\n"), &pgm(4, &[0, 1, 100, 254]), "S###");
     is_drawn(&format!("{YAML}mode: trinary\n"), &pgm(2, &[254, 205]), "S#");
@@ -80,7 +82,7 @@ fn a_cell_is_a_wall_when_any_pixel_in_it_is_and_what_is_left_over_is_a_cell_too(
     is_drawn(&finer, &pixels, "#S./..#");
     assert_eq!(drawn(&finer, &pixels, Some(0.25)), Ok(("S..../.#.../....#".to_owned(), 0.25)));
     assert_eq!(drawn(&finer, &pixels, Some(1.25)).unwrap_err(), "m.pgm: there is no free cell for the robot: make one cell free");
-    // Cells of one and a half pixels: a pixel on the border belongs to both.
+    // A cell has one and a half pixels, so the pixel on a border belongs to both cells.
     let thin = pgm(6, &[254, 0, 254, 254, 254, 254]);
     assert_eq!(drawn(&finer, &thin, Some(0.375)), Ok(("##S.".to_owned(), 0.375)));
 }
@@ -171,7 +173,7 @@ fn what_is_missing_or_out_of_range_is_named_with_its_line() {
     check(&format!("{YAML}negate: 1\n"), "m.yaml:7: ");
 }
 
-/// One number of each kind that other tools write, with the error of a 32-bit float.
+/// Numbers as other tools write them, each with the rounding error of a 32-bit float.
 #[test]
 fn a_number_that_is_off_by_rounding_alone_means_the_round_number() {
     let rounded = YAML.replace("resolution: 0.5", "resolution: 0.05000000074505806");
@@ -185,7 +187,8 @@ fn a_number_that_is_off_by_rounding_alone_means_the_round_number() {
     let coarse = rounded.replace("0.05000000074505806", "0.20000000298023224");
     assert_eq!(drawn(&coarse, &pgm(2, &[254, 0]), Some(0.2)).map(|(rows, _)| rows), Ok("S#".to_owned()));
     assert!(drawn(&coarse, &pgm(1, &[254]), Some(0.199)).unwrap_err().contains("are finer than the pixels"));
-    // 1,600 cells of ten pixels: the last pixel of the last cell but one is a wall, and reaches into no other cell.
+    // There are 1,600 cells of ten pixels. The wall is the last pixel of the last cell but one. It must not touch the
+    // last cell.
     let mut row = vec![254; 16_000];
     row[15_989] = 0;
     let (rows, _) = drawn(&rounded, &pgm(row.len(), &row), None).unwrap();

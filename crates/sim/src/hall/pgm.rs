@@ -1,4 +1,4 @@
-//! Reads PGM images (netpbm's grey images, P5 in bytes and P2 in digits) row by row, and writes P5. The meaning of a
+//! Reads PGM images (the grey images of netpbm) row by row: P5 has bytes, P2 has digits. Writes P5. The meaning of a
 //! grey is not known here.
 
 use super::error::HallFault;
@@ -8,9 +8,9 @@ use super::pixel::{Pixel, sides};
 pub(super) struct Pgm<'a> {
     pub(super) width: u32,
     pub(super) height: u32,
-    /// The lightest grey, which is white.
+    /// The value of white.
     most: u16,
-    /// Whether the pixels are in digits (P2) rather than in bytes (P5).
+    /// Whether the pixels are decimal numbers in text (P2). Otherwise they are bytes (P5).
     is_plain: bool,
     rest: &'a [u8],
     rows_read: usize,
@@ -21,8 +21,8 @@ impl<'a> Pgm<'a> {
         matches!(bytes, [b'P', b'2' | b'5', next, ..] if next.is_ascii_whitespace() || *next == b'#')
     }
 
-    /// Reads the header: magic number, width, height, lightest grey, and between these fields comments from `#` to the
-    /// end of a line.
+    /// Reads the header: magic number, width, height, and the value of white. Comments may stand between these
+    /// fields, from `#` to the end of a line.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Pgm<'a>, HallFault> {
         let mut rest = bytes.get(2..).unwrap_or_default();
         let mut number = |what: &str, most: u64| {
@@ -36,7 +36,7 @@ impl<'a> Pgm<'a> {
         let most = most.ok_or_else(|| HallFault::Pgm("its lightest grey is 0: give 1 to 65535".to_owned()))?;
         let is_plain = bytes.get(1) == Some(&b'2');
         if !is_plain {
-            // A single blank of any kind ends the header; the pixels follow.
+            // One whitespace character ends the header. The pixels follow.
             rest = rest.get(1..).unwrap_or_default();
         }
         Ok(Pgm { width, height, most, is_plain, rest, rows_read: 0 })
@@ -60,7 +60,7 @@ impl<'a> Pgm<'a> {
         Ok(())
     }
 
-    /// Reads a pixel of one byte, or of two bytes (big-endian) if the lightest grey does not fit into one.
+    /// Reads one pixel. It has one byte if the value of white fits into a byte, or else two bytes (big-endian).
     fn next_sample(&mut self) -> Option<u64> {
         let (sample, rest) = self.rest.split_at_checked(if self.most < 256 { 1 } else { 2 })?;
         self.rest = rest;
@@ -68,7 +68,8 @@ impl<'a> Pgm<'a> {
     }
 }
 
-/// The next number in digits, after blanks and comments; `None` without one, or if it does not fit into a `u64`.
+/// Skips blanks and comments and reads a decimal number. Returns `None` if there is none or if it does not fit into a
+/// `u64`.
 fn next_number(rest: &mut &[u8]) -> Option<u64> {
     loop {
         *rest = rest.trim_ascii_start();
@@ -84,7 +85,7 @@ fn next_number(rest: &mut &[u8]) -> Option<u64> {
     std::str::from_utf8(number).ok()?.parse().ok()
 }
 
-/// An image with this many columns, a byte per pixel, row after row.
+/// Writes an image with `width` columns. `pixels` has one byte per pixel, row by row.
 pub(super) fn write(width: usize, pixels: &[u8]) -> Vec<u8> {
     let height = pixels.len() / width.max(1);
     let mut bytes = format!("P5\n{width} {height}\n255\n").into_bytes();

@@ -1,20 +1,20 @@
-//! One pixel, and the bound on the size of images.
+//! One pixel of an image, and the size limit of images.
 
 use super::error::HallFault;
 
-/// Most columns or rows of an image: a hall of the largest size with eight pixels a cell's side.
+/// Maximum number of columns or rows of an image: a hall of the largest size, with eight pixels along a cell's side.
 pub(super) const MAX_IMAGE_SIDE: u32 = 16_384;
 
-/// The lightness of a pixel, from 0 to 1.
+/// Lightness and opacity of a pixel, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
-    /// The mean of its colours.
+    /// The mean of the pixel's colours.
     pub(super) shade: f64,
-    /// 0 is transparent, 1 opaque; `None` in an image without an alpha channel.
+    /// 0 is transparent, 1 is opaque. `None` if the image has no alpha channel.
     pub(super) alpha: Option<f64>,
 }
 
-/// Refuses an empty image, and a side longer than `MAX_IMAGE_SIDE`.
+/// Checks the size of an image. An empty image and a side longer than `MAX_IMAGE_SIDE` are errors.
 pub(super) fn sides(width: u64, height: u64) -> Result<(u32, u32), HallFault> {
     if width == 0 || height == 0 {
         return Err(HallFault::EmptyImage(width, height));

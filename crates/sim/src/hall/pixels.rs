@@ -1,5 +1,5 @@
-//! The images of which halls are made, row by row: PGM and PNG, told apart by their first bytes. How light a pixel must
-//! be to be floor is decided in `occupancy`.
+//! Reads the images from which halls are made, row by row. PGM and PNG are recognised by their first bytes.
+//! `occupancy` decides how light a pixel must be to count as floor.
 
 use std::io::Cursor;
 
@@ -11,12 +11,13 @@ use super::pixel::{Pixel, sides};
 
 pub(super) const MAX_IMAGE_BYTES: u64 = 64 << 20;
 
-/// Maximum memory for reading a PNG, in bytes, besides the file itself: some rows of the widest image.
+/// Maximum memory for reading a PNG, in bytes, not counting the file itself. It is enough for some rows of the widest
+/// image.
 const PNG_BYTES: usize = 16 << 20;
 
 const PNG_BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Beginning of BMP images: `map_server` reads them, but here they are refused by name.
+/// The first bytes of a BMP image. `map_server` reads BMP, but this program refuses it with its own message.
 const BMP_BEGIN: &[u8] = b"BM";
 
 pub(super) enum Image<'a> {
@@ -41,14 +42,14 @@ impl<'a> Image<'a> {
         let broken = |error: png::DecodingError| HallFault::Png(error.to_string());
         let header = decoder.read_header_info().map_err(broken)?;
         sides(header.width.into(), header.height.into())?;
-        // The rows of an interlaced image come in seven passes.
+        // The rows of an interlaced image are stored in seven passes, so it cannot be read row by row.
         if header.interlaced {
             return Err(HallFault::Png("it is interlaced".to_owned()));
         }
         decoder.read_info().map(|reader| Image::Png(Box::new(reader))).map_err(broken)
     }
 
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub(super) fn size(&self) -> (u32, u32) {
         match self {
             Image::Pgm(image) => (image.width, image.height),

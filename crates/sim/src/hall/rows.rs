@@ -1,5 +1,5 @@
-//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. The descriptions of lettered pieces are not in the
-//! drawing.
+//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. The descriptions of lettered pieces are read
+//! elsewhere.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,23 +16,23 @@ pub(super) struct Drawing {
     pub(super) letters: BTreeMap<char, Piece>,
 }
 
-/// A fault of a drawing and the row it is in, counted from 1; row 0 means the drawing as a whole.
+/// The row of a fault, counted from 1, and the fault. Row 0 means the drawing as a whole.
 pub(super) type RowFault = (usize, HallFault);
 
 impl Hall {
-    /// A hall from rows of `.` (free), `#` (wall), `S` (start), letters a–z (luggage; the same letter is the same
-    /// piece) and `T` (luggage, each cell a piece of its own). All luggage is harmless, of kinds and colours that
-    /// follow from its order.
+    /// Makes a hall from rows of characters: `.` is free, `#` a wall, `S` the start. All cells with the same letter
+    /// a–z are one piece of luggage. Each `T` is a piece of its own. All luggage is harmless, and its order
+    /// determines kinds and colours.
     ///
     /// # Errors
-    /// The first fault, with the row as its line.
+    /// Returns the first fault, with its row as the line.
     pub fn from_rows(name: &str, rows: &[&str]) -> Result<Hall, HallError> {
         let drawing = read(rows).map_err(|(row, fault)| if row == 0 { fault.of(name) } else { fault.at(name, row) })?;
         Ok(Hall::of(name, drawing.plan))
     }
 }
 
-/// The plan of a rectangle of free cells, with the start in its north-west corner.
+/// The plan of a hall that is a rectangle of free cells. The start is in the north-west corner.
 pub(super) fn empty(width: u64, height: u64) -> Result<Plan, HallFault> {
     let (columns, rows) = sides(width, height)?;
     let bounds = Bounds { least: Cell::HOME, most: Cell::new(columns - 1, rows - 1) };
@@ -62,7 +62,7 @@ pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
     reading.finish(size)
 }
 
-/// The part of a drawing read so far, in the drawing's own columns and rows.
+/// The part of a drawing that was read so far, in columns and rows of the drawing.
 #[derive(Default)]
 pub(super) struct DrawingRows {
     pub(super) squares: Vec<Truth>,
@@ -92,8 +92,8 @@ impl DrawingRows {
         Ok(())
     }
 
-    /// The robot's start when the file does not set it: in the largest connected part of the floor, the cell nearest to
-    /// the north-west corner (columns plus rows). Of equally near cells the northernmost one is taken.
+    /// Chooses the robot's start when the file does not set it. It is in the largest connected part of the floor: the
+    /// cell nearest to the north-west corner (column plus row). Of equally near cells, the northernmost is chosen.
     pub(super) fn start_in_largest_part(&self, columns: usize) -> Option<Cell> {
         let from_corner = |place: usize| (place % columns + place / columns, place);
         let mut seen = vec![false; self.squares.len()];
@@ -109,7 +109,7 @@ impl DrawingRows {
         (cells > 0).then(|| drawn(place % columns, place / columns))
     }
 
-    /// The piece of this letter, which now covers this cell too.
+    /// Adds a cell to the piece with this letter. Begins a new piece if the letter is new.
     fn lettered(&mut self, letter: char, cell: Cell) -> Result<Piece, HallFault> {
         if let Some(piece) = self.letters.get(&letter).copied() {
             return Ok(self.extend(piece, cell));
@@ -144,7 +144,7 @@ impl DrawingRows {
         Ok(Drawing { letters: self.letters.clone(), plan: self.plan(start, size) })
     }
 
-    /// The plan in map coordinates, with all pieces plain.
+    /// The plan in map coordinates. No piece has a description yet.
     pub(super) fn plan(self, start: Cell, (width, height): (i32, i32)) -> Plan {
         let from_start = |cell: Cell| cell.relative_to(start);
         let bounds = Bounds { least: from_start(Cell::HOME), most: from_start(Cell::new(width - 1, height - 1)) };
@@ -154,7 +154,7 @@ impl DrawingRows {
     }
 }
 
-/// The free squares connected with this one over their sides, including itself. Marks them as seen.
+/// The free squares connected with `from` over their sides, including `from` itself. Marks them all in `seen`.
 pub(super) fn part(squares: &[Truth], columns: usize, from: usize, seen: &mut [bool]) -> Vec<usize> {
     seen[from] = true;
     let (mut part, mut looked_at) = (vec![from], 0);
@@ -171,7 +171,7 @@ pub(super) fn part(squares: &[Truth], columns: usize, from: usize, seen: &mut [b
     part
 }
 
-/// The cell at this column and row of a drawing, counted from 0.
+/// The cell at this column and row of a drawing, both counted from 0.
 pub(super) fn drawn(column: usize, row: usize) -> Cell {
     let number = |place: usize| i32::try_from(place).expect("the sides of a hall have been bounded");
     Cell::new(number(column), number(row))
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(error.to_string(), expect);
     }
 
-    /// A terminal would obey them.
+    /// A terminal would execute control characters.
     #[test]
     fn a_name_has_no_control_characters() {
         assert_eq!(Hall::from_rows("a\u{1b}[31m\nb", &["S"]).unwrap().name(), "a [31m b");

@@ -1,9 +1,9 @@
-//! Reads the scene file of the Bologna virtual robot's page: a JavaScript module with one object literal, which says
-//! how large the floor is, where the player stands and which things are in its way. `script` finds the literal, `cells`
-//! makes a hall of the scene.
+//! Reads the scene file of the Bologna virtual robot's page. The file is a JavaScript module with one object literal:
+//! the size of the floor, the place of the player (the robot), and the things on the floor. `script` finds the
+//! literal, and `cells` makes a hall from the scene.
 //!
-//! Positions in the file are fractions of the floor; here everything is in units of the page's world, counted from the
-//! middle of the floor: `x` to the east, `z` to the south, so that north is up the page.
+//! Positions in the file are fractions of the floor. Here everything is in units of the page's world, counted from
+//! the middle of the floor: `x` to the east, `z` to the south. North is at the top of the page.
 
 mod cells;
 mod script;
@@ -19,44 +19,44 @@ use super::error::{HallError, HallFault};
 pub use cells::HallOfScene;
 use hallsweep_core::words::is_visible;
 
-/// Largest scene file, in bytes; real scene files have about 3,000.
+/// Largest scene file, in bytes. Real scene files have about 3,000.
 const MAX_SCENE_BYTES: usize = 256 << 10;
 
-/// Longest side of a floor, in units: with two of these it has 62,500 cells.
+/// Longest side of a floor, in units. A floor with two such sides has 62,500 cells.
 const MAX_FLOOR: f64 = 1000.0;
 
-/// Most things of each sort: each is compared with every cell.
+/// Maximum number of things of each kind, because each thing is compared with every cell.
 const MAX_THINGS: usize = 256;
 
-/// Largest position of a thing, as a fraction of the floor. A thing may reach out of the floor, but its position must
-/// stay finite.
+/// Largest position of a thing, as a fraction of the floor. A thing may lie partly outside the floor, but its
+/// position must stay finite.
 const MAX_FRACTION: f64 = 100.0;
 
-/// The side of the player's square, and of a cell, in units of the page's world.
+/// The side of the player's square, in units of the page's world. A cell has the same side.
 pub const PLAYER: f64 = 4.0;
 
-/// Moves of the player per second on a page that is not slow; each move is as long as the player's speed.
+/// Moves of the player per second, on a page that is not slow. Each move is as long as `speed`, in units.
 const FRAMES: f64 = 60.0;
 
-/// Shortest and longest time per cell on any page.
+/// Shortest and longest allowed time per cell.
 const STEPS: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(5)];
 
-/// A scene file, in units of the page's world.
+/// A scene. All lengths are in units of the page's world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub floor: Floor,
     pub player: Player,
     pub statics: Vec<StaticObstacle>,
     pub moving: Vec<MovingObstacle>,
-    /// The sonars of the hall, which detect things that pass in front of them.
+    /// The sonars of the hall. Each detects things that pass in front of it.
     pub sonars: Vec<SceneSonar>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
-    /// Length from west to east.
+    /// Length from west to east, in units.
     pub x: f64,
-    /// Length from north to south.
+    /// Length from north to south, in units.
     pub z: f64,
 }
 
@@ -64,11 +64,11 @@ pub struct Floor {
 pub struct Player {
     pub x: f64,
     pub z: f64,
-    /// Speed, in the page's own unit.
+    /// Speed, as the scene file gives it.
     pub speed: f64,
 }
 
-/// A fixed box on the floor; the player's middle stays at least half the player's side away from the box.
+/// A fixed box on the floor. The player's middle cannot come closer to the box than half the player's side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticObstacle {
     pub name: String,
@@ -79,14 +79,14 @@ pub struct StaticObstacle {
 }
 
 impl StaticObstacle {
-    /// Whether the obstacle is a wall; otherwise it is luggage.
+    /// Whether the obstacle is a wall. Any other obstacle is luggage.
     #[must_use]
     pub fn is_wall(&self) -> bool {
         self.name.starts_with("wall")
     }
 }
 
-/// A thing that moves to and fro along an axis.
+/// A thing that moves to and fro along one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingObstacle {
     pub name: String,
@@ -94,7 +94,7 @@ pub struct MovingObstacle {
     pub z: f64,
     pub along_x: bool,
     pub along_z: bool,
-    /// Speed, in the page's own unit.
+    /// Speed, as the scene file gives it.
     pub speed: f64,
     pub range: f64,
 }
@@ -109,12 +109,14 @@ pub struct SceneSonar {
 }
 
 impl Scene {
+    /// Reads a scene file.
+    ///
     /// # Errors
     /// When the file cannot be read or has a fault.
     pub fn open(path: &str) -> Result<Scene, HallError> {
         let mut bytes = Vec::new();
         let limit = MAX_SCENE_BYTES as u64 + 1;
-        // Reading a pipe could block.
+        // A pipe is refused, because reading it could block.
         let file = std::fs::metadata(path).and_then(|about| match about.is_file() {
             true => File::open(Path::new(path)),
             false => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file")),
@@ -124,10 +126,10 @@ impl Scene {
         Scene::parse(path, &bytes)
     }
 
-    /// `file` is named in errors.
+    /// Reads a scene. `file` is named in errors.
     ///
     /// # Errors
-    /// The fault and its line.
+    /// Returns the fault with its line.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Scene, HallError> {
         if bytes.len() > MAX_SCENE_BYTES {
             return Err(HallFault::SceneTooLarge(MAX_SCENE_BYTES).at(file, 1));
@@ -141,7 +143,7 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
-            // After the `/` of a division the parser expects a comment, and its message says only that.
+            // After the `/` of a division, the parser expects a comment. Its own message would not help the author.
             let reason = if reason == "expected comment" {
                 "a calculation is not allowed here: write its result, as .5 for 1/2"
             } else {
@@ -152,10 +154,10 @@ impl Scene {
         written.scene().map_err(|fault| fault.at(file, literal.line))
     }
 
-    /// Time for one cell on a page that makes `FRAMES` moves per second.
+    /// Time that the player needs for one cell, on a page that makes `FRAMES` moves per second.
     ///
     /// # Errors
-    /// When the player's speed is too low or too high for any page.
+    /// When the time is outside `STEPS`, because the player's speed is too low or too high.
     pub fn step(&self) -> Result<Duration, HallFault> {
         let (speed, [least, most]) = (self.player.speed, STEPS);
         let step = Duration::try_from_secs_f64(PLAYER / (speed * FRAMES)).ok();
@@ -163,7 +165,7 @@ impl Scene {
     }
 }
 
-/// The literal as it is written, without the parts that are not needed.
+/// The object literal, as the file has it. Parts that are not needed are ignored.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Written {
@@ -243,8 +245,8 @@ struct Axis {
     y: bool,
 }
 
-/// The value is checked while serde reads it, because the line of a fault is unknown later. The same holds for the
-/// types below.
+/// serde checks the value while it reads the file, because the line of a fault is not known later. The types below do
+/// the same.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 struct Side(f64);
@@ -296,7 +298,7 @@ impl TryFrom<f64> for Amount {
     }
 }
 
-/// The length of a name is bounded, because names are shown to people and repeated in messages.
+/// The length of a name is limited, because names are shown to people and repeated in messages.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
 struct Name(String);
@@ -333,7 +335,7 @@ impl Floor {
         ((position.x.0 - 0.5) * self.x, (position.y.0 - 0.5) * self.z)
     }
 
-    /// Static obstacles are the only things for which the page counts `y` from the south.
+    /// The page counts `y` from the south for static obstacles, unlike for everything else.
     fn obstacle(self, WrittenStatic { name, center_position, size }: WrittenStatic) -> StaticObstacle {
         let (x, from_south) = self.place(&center_position);
         let z = -from_south;

@@ -1,22 +1,22 @@
-//! Reads and writes a hall as the text in which the old clients show a map: `r` the robot, `1` visited, `0` not yet,
-//! `X` obstacle; a line per row with commas, `|r, 1, X, `, or all rows in one line, each ended by `@`.
+//! Reads and writes a hall as the text in which the old clients show a map: `r` robot, `1` visited, `0` not visited
+//! yet, `X` obstacle. Rows are either lines with commas (`|r, 1, X, `), or all in one line, each ended by `@`.
 
 use super::error::{HallError, HallFault};
 use super::rows::{DrawingRows, drawn, sides};
 use super::{Hall, Truth};
 use hallsweep_core::world::hall_map::Mark;
 
-/// Characters that may stand between two cells.
+/// Characters that may separate two cells.
 const BETWEEN: [char; 5] = ['|', ',', ' ', '\t', '\r'];
 
-/// Whether a text is a map of old clients and nothing else.
+/// Whether a text is a map of old clients and contains nothing else.
 pub(super) fn is_one(text: &str) -> bool {
     let is_mark = |letter: char| "r10X".contains(letter);
     text.contains(is_mark)
         && text.chars().all(|letter| is_mark(letter) || letter == '@' || letter == '\n' || BETWEEN.contains(&letter))
 }
 
-/// Reads a map in text; the robot's cell is the start, and cells that were not visited yet are floor too.
+/// Reads a map. The robot's cell is the start. Cells that were not visited yet are floor too.
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let lines = text.lines().enumerate();
     let rows = lines.flat_map(|(index, line)| line.split('@').map(move |row| (index + 1, row)));
@@ -53,7 +53,7 @@ fn read_row(reading: &mut DrawingRows, index: usize, row: &str) -> Result<(), Ha
     Ok(())
 }
 
-/// Writes a line per row, with `r` where the robot starts.
+/// Writes one line per row, with `r` where the robot starts.
 pub(super) fn write(hall: &Hall, squares: impl Iterator<Item = (Truth, Option<Mark>)>) -> String {
     let (home, width) = (hall.home(), usize::try_from(hall.bounds().width()).unwrap_or(1));
     let mut text = String::new();

@@ -1,4 +1,5 @@
-//! Reads public maps in a folder `shared/maps` beside this project or above it; without one, a message says so.
+//! Reads public maps from a folder `shared/maps` in this project's folder or above it. Without the folder, a message
+//! says that it is missing.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,7 @@ fn a_benchmark_map_has_as_many_free_cells_as_its_file() {
     assert_eq!(hall.rows().flatten().filter(|truth| **truth == Truth::Free).count(), free);
 }
 
-/// The image is divided here into cells of ten pixels by hand, with the rule of `map_server`.
+/// The test divides the image into cells of ten pixels itself, by the rule of `map_server`, and compares.
 #[test]
 fn the_depot_of_nav2_has_the_cells_of_its_image() {
     let Some(folder) = folder() else { return };

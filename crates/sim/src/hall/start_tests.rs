@@ -1,4 +1,5 @@
-//! Where the robot starts in maps that do not say it, and what is reported of the rest of the hall.
+//! Tests of the robot's start in maps that do not set it, and of what is reported about unreachable parts of the
+//! hall.
 
 use proptest::prelude::*;
 
@@ -11,7 +12,7 @@ fn movingai(rows: &[String]) -> String {
     format!("type octile\nheight {}\nwidth {}\nmap\n{rows}", rows.lines().count(), rows.lines().next().unwrap_or("").len())
 }
 
-/// A ROS map with a pixel per cell, whose world (0, 0) lies in this pixel, counted from the south-west.
+/// A ROS map with one pixel per cell. The world's (0, 0) is at `world`, in pixels from the south-west corner.
 fn ros(rows: &[String], world: (f64, f64)) -> Result<Hall, String> {
     let pixels: Vec<u8> = rows.iter().flat_map(|row| row.bytes().map(|mark| if mark == b'.' { 254 } else { 0 })).collect();
     let (x, y) = (-world.0 * 0.5, -world.1 * 0.5);
@@ -21,7 +22,7 @@ fn ros(rows: &[String], world: (f64, f64)) -> Result<Hall, String> {
     Hall::parse_occupancy("m.yaml", &yaml, "m.pgm", &image, None).map_err(|error| error.to_string())
 }
 
-/// The sizes of the connected parts of the floor, counted by joining cells one after the other.
+/// The sizes of the connected parts of the floor. Unlike the code under test, it joins neighbouring cells one by one.
 fn parts(rows: &[String]) -> Vec<usize> {
     let width = rows[0].len();
     let marks: Vec<u8> = rows.iter().flat_map(|row| row.bytes()).collect();
@@ -54,7 +55,7 @@ proptest! {
         let sizes = parts(&rows);
         let (most, free) = (sizes.iter().copied().max().unwrap_or(0), sizes.iter().sum::<usize>());
         let reach = Reach { reachable: u32::try_from(most).unwrap(), free: u32::try_from(free).unwrap() };
-        // World (0, 0) lies outside the image, or in a wall.
+        // The world's (0, 0) lies outside the image of the ROS map.
         let maps = [Hall::parse("m.map", &movingai(&rows)).map_err(|error| error.to_string()), ros(&rows, (-3.0, 2.0))];
         for hall in maps {
             match hall {
@@ -100,7 +101,7 @@ proptest! {
 fn a_ros_map_starts_at_world_nought_where_that_is_free() {
     let rows = ["....@..", "....@..", "@@@@@.."].map(str::to_owned);
     let home = |world| ros(&rows, world).unwrap().home();
-    // In the south-west corner of a pixel, in its middle, and just off a border, as decimal fractions are.
+    // The world's (0, 0) lies in a corner of a pixel, in its middle, or almost on a border, as rounded decimals do.
     for (world, cell) in [((5.0, 0.0), (5, 2)), ((6.5, 1.5), (6, 1)), ((5.999_99, 2.000_01), (6, 0)), ((0.0, 1.0), (0, 1))] {
         assert_eq!(home(world), Cell::new(cell.0, cell.1), "{world:?}");
     }

@@ -15,10 +15,10 @@ use crate::bag::{Bag, BagKind, Colour};
 use crate::curve::Curve;
 use hallsweep_core::units::{Celsius, Piece};
 
-/// Most keyframes of a temperature: one a minute for a day and more.
+/// Maximum number of temperature keyframes. It is enough for one a minute over more than a day.
 const MAX_TEMPERATURES: usize = 2048;
 
-/// Latest time of a keyframe, in seconds. A billion are thirty years: no search lasts longer.
+/// Latest time of a keyframe, in seconds. A billion seconds are about thirty years, and no search lasts longer.
 const MAX_SECONDS: f64 = 1e9;
 
 #[derive(Deserialize)]
@@ -54,12 +54,12 @@ struct Keyframe {
     celsius: Spanned<f64>,
 }
 
-/// Reads a hall file; `name` is the hall's name when the file has none.
+/// Reads a hall file. `name` is the hall's name if the file has none.
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
     source.check_length(content.name.as_ref(), 1..=64, HallFault::NameLength)?;
-    // Only readers of the file see a description, so it may be longer than a name, or empty.
+    // A description is shown only to readers of the file, so it may be longer than a name, or empty.
     source.check_length(content.description.as_ref(), 0..=1000, HallFault::DescriptionLength)?;
     let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
     let plan = match &content.drawing {
@@ -72,7 +72,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     Ok(hall.described(content.description.as_ref().map(|words| words.get_ref().as_str())))
 }
 
-/// Finds the lines of faults in the text.
+/// The text of a hall file. It finds the line of each fault.
 struct Source<'a> {
     file: &'a str,
     text: &'a str,
@@ -89,7 +89,7 @@ impl Source<'_> {
     }
 
     fn syntax(&self, error: &toml::de::Error) -> HallError {
-        // A text without one `=` was never meant as TOML, and words about TOML would not help its author.
+        // A text without any `=` was never meant as TOML. A message about TOML would not help its author.
         if !self.text.contains('=') {
             return HallFault::NoHall.at(self.file, 1);
         }
@@ -113,7 +113,7 @@ impl Source<'_> {
         if limits.contains(&length) { Ok(()) } else { Err(self.at(&text.span(), fault(length))) }
     }
 
-    /// Checks a number against limits. Not-a-number is within no limits.
+    /// Checks that a number is within limits. NaN is never within limits.
     fn within(
         &self,
         key: &'static str,
@@ -161,7 +161,8 @@ impl Source<'_> {
         self.furnish(read, &drawing.span(), luggage)
     }
 
-    /// The line of a drawing's first row: the line after the opening quotes, if these are three and end their line.
+    /// The line of a drawing's first row. If the drawing opens with three quotes at the end of a line, it is the next
+    /// line.
     fn first_row_line(&self, span: &Range<usize>) -> usize {
         let value = self.text.get(span.clone()).unwrap_or_default();
         let opened = value.strip_prefix("\"\"\"").or_else(|| value.strip_prefix("'''"));
@@ -230,12 +231,12 @@ impl Source<'_> {
     }
 }
 
-/// The hall as a file. Pieces that need a description get letters while any are left. The other pieces are drawn as
-/// `T`, and the file says so.
+/// Writes the hall as a file. Pieces that need a description get letters, as long as letters are left. The other
+/// pieces are drawn as `T`, and the file says so.
 pub(super) fn write(hall: &Hall) -> String {
     let letters = letters(hall.pieces());
     let mut text = String::new();
-    // A name that is too long for the key is taken from the file's own name.
+    // If the name is too long for the key, it is left out. The reader then takes the name from the file name.
     if (1..=64).contains(&hall.name().chars().count()) {
         key(&mut text, "name", &toml::Value::from(hall.name()));
     }
@@ -288,13 +289,13 @@ fn describe(text: &mut String, mark: char, bag: &Bag) {
     }
 }
 
-/// Whether a piece needs a description, because `T` would be read as a different piece.
+/// Whether a piece needs a description. Without one, `T` would be read as a different piece.
 fn needs_words(bag: &Bag) -> bool {
     bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
 }
 
-/// A letter for every piece that needs a description. If there are more than 26 such pieces, those that would lose most
-/// get letters: the dangerous pieces first, then pieces of several cells.
+/// A letter for every piece that needs a description. If more than 26 pieces need one, dangerous pieces get letters
+/// first, then pieces of several cells.
 fn letters(bags: &[Bag]) -> BTreeMap<Piece, char> {
     let mut wanted: Vec<&Bag> = bags.iter().filter(|bag| needs_words(bag)).collect();
     wanted.sort_by_key(|bag| (!bag.dangerous, bag.cells.len() == 1, bag.piece));

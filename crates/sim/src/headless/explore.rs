@@ -1,5 +1,5 @@
-//! A whole mission in simulated time, with an operator who answers from the hall file, and its figures. The command
-//! line prints these figures.
+//! Runs a whole mission in simulated time and computes its figures, which the command line prints. The operator is
+//! simulated too, and answers from the hall file.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,7 +19,8 @@ use hallsweep_core::world::records::LuggageRecords;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdicts {
-    /// Verdicts follow the hall file: danger for its dangerous pieces, safe for all others.
+    /// The operator judges by the hall file: pieces that are dangerous there are called dangerous, and all others
+    /// safe.
     #[default]
     Hall,
     AllSafe,
@@ -30,31 +31,31 @@ pub struct Figures {
     pub hall: String,
     pub strategy: Strategy,
     pub seed: u64,
-    /// Reachable cells of the hall, home included.
+    /// Number of cells that the robot can reach, home included.
     pub cells: usize,
-    /// All free cells of the hall, whether or not they can be reached.
+    /// Number of free cells of the hall, reachable or not.
     pub free_cells: usize,
     pub reachable_pieces: usize,
     pub pieces: usize,
     pub moves: Moves,
-    /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on
-    /// record.
+    /// Whether three conditions hold: every reachable cell was visited, nothing reachable is unknown, and every piece
+    /// that can be touched is on record.
     pub complete: bool,
     pub home: bool,
     pub luggage: LuggageRecords,
-    /// How many moves had been made when a dangerous piece was first met.
+    /// Number of moves before the robot first stood at a dangerous piece.
     pub bomb_found_at: Option<u64>,
     pub state: Arc<Snapshot>,
-    /// All recorded entries, if the run collects them.
+    /// All recorded entries. Empty if the run does not collect them.
     pub journal: Vec<Entry>,
-    /// Why the run ended without coming home, if it did.
+    /// Why the mission ended early, if it did.
     pub stuck: Option<String>,
 }
 
-/// Most photos in a row that are retaken before the run counts as stuck.
+/// After this number of retaken photos in a row, the run counts as stuck.
 const MOST_RETAKEN: u32 = 10_000;
 
-/// Runs a mission from START to its end. `watch` sees the state after everything that happens.
+/// Runs a mission from START to its end. `watch` is called with the state after each step of the run.
 pub fn explore(
     hall: &Arc<Hall>,
     sim: SimSettings,
@@ -71,8 +72,8 @@ pub fn explore(
     Figures { journal, ..figures }
 }
 
-/// Like `explore`, but `watch` also gets the new entries, and no entries are collected, since a journal takes a hundred
-/// times the memory of the hall.
+/// Like `explore`, but `watch` also gets the new entries, and the entries are not collected. A journal takes a
+/// hundred times the memory of the hall.
 pub fn explore_and_tell(
     hall: &Arc<Hall>,
     sim: SimSettings,
@@ -137,8 +138,8 @@ fn start(run: &mut Run) -> Result<(), String> {
     Ok(())
 }
 
-/// The operator's next command: a verdict on the piece in front of the robot, a new photo of it, or START once the hall
-/// has cooled down.
+/// The operator's next command. It is a verdict on the piece in front of the robot, or a request for a new photo of
+/// the piece. It is START when the mission only waits for START.
 fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
     if state.mission.holds == [Hold::AwaitingStart] && state.mission.refusals.start.is_none() {
         return Some(Command::Start);

@@ -1,6 +1,6 @@
-//! Runs a mission in simulated time, without doors, threads or waiting: core and simulator driven by the same verbs in
-//! a plain loop. `hallsweep explore`, the simulation tests and the benchmarks use it. The same seed gives the same run,
-//! byte for byte.
+//! Runs a mission in simulated time, without network, threads or waiting. Core and simulator are driven by the same
+//! calls as in the real program, in a plain loop. It is used by `hallsweep explore`, the simulation tests and the
+//! benchmarks. The same seed gives the same run, byte for byte.
 
 mod explore;
 pub use explore::{Figures, Verdicts, explore, explore_and_tell};
@@ -26,21 +26,21 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};
 
-/// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
+/// 2026-01-01T08:00:00Z. A simulated run begins up to twelve hours later, at a second that is drawn from its seed.
 const FIRST_DAY_MS: i64 = 1_767_254_400_000;
 
 #[derive(Debug)]
 pub struct Run {
     pub engine: Engine,
     pub sim: Sim,
-    /// The pair that fetches dangerous pieces, if there is a pair.
+    /// The pair of robots that fetches dangerous pieces, if there is one.
     pub pair: Option<Pair>,
-    /// All recorded entries, in order.
+    /// All recorded entries, in the order of recording.
     pub journal: Vec<Entry>,
     pub moves: Moves,
-    /// The hall before anything was lifted.
+    /// The hall before any piece was lifted.
     hall: Arc<Hall>,
-    /// Every lifted piece, and the cell where it lies now; `None` if it lies in no cell.
+    /// Every piece that was ever lifted, and the cell where it lies now. `None` if it lies in no cell.
     moved: BTreeMap<Piece, Option<Cell>>,
     began_ms: i64,
     now: Now,
@@ -48,12 +48,12 @@ pub struct Run {
     answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
 }
 
-/// Moves by kind; one unit each.
+/// Number of moves of each kind. Each counts as one move in the total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Moves {
     pub steps: u64,
     pub turns: u64,
-    /// Steps that met an obstacle, the way back included.
+    /// Steps that met an obstacle. The way back to the cell's centre is not counted separately.
     pub bumps: u64,
 }
 
@@ -65,7 +65,7 @@ impl Moves {
 }
 
 impl Run {
-    /// A robot at home in `hall`. `sim.seed` is the seed of everything, including the clock.
+    /// Starts a run with a robot at home in `hall`. Everything random follows from `sim.seed`, including the clock.
     #[must_use]
     pub fn new(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
         let mut run = Run::begin(hall, sim, settings, strategy);
@@ -73,7 +73,7 @@ impl Run {
         run
     }
 
-    /// Like `new`, with a pair before the entrance.
+    /// Like `new`, but with a pair of robots that waits outside the entrance.
     #[must_use]
     pub fn with_pair(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy, pair: PairSettings) -> Run {
         let mut run = Run::begin(Arc::clone(&hall), sim, settings, strategy);
@@ -105,7 +105,7 @@ impl Run {
         }
     }
 
-    /// Sends a command of the local operator, and handles its immediate consequences.
+    /// Sends a command as the local operator, and handles its immediate consequences.
     ///
     /// # Errors
     /// When the core refuses the command.
@@ -113,7 +113,7 @@ impl Run {
         self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
-    /// Like `give`, for any sender.
+    /// Like `give`, but for a request of any sender.
     ///
     /// # Errors
     /// When the core refuses the request.
@@ -124,13 +124,13 @@ impl Run {
         self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
     }
 
-    /// Passes the core an event that the simulator does not cause by itself.
+    /// Passes an event to the core that the simulator does not cause by itself.
     pub fn happen(&mut self, event: Event) {
         self.engine.handle_event(event, self.now);
         self.settle();
     }
 
-    /// Advances to the next event in time; false when nothing more will happen by itself.
+    /// Advances to the next event. Returns false if no event is left that happens by itself.
     pub fn advance(&mut self) -> bool {
         let Some(next) = self.next() else { return false };
         self.wait_until(next);
@@ -146,7 +146,7 @@ impl Run {
         self.wait_until(end);
     }
 
-    /// Advances until `reached` holds; false when `limit` events happen before that.
+    /// Advances until `reached` is true. Returns false if it is still false after `limit` events.
     pub fn run_until(&mut self, limit: usize, mut reached: impl FnMut(&Snapshot) -> bool) -> bool {
         for _ in 0..limit {
             if reached(&self.state()) {
@@ -189,7 +189,7 @@ impl Run {
         self.settle();
     }
 
-    /// Passes effects and events to and fro until both sides are quiet.
+    /// Passes effects to the simulators and their reports to the core, until neither has more.
     fn settle(&mut self) {
         loop {
             if let Some(effect) = self.engine.poll_effect() {
@@ -208,7 +208,7 @@ impl Run {
         }
     }
 
-    /// Removes the pieces that the pair has lifted from the searching robot's hall.
+    /// Removes the pieces that the pair has lifted from the hall that the searching robot sees.
     fn follow_pair(&mut self) {
         let moved = self.pair.as_ref().map(Pair::moved).unwrap_or_default();
         if moved != self.moved {

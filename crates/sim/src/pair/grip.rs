@@ -1,11 +1,11 @@
-//! A parcel between two grippers: the gripping force, the angle of the paddles and the distance of the bases, computed
-//! in fixed steps. Each is disturbed, and each has a controller. Other files decide when the controllers start and
-//! where the parcel is.
+//! A parcel between two grippers. The gripping force, the angle of the paddles and the distance of the bases are
+//! computed in fixed steps. Each of these quantities is disturbed, and each has a controller. Other files decide when
+//! the controllers start and where the parcel is.
 //!
 //! ```text
-//!            force ─►▐▓▓▓▓▓▓▌◄─ force      the load makes the force creep away and the paddles tilt;
-//!   ┌──────┐   ╱angle╲      ┌──────┐       two bases never drive equally fast;
-//!   │ SRM1 │◄──── gap ─────►│ SRM2 │       a controller that was started holds each at its set value
+//!            force ─►▐▓▓▓▓▓▓▌◄─ force      a load makes the force decrease and the paddles tilt;
+//!   ┌──────┐   ╱angle╲      ┌──────┐       the two bases never have exactly the same speed;
+//!   │ SRM1 │◄──── gap ─────►│ SRM2 │       a controller keeps each quantity at its target value
 //!   └──────┘                └──────┘
 //! ```
 
@@ -14,32 +14,34 @@ use std::time::Duration;
 use hallsweep_core::arm::{Controllers, Parcel};
 use hallsweep_core::rng::RandomStream;
 
-/// The integration step: a tenth of the step that the fastest controller needs.
+/// The time step of the simulation. It is a tenth of the step that the fastest controller needs.
 pub(super) const STEP: Duration = Duration::from_millis(10);
 const DT: f64 = 0.01;
 
-/// The set value of the gripping force, in newtons.
+/// The target value of the gripping force, in newtons.
 pub const FORCE_N: f64 = 60.0;
 
-/// Greatest error of the gripping force, in newtons: with less force the parcel slips, with more it is crushed.
+/// Greatest allowed error of the gripping force, in newtons. With less force the parcel slips, and with more it is
+/// crushed.
 pub const FORCE_LIMIT_N: f64 = 15.0;
 
-/// Greatest tilt of the paddles, in radians: beyond it, the parcel slides off.
+/// Greatest allowed tilt of the paddles, in radians. With a greater tilt the parcel slides off.
 pub const ANGLE_LIMIT: f64 = 0.2;
 
-/// Greatest error of the distance of the bases, in metres: the reach of the wrists.
+/// Greatest allowed error of the distance between the bases, in metres. The wrists cannot reach further.
 pub const GAP_LIMIT_M: f64 = 0.08;
 
-/// Number of steps (a third of a second) for which a quantity may be beyond its limit before the parcel is lost.
+/// The parcel is lost if a quantity is beyond its limit for more than this number of steps in a row. They take a
+/// third of a second.
 const PATIENCE: u32 = 33;
 
-/// One quantity that is held: its drift under load, its noise, and its controller.
+/// Constants of one controlled quantity: its noise and the gains of its controller.
 struct Loop {
-    /// Deviation of the noise, in units for each square root of a second.
+    /// Standard deviation of the noise that builds up in one second, in the unit of the quantity.
     noise: f64,
-    /// Gain for the error, per second.
+    /// Proportional gain of the controller, per second.
     p: f64,
-    /// Gain for the sum of the error, per second squared: it removes the error that a steady drift would leave.
+    /// Integral gain of the controller, per second squared. It removes the error that a steady drift would leave.
     i: f64,
 }
 
@@ -47,13 +49,13 @@ const FORCE: Loop = Loop { noise: 1.0, p: 4.0, i: 4.0 };
 const ANGLE: Loop = Loop { noise: 0.01, p: 5.0, i: 5.0 };
 const GAP: Loop = Loop { noise: 0.004, p: 4.0, i: 4.0 };
 
-/// How fast the force decreases under load, in newtons a second.
+/// How fast the force decreases while the grippers bear the parcel, in newtons a second.
 const FORCE_CREEP: f64 = 2.5;
 
-/// How fast the paddles tilt under load, in radians a second.
+/// How fast the paddles tilt while the grippers bear the parcel, in radians a second.
 const ANGLE_CREEP: f64 = 0.03;
 
-/// Least and greatest difference between the speeds of two bases, as a share.
+/// Smallest and largest difference between the speeds of the two bases, as a share of the speed.
 const SPEED_DIFFERS: (f64, f64) = (0.04, 0.08);
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,7 +66,7 @@ pub(super) struct Held {
 
 impl Held {
     fn advance(&mut self, by: &Loop, drift: f64, is_held: bool, noise: &mut RandomStream) {
-        // Uniform with deviation 1: the sums over many steps are normal all the same.
+        // The noise is uniform with standard deviation 1. After many steps, its sum is normally distributed anyway.
         let shake = (noise.fraction() - 0.5) * 12.0_f64.sqrt() * by.noise * DT.sqrt();
         let answer = if is_held { by.p * self.error + by.i * self.sum } else { 0.0 };
         if is_held {
@@ -77,24 +79,24 @@ impl Held {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Grip {
     pub(super) parcel: Parcel,
-    /// 0 on the floor, 1 all the way up.
+    /// How high the parcel is lifted: 0 on the floor, 1 at full height.
     pub(super) height: f64,
-    /// Steps over which it was carried.
+    /// Number of steps (from place to place) over which the parcel was carried.
     pub(super) steps: u32,
-    /// Errors: of the force in newtons, of the angle in radians, of the gap in metres.
+    /// Errors of the force (newtons), the angle (radians) and the gap between the bases (metres).
     pub(super) force: Held,
     pub(super) angle: Held,
     pub(super) gap: Held,
-    /// Share of its speed by which the second base is faster.
+    /// How much faster the second base drives, as a share of its speed. Negative if it is slower.
     pub(super) faster: f64,
     /// The direction in which the paddles tilt, 1 or −1.
     pub(super) tilts: f64,
-    /// Number of steps for which a quantity has been beyond its limit.
+    /// Number of time steps in a row with a quantity beyond its limit.
     pub(super) beyond: u32,
 }
 
 impl Grip {
-    /// Grippers that have just closed round a parcel, with small random errors.
+    /// Grippers that have just closed around a parcel. The errors are small and random.
     pub(super) fn new(parcel: Parcel, noise: &mut RandomStream) -> Grip {
         let mut about = |most: f64| Held { error: (noise.fraction() * 2.0 - 1.0) * most, sum: 0.0 };
         let (force, angle) = (about(5.0), about(0.03));
@@ -105,13 +107,13 @@ impl Grip {
         Grip { parcel, height: 0.0, steps: 0, force, angle, gap: Held::default(), faster, tilts, beyond: 0 }
     }
 
-    /// Whether the grippers, and not the floor, bear the parcel.
+    /// Whether the grippers bear the parcel. If not, it stands on the floor.
     pub(super) fn is_loaded(&self) -> bool {
         self.height > 0.0
     }
 
-    /// Advances by one step of time; the bases drive at `speed` in metres a second. Returns true when the parcel is
-    /// lost. Without a load nothing creeps, because the drives of the grippers lock by themselves.
+    /// Advances by one time step. The bases drive at `speed` metres a second. Returns true if the parcel is lost.
+    /// Without a load nothing changes, because the drives of the grippers lock by themselves.
     pub(super) fn advance(&mut self, at_work: Controllers, speed: f64, noise: &mut RandomStream) -> bool {
         if !self.is_loaded() {
             return false;
@@ -128,7 +130,7 @@ impl Grip {
     }
 }
 
-/// How well a quantity was held while a parcel was carried.
+/// Statistics of the errors of one quantity while a parcel was carried.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     count: u64,
@@ -165,9 +167,9 @@ impl Spread {
 pub struct Holding {
     /// Errors of the gripping force, in newtons.
     pub force_n: Spread,
-    /// The angle of the paddles, in radians from upright.
+    /// Angles of the paddles, in radians from upright.
     pub angle_rad: Spread,
-    /// Errors of the distance of the bases, in metres.
+    /// Errors of the distance between the bases, in metres.
     pub gap_m: Spread,
 }
 
@@ -193,7 +195,8 @@ mod tests {
 
     const ALL: Controllers = Controllers { force: true, angle: true, distance: true };
 
-    /// For how many seconds a lifted parcel stays in the grippers, a minute at most, and how well it is held.
+    /// Returns how many seconds a lifted parcel stays in the grippers, at most 60. Also returns the statistics of its
+    /// errors.
     fn held(seed: u64, at_work: Controllers, speed: f64) -> (f64, Holding) {
         let mut noise = RandomStream::new(seed, "grip");
         let mut grip = Grip::new(Parcel { piece: Piece(1), place: Place::ENTRANCE }, &mut noise);
@@ -213,7 +216,7 @@ mod tests {
         for seed in 0..100 {
             let (seconds, holding) = held(seed, ALL, 0.5);
             assert!((seconds - 60.0).abs() < f64::EPSILON, "seed {seed}: lost after {seconds} s");
-            // At the beginning the force may be 5 N off, the angle 0.03 rad.
+            // At the beginning, the force may be 5 N off and the angle 0.03 rad.
             assert!(holding.force_n.worst() < 7.0 && holding.force_n.rms() < 1.0, "seed {seed}: {holding:?}");
             assert!(holding.angle_rad.worst() < 0.05 && holding.angle_rad.rms() < 0.01, "seed {seed}: {holding:?}");
             assert!(holding.gap_m.worst() < 0.03 && holding.gap_m.rms() < 0.006, "seed {seed}: {holding:?}");

@@ -1,5 +1,5 @@
-//! The truth about the floor on which the pair drives: the hall without the pieces that were taken away, and with the
-//! pieces that were put down elsewhere. The positions of the two bases are not known here.
+//! The true state of the floor on which the pair drives. Pieces that were taken away are gone, and pieces that were
+//! put down elsewhere are there. The positions of the two bases are not known here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -9,18 +9,18 @@ use hallsweep_core::arm::Parcel;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Piece};
 
-/// Distance within which the camera recognises a parcel, in steps from the place at which it looks: enough for a
-/// pallet and the floor round it.
+/// How far the camera recognises a parcel, in steps from the place that it looks at. This is enough for a pallet and
+/// the floor around it.
 const SIGHT: u32 = 12;
 
 #[derive(Clone, Debug)]
 pub(super) struct PairGround {
     hall: Arc<Hall>,
-    /// The place of each piece that was ever lifted, one place however large the piece is; `None` while it is in the
-    /// grippers or in the container.
+    /// Where each piece that was ever lifted is now. Even a large piece has one place. `None` while the piece is in
+    /// the grippers or in the container.
     moved: BTreeMap<Piece, Option<Place>>,
     taken_in: Vec<Piece>,
-    /// Cells that were closed since the hall was opened.
+    /// Cells that were closed permanently.
     closed: BTreeSet<Cell>,
     blocked: BTreeSet<Cell>,
 }
@@ -54,7 +54,7 @@ impl PairGround {
         self.closed.iter().copied()
     }
 
-    /// Places of the pieces that were put down, or fell, elsewhere than in the hall file.
+    /// Pieces that were put down or fell, with their new places.
     pub(super) fn lying(&self) -> impl Iterator<Item = (Piece, Place)> {
         self.moved.iter().filter_map(|(piece, place)| Some((*piece, (*place)?)))
     }
@@ -63,7 +63,7 @@ impl PairGround {
         self.moved.iter().map(|(piece, place)| (*piece, *place))
     }
 
-    /// The content of a cell, without the bases.
+    /// The content of a cell. The two bases are not considered.
     pub(super) fn truth(&self, cell: Cell) -> Truth {
         if self.closed.contains(&cell) || self.blocked.contains(&cell) {
             return Truth::Wall;
@@ -87,8 +87,8 @@ impl PairGround {
         }
     }
 
-    /// The piece in sight that is nearest to a place, at its nearest cell; of equally near pieces the one with the
-    /// lowest number.
+    /// The nearest piece within sight of a place, with the nearest of its cells. Of equally near pieces, the one with
+    /// the lowest number is chosen.
     pub(super) fn nearest(&self, place: Place) -> Option<Parcel> {
         if let Some(piece) = self.piece_at(place) {
             return Some(Parcel { piece, place });
@@ -110,7 +110,7 @@ impl PairGround {
         self.moved.insert(parcel.piece, Some(parcel.place));
     }
 
-    /// Removes a piece from the floor, into the container.
+    /// Puts a piece into the container, for good.
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);

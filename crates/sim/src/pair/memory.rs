@@ -1,7 +1,8 @@
-//! The state that the pair and its floor would retain by physics when the program dies: where the bases stand and roll
-//! to, what is in the grippers and how it is held, where parcels lie. The program that runs the pair stores the state.
+//! What a real pair and its floor would still be like after the program has died: places and motions of the bases,
+//! the parcel in the grippers and how it is held, the places of other parcels. The program that runs the pair stores
+//! this state.
 //!
-//! Quantities are whole numbers of small units, so that written values are read back exactly.
+//! Quantities are whole numbers of small units. So values are the same after writing and reading.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,73 +19,75 @@ use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, Piece};
 
-/// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
+/// Longest time from the death of the program to a robot's own halt, in simulated time (safety S5).
 const WATCHDOG: Duration = Duration::from_millis(500);
 
-/// A quarter turn in microradians, plus the largest rounding error.
+/// A quarter turn plus the largest rounding error, in microradians.
 const QUARTER_URAD: u64 = 1_570_797;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PairMemory {
-    /// SRM1 and SRM2.
+    /// The memories of SRM1 and SRM2, the two robots of the pair.
     pub robots: [RobotMemory; 2],
     pub grip: Option<GripMemory>,
     pub lying: Vec<(Piece, Place)>,
     pub taken_in: Vec<Piece>,
     pub closed: Vec<Cell>,
-    /// Slips still to come; `None` in a hall that was just opened.
+    /// Slips that are still to come. `None` in a new hall.
     pub slips: Option<Vec<Slip>>,
-    /// Parcels that the first look will not recognise; `None` in a hall that was just opened.
+    /// Numbers of the parcels that the first look will not recognise. `None` in a new hall.
     pub unrecognised: Option<Vec<u32>>,
-    /// Number of times that the pair continued after the end of a program; each time its noise begins anew.
+    /// Number of times that the pair continued after the program had ended. After each restart, new random numbers
+    /// are used.
     pub restarts: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobotMemory {
-    /// The pose in which the last completed order left the robot.
+    /// The pose of the robot after its last completed order.
     pub stands: BasePose,
     pub astray: AstrayMemory,
     pub motion: Option<(AstrayMemory, Duration)>,
     pub gripper: Gripper,
     pub aligned: Option<Place>,
-    /// The controllers at work, which go on by themselves.
+    /// The controllers that are switched on. They work without further orders.
     pub controllers: Controllers,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AstrayMemory {
     Not,
-    /// On the way to a neighbouring place, in millionths of the way.
+    /// Part of the way to a neighbouring place, in millionths of the way.
     Along(Place, i64),
-    /// Turned away from the heading, in microradians clockwise.
+    /// Angle away from the heading, in microradians clockwise.
     Turned(i64),
 }
 
-/// A parcel in the grippers. Each quantity consists of its error and the sum of the error over seconds.
+/// A parcel in the grippers. For `force`, `angle` and `gap`, the first number is the error. The second is the sum of
+/// the error over seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GripMemory {
     pub parcel: Parcel,
-    /// How high it is lifted, in millionths.
+    /// How high the parcel is lifted, in millionths of the full height.
     pub height: i64,
-    /// Steps over which it was carried.
+    /// Number of steps (from place to place) over which the parcel was carried.
     pub steps: u32,
-    /// Gripping force, in millionths of a newton.
+    /// Error of the gripping force, in millionths of a newton.
     pub force: [i64; 2],
-    /// Angle of the paddles, in microradians.
+    /// Error of the angle of the paddles, in microradians.
     pub angle: [i64; 2],
-    /// Distance of the bases, in micrometres.
+    /// Error of the distance between the bases, in micrometres.
     pub gap: [i64; 2],
-    /// Share by which the second base is faster, in millionths.
+    /// How much faster the second base drives, in millionths of its speed.
     pub faster: i64,
-    /// The direction in which the paddles tilt, 1 or −1, in millionths.
+    /// The direction in which the paddles tilt: 1,000,000 or −1,000,000.
     pub tilts: i64,
-    /// Number of steps for which a quantity has been beyond its limit.
+    /// Number of time steps in a row with a quantity beyond its limit.
     pub beyond: u32,
 }
 
 impl PairMemory {
-    /// Two robots that were just put down in a hall that was just opened.
+    /// The memory of two new robots at these places, in a new hall.
     #[must_use]
     pub fn new(stands: [BasePose; 2]) -> PairMemory {
         let robot = |stands| RobotMemory {
@@ -107,9 +110,8 @@ impl PairMemory {
         }
     }
 
-    /// The state once the program that drove the pair has died and the bases have come to rest, after a random time of
-    /// at most `WATCHDOG` that is drawn from the seed. Both bases roll for the same share of that time, because a
-    /// parcel may couple them.
+    /// The state after the program has died and the bases have stopped. The time until they stop is drawn from the
+    /// seed and is at most `WATCHDOG`. Both bases use the same share of their time, because a parcel may couple them.
     #[must_use]
     pub fn at_rest(mut self, seed: u64) -> PairMemory {
         self.restarts = self.restarts.wrapping_add(1);
@@ -124,8 +126,8 @@ impl PairMemory {
         self
     }
 
-    /// Whether this state is possible in that hall: its pieces exist, and the robots stand on free floor or before the
-    /// entrance.
+    /// Whether this state is possible in the given hall. Its pieces must exist. The robots must stand on free floor
+    /// or outside before the entrance.
     #[must_use]
     pub fn fits(&self, hall: &Hall) -> bool {
         let is_there = |piece: Piece| hall.pieces().iter().any(|bag| bag.piece == piece);
@@ -175,14 +177,14 @@ impl PairMemory {
 }
 
 impl Pair {
-    /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within
-    /// half a second, with its parcel in its grip. Its first reports are the poses of both robots, their arms, the
-    /// pieces on the floor, and `LinkUp`. `now` is the time of the new run.
+    /// Makes the pair of an earlier run again, in the same hall, after the program has died. The robots have halted
+    /// by themselves within half a second, and a held parcel is still held. The first reports are the poses of both
+    /// robots, their arms, the pieces on the floor, and `LinkUp`. `now` is the time of the new run.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);
         let mut pair = Pair::placed(hall, settings, memory, now.since_start);
-        // Only a lifted parcel is off the floor; a parcel that is merely gripped still stands on the floor.
+        // A parcel that is gripped but not lifted still stands on the floor.
         if let Some(grip) = &pair.grip
             && grip.is_loaded()
         {
@@ -241,7 +243,7 @@ fn kept(grip: &Grip) -> GripMemory {
 }
 
 impl AstrayMemory {
-    /// The point at this share (0–1) of the way to `end`; a motion has constant speed.
+    /// The point on the way to `end` after this share (0–1) of the way. A motion has constant speed.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a step and a turn")]
     fn towards(self, end: AstrayMemory, share: f64) -> AstrayMemory {
         let between = |from: i64, to: i64| from + (to.saturating_sub(from) as f64 * share) as i64;

@@ -1,14 +1,14 @@
-//! The simulated pair, sans-IO: two mobile manipulators and the parcel between them, which couples them, so that all
-//! three are one object. Orders, halts and the passing of time go in, reports come out, and nothing here waits. Other
-//! crates decide what to do next.
+//! The simulated pair of robots (mobile manipulators), without input or output of its own. The pair and the parcel
+//! between its robots are one object, because the parcel couples them. Orders, halts and the time go in, and reports
+//! come out. Nothing here waits. Other crates decide what to do next.
 //!
 //! ```text
 //!   orders ─► orders ─► robot, robot ─┐
-//!                                     ├─► passing ─► reports        memory: what all of them retain
+//!                                     ├─► passing ─► reports        memory: the stored state of all
 //!   ground (the hall as it is now) ── grip ┘
 //! ```
-//! A robot that holds nothing is independent. Once both grippers are closed round a parcel, a step begins when both
-//! have their order for it, and anything that stops one robot stops the other.
+//! Robots that hold no parcel are independent. Once both grippers are closed around a parcel, a step begins only when
+//! both robots have an order for it. Whatever stops one robot then stops the other too.
 
 mod grip;
 mod ground;
@@ -50,7 +50,7 @@ pub struct Pair {
     now: Duration,
     robots: [Robot; 2],
     grip: Option<Grip>,
-    /// When the grip is next computed, and when a lifted parcel is next reported.
+    /// Time of the next computation of the grip.
     next_step: Duration,
     next_report: Duration,
     noise: RandomStream,
@@ -60,18 +60,20 @@ pub struct Pair {
     unrecognised: Vec<u32>,
     holding: Holding,
     restarts: u32,
-    /// Whether something has changed that must be stored.
+    /// Whether the state has changed since it was last stored.
     unkept: bool,
 }
 
 impl Pair {
-    /// Two robots that were just put down. The first reports are the poses of both robots, their arms, and `LinkUp`.
+    /// Makes two new robots at these places. The first reports are the poses of both robots, their arms, and
+    /// `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
     }
 
-    /// What each robot can do, with times in simulated time. The time of a step is that of a step with a load.
+    /// What each robot can do, with times in simulated time. The time of a step is the longer of the two: with or
+    /// without a load.
     #[must_use]
     pub fn capabilities(&self) -> Capabilities {
         let PairSettings { step, loaded_step, turn, look, arm, .. } = self.settings;
@@ -85,8 +87,8 @@ impl Pair {
         }
     }
 
-    /// Begins an order, or answers at once why it cannot. An order that only both can carry out begins when the other
-    /// robot has its part of the order too.
+    /// Begins an order, or reports at once why it cannot be done. Some orders need both robots. Such an order begins
+    /// when both have it.
     pub fn handle_order(&mut self, which: Which, order: Order, now: Now) {
         self.pass_to(now.since_start);
         if let Some(task) = &self.robots[which.index()].task {
@@ -97,18 +99,18 @@ impl Pair {
             Ok(work) => self.take(which, order, work),
             Err(words) => self.say(which, RobotEvent::Failed(order.id, words.to_owned())),
         }
-        // An action without duration is done at once.
+        // Finishes an action without duration at once.
         self.pass_to(now.since_start);
     }
 
-    /// Stops wheels and arm of one robot where they are; the other robot stops too if they carry a parcel together.
-    /// Controllers that hold the parcel go on.
+    /// Stops wheels and arm of one robot where they are. The other robot stops too if both do this work together.
+    /// Controllers that hold the parcel stay on.
     pub fn handle_halt(&mut self, which: Which, now: Now) {
         self.pass_to(now.since_start);
         self.halt(which);
     }
 
-    /// Handles everything that is due by `now`, in order of time.
+    /// Handles everything that is due up to `now`, in order of time.
     pub fn handle_timeout(&mut self, now: Now) {
         self.pass_to(now.since_start);
     }
@@ -117,13 +119,13 @@ impl Pair {
         self.events.pop_front()
     }
 
-    /// When the next report is due, since the start of the run.
+    /// When the next report is due, counted from the start of the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.next_heard()
     }
 
-    /// Closes a cell for good. Returns false, and changes nothing, if a robot or a parcel is in the cell.
+    /// Closes a cell permanently. If a robot or a parcel is in the cell, nothing changes and the result is false.
     pub fn close_cell(&mut self, cell: Cell) -> bool {
         let in_use = self.is_in_use(cell);
         if !in_use {
@@ -133,8 +135,8 @@ impl Pair {
         !in_use
     }
 
-    /// Puts temporary obstacles into these cells, and removes all others. Returns whether all could be put: a cell with
-    /// a robot or a parcel gets no obstacle.
+    /// Puts temporary obstacles into these cells and removes all earlier ones. A cell with a robot or a parcel gets
+    /// no obstacle. Returns whether every cell got its obstacle.
     pub fn handle_blocked(&mut self, cells: &BTreeSet<Cell>) -> bool {
         let (taken, free): (BTreeSet<Cell>, BTreeSet<Cell>) = cells.iter().partition(|cell| self.is_in_use(**cell));
         self.ground.block(free);
@@ -153,7 +155,7 @@ impl Pair {
         self.events.extend(Which::ALL.map(|which| (which, RobotEvent::LinkUp(can))));
     }
 
-    /// Whether one robot waits for the other's part of an order that only both can carry out.
+    /// Whether a robot has an order that needs both robots, and the other robot does not have it yet.
     #[must_use]
     pub fn awaits_the_other(&self) -> bool {
         self.robots.iter().any(|robot| robot.task.as_ref().is_some_and(|task| task.run.is_none()))
@@ -164,7 +166,8 @@ impl Pair {
         self.robots[which.index()].task.is_some()
     }
 
-    /// Where the last completed order left a robot, and whether it stands away from there.
+    /// The pose of the robot after its last completed order. The second value says whether the robot is away from
+    /// that pose.
     #[must_use]
     pub fn stands(&self, which: Which) -> (BasePose, bool) {
         let robot = &self.robots[which.index()];
@@ -193,14 +196,14 @@ impl Pair {
         }
     }
 
-    /// The parcel in the grippers, with the place on which it stands or over which it is held.
+    /// The parcel in the grippers. Its place is where it stands or over which it is held.
     #[must_use]
     pub fn load(&self) -> Option<Parcel> {
         self.grip.as_ref().map(|grip| grip.parcel)
     }
 
-    /// Where the middle of the parcel in the grippers really is, in metres to the east and to the south of home, and
-    /// how high it is lifted, 0–1.
+    /// Where the middle of the parcel in the grippers really is: metres to the east and to the south of home. The
+    /// third value is its height, 0–1.
     #[must_use]
     pub fn load_m(&self) -> Option<(f64, f64, f64)> {
         let grip = self.grip.as_ref()?;
@@ -210,7 +213,7 @@ impl Pair {
             (x_m, y_m)
         };
         let (x, y) = centre(grip.parcel.place);
-        // The parcel goes to where the leading base has stood.
+        // The parcel moves to the place where the leading base stood.
         let leads = |robot: &&Robot| matches!(robot.astray_at(self.now), Astray::Along(to, _) if to != grip.parcel.place);
         let Some(leader) = self.robots.iter().find(leads) else { return Some((x, y, grip.height)) };
         let Astray::Along(_, share) = leader.astray_at(self.now) else { return Some((x, y, grip.height)) };
@@ -223,13 +226,13 @@ impl Pair {
         self.ground.taken_in()
     }
 
-    /// Pieces on the floor that were moved, each where it was put down or fell.
+    /// The pieces on the floor that were put down or fell, each with its place.
     #[must_use]
     pub fn lying(&self) -> Vec<(Piece, Place)> {
         self.ground.lying().collect()
     }
 
-    /// Every piece that was ever lifted, and the cell in which it lies now; `None` if it lies in no cell.
+    /// Every piece that was ever lifted, with the cell in which it lies now. `None` if it lies in no cell.
     #[must_use]
     pub fn moved(&self) -> BTreeMap<Piece, Option<Cell>> {
         self.ground.moved().map(|(piece, place)| (piece, place.and_then(Place::cell))).collect()
@@ -240,19 +243,19 @@ impl Pair {
         &self.holding
     }
 
-    /// Mishaps that are still to come. A jammed gripper stays jammed.
+    /// The mishaps that are still to come. Jams are never used up, since a jammed gripper stays jammed.
     #[must_use]
     pub fn mishaps_left(&self) -> Mishaps {
         let jams = self.settings.mishaps.jams.clone();
         Mishaps { slips: self.slips.clone(), unrecognised: self.unrecognised.clone(), jams }
     }
 
-    /// The state to store, once whenever something has changed that a report or the next motion depends on.
+    /// The state to store. Returns `None` if nothing has changed since the last call.
     pub fn poll_memory(&mut self) -> Option<PairMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())
     }
 
-    /// The current parcel, counted from 1.
+    /// Number of the current parcel, counted from 1.
     fn parcel_number(&self) -> u32 {
         u32::try_from(self.ground.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1)
     }
@@ -280,8 +283,8 @@ impl Pair {
         }
     }
 
-    /// Parcels that lie where they fell or were released. A program that was killed just then has no record of these
-    /// parcels.
+    /// Parcels that lie on the floor after they fell or were released. They are reported again after a restart,
+    /// because the killed program may have missed the first report.
     fn lost(&self) -> impl Iterator<Item = Parcel> {
         let held = self.load().map(|parcel| parcel.piece);
         self.ground.lying().filter(move |(piece, _)| held != Some(*piece)).map(|(piece, place)| Parcel { piece, place })

@@ -1,5 +1,5 @@
-//! How the pair accepts an order: whether it is possible, whether one robot or only both can carry it out, and how long
-//! it takes. `passing` has the outcome of orders.
+//! How the pair accepts an order: whether it is possible, whether it needs both robots, and how long it takes. The
+//! outcome of orders is handled in `passing`.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
@@ -93,7 +93,8 @@ impl Pair {
         }
     }
 
-    /// Accepts a possible order. The order begins at once, or when the other robot has its part of the order.
+    /// Accepts an order that is possible. An order for one robot begins at once. An order for both begins when the
+    /// other robot has it too.
     pub(super) fn take(&mut self, which: Which, order: Order, work: Work) {
         let deadline = self.now.saturating_add(order.deadline);
         let needs_both = self.needs_both(which, work);
@@ -106,8 +107,8 @@ impl Pair {
         }
     }
 
-    /// A parcel couples the two: neither drives or lifts without the other. A robot can turn by itself, because its arm
-    /// turns on its base.
+    /// Whether this work needs both robots. A held parcel couples them: neither can drive or lift alone. But each can
+    /// turn alone, because the arm can rotate on its base.
     fn needs_both(&self, which: Which, work: Work) -> bool {
         let is_along = matches!(self.robots[which.index()].astray, Astray::Along(..));
         match work {
@@ -138,7 +139,7 @@ impl Pair {
         }
     }
 
-    /// Begins an order that only both can carry out, once both have their part of it.
+    /// Begins work that needs both robots, if both have an order for it.
     fn begin_together(&mut self) {
         let waiting =
             |which: Which| self.robots[which.index()].task.as_ref().filter(|task| task.run.is_none()).map(|task| task.work);
@@ -167,8 +168,8 @@ impl Pair {
         }
     }
 
-    /// A step of the train: one base leads, the parcel follows to where it stood, and the other base follows to where
-    /// the parcel was.
+    /// A step of both robots with a parcel between them. One base leads. The parcel moves to the leader's old place.
+    /// The other base moves to the parcel's old place.
     fn train_step(&self, to: [Place; 2]) -> Option<([Work; 2], Duration)> {
         let grip = self.grip.as_ref()?;
         let parcel = grip.parcel.place;
@@ -183,7 +184,7 @@ impl Pair {
         Some((Which::ALL.map(work), self.settings.loaded_step.mul_f64(until)))
     }
 
-    /// The share of the way to a neighbouring place that a base can drive, and the obstacle that stops it, if any.
+    /// How much of the way to a neighbouring place a base can drive (0–1), and the obstacle that stops it, if any.
     fn contact(&self, which: Which, to: Place) -> (f64, Option<Obstacle>) {
         let Place::Cell(cell) = to else { return (1.0, None) };
         let partner = self.robots[which.other().index()].is_in_or_enters(to, self.now) && self.grip.is_none();
@@ -199,7 +200,7 @@ impl Pair {
         (way, Some(if is_ahead { seen } else { Obstacle::Unknown }))
     }
 
-    /// How long a robot needs back to `Robot::stands`, in proportion to how far it is astray.
+    /// How long a robot needs for the way back to `Robot::stands`. The time is proportional to the distance or angle.
     fn way_back(&self, which: Which, step: Duration) -> Duration {
         match self.robots[which.index()].astray {
             Astray::Not => Duration::ZERO,

@@ -1,6 +1,6 @@
-//! The written form of a pair's memory: a title, its hall, and one line of JSON under a checksum. It converts pure
-//! bytes to values and back; files are not touched here. The file is replaced as a whole, so it may grow with the
-//! content of the container.
+//! The stored form of a pair's memory: a title, its hall, and one line of JSON with a checksum. This file converts
+//! between bytes and values, and does not touch files. The stored file is replaced as a whole, so it may grow when
+//! more pieces are in the container.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ const MAGIC: &str = "hallsweep simulated pair, version ";
 
 const VERSION: &str = "1";
 
-/// Largest file, in bytes: more than is needed when all pieces of the fullest hall are in the container.
+/// Largest file, in bytes. It is more than enough even if all pieces of the fullest hall are in the container.
 pub const MOST: usize = 8 << 20;
 
 #[derive(Serialize, Deserialize)]
@@ -50,7 +50,7 @@ struct WrittenRobot {
     motion: Option<(WrittenAstray, u64)>,
     is_closed: bool,
     aligned: Option<WrittenPlace>,
-    /// Force, angle, distance.
+    /// Whether the controllers of force, angle and distance are on, in this order.
     controllers: [bool; 3],
 }
 
@@ -83,8 +83,10 @@ pub fn written(whose: &Whose, memory: &PairMemory) -> Vec<u8> {
     format!("{MAGIC}{VERSION}\n{:016x} {json}\n", Fingerprint::of(&json)).into_bytes()
 }
 
+/// Reads the hall and the memory of a pair.
+///
 /// # Errors
-/// When the bytes are no memory of a pair, with the reason.
+/// When the bytes are not the memory of a pair. The error contains the reason.
 pub fn read(bytes: &[u8]) -> Result<(Whose, PairMemory), Unread> {
     let damaged = |words: &str| Unread::Damaged(words.to_owned());
     let text = std::str::from_utf8(bytes).map_err(|_| damaged("it is not text"))?;
@@ -289,7 +291,7 @@ mod tests {
             prop_assert_eq!(read(&super::written(&whose(), &memory)), Ok((whose(), memory)));
         }
 
-        /// Safety A7.
+        /// Tests safety A7 (docs/safety.md).
         #[test]
         fn any_bytes_are_a_memory_or_a_clear_error(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
             prop_assert!(matches!(read(&bytes), Err(Unread::Damaged(words)) if !words.is_empty()));
@@ -297,7 +299,7 @@ mod tests {
             prop_assert!(read(&titled).is_err(), "no checksum fits by luck");
         }
 
-        /// Safety A7.
+        /// Tests safety A7 (docs/safety.md).
         #[test]
         fn a_changed_byte_is_noticed(memory in memory(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
             let mut bytes = super::written(&whose(), &memory);

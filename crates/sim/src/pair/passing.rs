@@ -1,5 +1,5 @@
-//! How time passes for the pair. The end of an order, a missed deadline and a slip are each handled at their own
-//! moment, so that the result does not depend on how often time advances. How work begins stands in `orders`.
+//! What happens to the pair as time passes. The end of an order, a missed deadline and a slip are each handled at
+//! their exact time. So the result does not depend on how often time is advanced. `orders` has the beginning of work.
 
 use std::time::Duration;
 
@@ -11,10 +11,11 @@ use hallsweep_core::arm::{ArmAction, Controllers, Gripper, Parcel};
 use hallsweep_core::pair::Which;
 use hallsweep_core::units::OrderId;
 
-/// How often force and angle of a lifted parcel are reported without a question.
+/// How often force and angle of a lifted parcel are reported.
 const REPORTS: Duration = Duration::from_millis(500);
 
-/// Height below which a parcel counts as put down, as a share of the full height.
+/// Lowest height of a parcel while it is being lowered, as a share of the full height. The grippers bear it until
+/// the work ends.
 const TOUCHES: f64 = 1e-6;
 
 #[derive(Clone, Copy)]
@@ -42,12 +43,12 @@ impl Pair {
         self.now = self.now.max(now);
     }
 
-    /// When the next event with a report is due.
+    /// Time of the next event that causes a report.
     pub(super) fn next_heard(&self) -> Option<Duration> {
         self.next_due(false).map(|(at, _)| at)
     }
 
-    /// The next event; of several at the same moment, the end of an order first.
+    /// The next event and its time. If several events have the same time, the end of an order comes first.
     fn next_due(&self, with_steps: bool) -> Option<(Duration, Due)> {
         let ends = Which::ALL.map(|which| Some((self.task(which)?.run?.ends, Due::End(which))));
         let deadlines = Which::ALL.map(|which| Some((self.task(which)?.deadline, Due::Deadline(which))));
@@ -81,7 +82,7 @@ impl Pair {
             }
             Work::Step { to, against: None, .. } => {
                 robot.stands = moved(robot.stands, to);
-                // A gripper at a parcel is no longer there once its base has left.
+                // The gripper was aligned with a parcel. It no longer is after the base has moved.
                 if robot.aligned.take().is_some() {
                     self.tell_arm(which);
                 }
@@ -119,14 +120,14 @@ impl Pair {
             ArmAction::HoldAngle => self.robots[which.index()].controllers.angle = true,
             ArmAction::HoldDistance => self.robots[which.index()].controllers.distance = true,
             ArmAction::Release => self.release(which),
-            // Both robots carry these out together.
+            // These two actions are finished in `finish_together`.
             ArmAction::Lift | ArmAction::Lower => {}
         }
         self.tell_arms();
         self.done(which, order);
     }
 
-    /// Two grippers closed round the same parcel hold it.
+    /// Begins a grip if both grippers are closed around the same parcel.
     fn grasp(&mut self) {
         let [one, two] = &self.robots;
         let closed = one.gripper == Gripper::Closed && two.gripper == Gripper::Closed;
@@ -200,8 +201,8 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.done(which, tasks[which.index()].order));
     }
 
-    /// Whether the present step of both robots brings the parcel to the container: the parcel goes to where the leading
-    /// base stood.
+    /// Whether the current step of both robots brings the parcel to the container. The parcel moves to the place
+    /// where the leading base stood.
     fn carries_into_container(&self) -> bool {
         let (Some(grip), Some(Work::Step { to, .. })) = (&self.grip, self.task(Which::Srm2).map(|task| task.work)) else {
             return false;
@@ -223,7 +224,8 @@ impl Pair {
         let pace = self.ground.hall().cell_m() / self.settings.loaded_step.as_secs_f64();
         let Some(grip) = &mut self.grip else { return };
         let rise = STEP.as_secs_f64() / self.settings.arm.as_secs_f64();
-        // Numbers of steps for which a slip is due now. In the last step of the way, all larger numbers are due too.
+        // The values of `after_steps` for which a slip is due now. In the last step of the way, this includes all
+        // larger values.
         let (mut speed, mut slipping) = (0.0, None);
         let stood = !grip.is_loaded();
         match running {
@@ -250,7 +252,8 @@ impl Pair {
         let leaves_floor = stood && grip.is_loaded();
         self.holding.add(grip);
         if leaves_floor {
-            // A halt in the next moment, or a restart after a kill, must know that the parcel no longer stands there.
+            // The state must be stored now: after a halt or a kill, it must be known that the parcel is off the
+            // floor.
             self.unkept = true;
             self.tell_arms();
         }
@@ -264,8 +267,8 @@ impl Pair {
         }
     }
 
-    /// The parcel falls to where it was when the step began, since both bases still count as standing where they were
-    /// then. Both robots stop.
+    /// Drops the parcel, and stops both robots. The parcel falls to its place at the beginning of the step, since the
+    /// bases also count as standing at their old places.
     fn lose(&mut self) {
         let Some(Grip { parcel, .. }) = self.grip.take() else { return };
         self.unkept = true;
@@ -278,8 +281,8 @@ impl Pair {
         Which::ALL.into_iter().for_each(|which| self.halt(which));
     }
 
-    /// Stops the work of a robot, and the other robot's part in it; both report the stop. A look or a controller is no
-    /// motion and goes on.
+    /// Stops the work of a robot. If both robots do this work together, the other robot stops too. Each reports that
+    /// it stopped. A look or a controller is not a motion, so it goes on.
     pub(super) fn halt(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };
         if !task.work.is_motion() {
@@ -287,7 +290,7 @@ impl Pair {
         }
         let together = task.run.is_some_and(|run| run.together);
         self.unkept = true;
-        // No report may show an arm moving that has stopped already.
+        // The arms are reported first, so that no report shows an arm as moving after the stop.
         self.tell_arms();
         self.halt_alone(which);
         if together {
@@ -295,7 +298,7 @@ impl Pair {
         }
     }
 
-    /// Called when the deadline of an order has passed.
+    /// Ends an order whose deadline has passed, and reports it as failed.
     fn give_up(&mut self, which: Which) {
         let Some(task) = self.task(which) else { return };
         let words = if task.run.is_some() {

@@ -1,5 +1,5 @@
-//! One of the two simulated robots by itself: where its base stands, what it is doing, the state of its arm. The other
-//! files of this folder have the work that both do together.
+//! One of the two simulated robots alone: where its base stands, what it does, the state of its arm. The work that
+//! both robots do together is in the other files of this folder.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
@@ -12,9 +12,9 @@ use hallsweep_core::units::{Cell, OrderId, Pose};
 
 #[derive(Clone, Debug)]
 pub(super) struct Robot {
-    /// The pose in which the last completed order left the robot.
+    /// The pose of the robot after its last completed order.
     pub(super) stands: BasePose,
-    /// How far the robot really is from `stands` while nothing moves it.
+    /// How far the robot really is from `stands` while it does not move.
     pub(super) astray: Astray,
     pub(super) task: Option<PairTask>,
     pub(super) gripper: Gripper,
@@ -22,14 +22,14 @@ pub(super) struct Robot {
     pub(super) controllers: Controllers,
 }
 
-/// How far a base is from the pose where it should be: on the way to a neighbouring place or between two headings,
-/// never both.
+/// How far a base is from the pose where it should be. It is either on the way to a neighbouring place or between two
+/// headings, never both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Astray {
     Not,
-    /// This share of the way to a neighbouring place.
+    /// This share (0–1) of the way to a neighbouring place.
     Along(Place, f64),
-    /// Turned away from its heading by this angle, in radians clockwise.
+    /// This angle away from its heading, in radians clockwise.
     Turned(f64),
 }
 
@@ -38,7 +38,7 @@ pub(super) struct PairTask {
     pub(super) order: OrderId,
     pub(super) deadline: Duration,
     pub(super) work: Work,
-    /// `None` while it waits for the other robot's part of the same work.
+    /// When the work runs. `None` while the robot waits for the other robot's order for the same work.
     pub(super) run: Option<WorkTime>,
 }
 
@@ -46,13 +46,13 @@ pub(super) struct PairTask {
 pub(super) struct WorkTime {
     pub(super) began: Duration,
     pub(super) ends: Duration,
-    /// Whether the other robot does its part at the same time.
+    /// Whether both robots do this work together.
     pub(super) together: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Work {
-    /// A step to a neighbouring place, or over a share of the way if something stands in it.
+    /// A step to a neighbouring place. If an obstacle is in the way, only the share `until` of the step.
     Step {
         to: Place,
         until: f64,
@@ -67,7 +67,7 @@ pub(super) enum Work {
 }
 
 impl WorkTime {
-    /// Share of the work that is done at `now`, 0–1.
+    /// How much of the work is done at `now`, 0–1.
     pub(super) fn done(self, now: Duration) -> f64 {
         let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));
         if passed >= whole { 1.0 } else { passed.as_secs_f64() / whole.as_secs_f64() }
@@ -75,7 +75,7 @@ impl WorkTime {
 }
 
 impl Work {
-    /// Whether the robot or its arm moves; a look and a controller are no motion.
+    /// Whether the robot or its arm moves. A look is not a motion, and switching a controller on is not one either.
     pub(super) fn is_motion(self) -> bool {
         match self {
             Work::Step { .. } | Work::Back | Work::Turn { .. } => true,
@@ -94,7 +94,7 @@ impl Robot {
         self.astray != Astray::Not
     }
 
-    /// How far astray the robot is at `now`, if nothing interferes.
+    /// How far the robot is from `stands` at `now`, if nothing interrupts its work.
     pub(super) fn astray_at(&self, now: Duration) -> Astray {
         let Some(PairTask { work, run: Some(run), .. }) = &self.task else { return self.astray };
         let done = run.done(now);
@@ -106,7 +106,7 @@ impl Robot {
         }
     }
 
-    /// Whether the robot stands in a place, or will stand there when its step ends.
+    /// Whether the robot is in a place, partly in it, or on its way into it.
     pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
         let enters = matches!(&self.task, Some(PairTask { work: Work::Step { to, .. }, .. }) if *to == place);
         self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
@@ -126,7 +126,7 @@ impl Robot {
         }
     }
 
-    /// Ends the work without an answer and leaves the body where it is now.
+    /// Ends the work without a report, and leaves the body where it is now. Returns the order, if there was one.
     pub(super) fn stop(&mut self, now: Duration) -> Option<OrderId> {
         self.astray = self.astray_at(now);
         self.task.take().map(|task| task.order)
@@ -142,7 +142,7 @@ impl Astray {
         }
     }
 
-    /// Replaces a way or an angle of zero by `Not`.
+    /// Returns `Not` if the distance or the angle is zero.
     pub(super) fn settled(self) -> Astray {
         match self {
             Astray::Along(_, 0.0) | Astray::Turned(0.0) | Astray::Not => Astray::Not,
@@ -151,7 +151,8 @@ impl Astray {
     }
 }
 
-/// The centre of a place. The way out is drawn to the north of home, where the seeds' halls have nothing.
+/// Where the body is when it stands exactly at its place. The way out is drawn to the north of home, where the halls
+/// of the original specification have nothing.
 pub(super) fn body_of(stands: BasePose, cell_m: f64) -> BodyPose {
     let cell = match stands.place {
         Place::Cell(cell) => cell,

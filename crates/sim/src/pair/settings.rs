@@ -1,51 +1,51 @@
-//! The settings of the simulated pair, and its mishaps. How fast simulated time runs is not here.
+//! The settings of the simulated pair, and its mishaps. The speed of simulated time is not set here.
 
 use std::time::Duration;
 
 use hallsweep_core::place::Place;
 
-/// Times are in simulated time.
+/// Settings of the simulated pair. All times are simulated time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairSettings {
-    /// The seed of its noise and failures.
+    /// The seed of the pair's noise and failures.
     pub seed: u64,
-    /// Duration of a base's step of one place without a load.
+    /// Duration of a step from one place to the next, without a load.
     pub step: Duration,
-    /// Duration of a step with a load: a parcel is carried at a walking pace.
+    /// Duration of a step with a parcel, which is carried at a walking pace.
     pub loaded_step: Duration,
     /// Duration of a turn of 90°.
     pub turn: Duration,
     pub look: Duration,
     pub arm: Duration,
-    /// Probability that a look does not recognise a parcel that is there, 0–1.
+    /// Probability that a look fails to recognise a parcel that is there, 0–1.
     pub unrecognised_rate: f64,
     pub way_out: bool,
-    /// The place that takes in released parcels for good: the target area, or the container.
+    /// The place where released parcels go into the container. It is a target area or the container itself.
     pub container: Place,
     pub mishaps: Mishaps,
 }
 
-/// The requested mishaps, each of which happens once. Parcels are counted from 1: parcel 1 is the current one until it
-/// has arrived.
+/// The requested mishaps. Parcels are counted from 1, in the order in which they arrive. Each slip and each
+/// unrecognised parcel happens once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mishaps {
     pub slips: Vec<Slip>,
-    /// Parcels that the first look does not recognise.
+    /// Numbers of the parcels that the first look does not recognise.
     pub unrecognised: Vec<u32>,
-    /// Parcels round which a gripper does not close, however often it tries.
+    /// Numbers of the parcels on which the grippers never close, however often they try.
     pub jams: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slip {
-    /// The parcel, counted from 1.
+    /// Number of the parcel, counted from 1.
     pub parcel: u32,
-    /// Number of steps after which the parcel slips: in the middle of the next step, or of the last step if the way is
-    /// shorter. With 0 the parcel slips while it is lifted.
+    /// Number of completed steps before the slip. The parcel slips in the middle of the next step, or of the last
+    /// step if the way is shorter. With 0 it slips while it is lifted.
     pub after_steps: u32,
 }
 
-/// Shortest movement, so that speeds stay finite.
+/// Shortest duration of a movement. It keeps speeds finite.
 const QUICKEST: Duration = Duration::from_millis(1);
 
 impl PairSettings {
@@ -65,7 +65,7 @@ impl PairSettings {
         }
     }
 
-    /// Limits every duration to the range that the arithmetic can handle.
+    /// Raises durations that are too short to `QUICKEST`.
     pub(super) fn sound(mut self) -> PairSettings {
         for time in [&mut self.step, &mut self.loaded_step, &mut self.turn, &mut self.look, &mut self.arm] {
             *time = (*time).max(QUICKEST);

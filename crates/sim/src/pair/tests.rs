@@ -1,4 +1,4 @@
-//! Tests of the pair: two robots take a parcel between them, carry it and put it down, and what may interfere.
+//! Tests of the pair: two robots lift a parcel, carry it and put it down, and many things interfere.
 
 use super::*;
 use hallsweep_core::arm::{ArmAction, Controllers, Gripper};
@@ -25,7 +25,7 @@ fn stands(x: i32, y: i32) -> BasePose {
     BasePose { place: at(x, y), heading: Heading::East }
 }
 
-/// A long hall with the parcel at (3, 0), SRM1 before it and SRM2 behind.
+/// Settings for a long hall with the parcel at (3, 0). SRM1 stands before the parcel and SRM2 behind it.
 fn settings() -> PairSettings {
     PairSettings::new(7, at(12, 0))
 }
@@ -64,7 +64,7 @@ impl Run {
         self.events()
     }
 
-    /// Lets time pass until no order is open.
+    /// Lets time pass until no order is open. Returns all reports.
     fn settle(&mut self) -> Vec<(Which, RobotEvent)> {
         let mut events = self.events();
         while Which::ALL.into_iter().any(|which| self.pair.is_busy(which)) {
@@ -104,7 +104,7 @@ impl Run {
         assert_eq!(done(&self.arms(ArmAction::Lift)), 2);
     }
 
-    /// A step to the east, SRM1 leading.
+    /// Carries the parcel one step to the east. SRM1 leads.
     fn carry(&mut self) -> Vec<(Which, RobotEvent)> {
         self.both(FORWARD)
     }

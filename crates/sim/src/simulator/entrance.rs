@@ -1,4 +1,5 @@
-//! The way out of the hall and back in: from home, through the entrance behind a robot that stands there facing south.
+//! The way out of the hall and back in. It begins at home. The entrance is behind a robot that stands there facing
+//! south.
 
 use super::{End, Sim};
 use hallsweep_core::effect::Order;
@@ -15,7 +16,7 @@ impl Sim {
         }
     }
 
-    /// Backwards through the entrance, which is behind the robot.
+    /// Drives one step backwards, through the entrance behind the robot or further out.
     pub(super) fn begin_leaving(&mut self, order: Order) {
         if self.is_off_centre() {
             self.fail(order.id, "it stands between two places: recentre first");

@@ -1,5 +1,5 @@
-//! Faults of the simulated robot that somebody switches on and off. A blocked way is no fault of the robot but a change
-//! of its hall.
+//! Faults of the simulated robot that can be switched on and off. A blocked way is not a fault of the robot. It is a
+//! change of its hall.
 
 use super::{End, Sim, SimTask, Work};
 use hallsweep_core::units::{Cell, Now};
@@ -11,8 +11,8 @@ pub struct Faults {
 }
 
 impl Sim {
-    /// Switches on exactly these faults. The robot reports its capabilities again, since a missing thermometer changes
-    /// them.
+    /// Sets the faults that are on. If the thermometer appears or disappears, the robot reports its capabilities
+    /// again.
     pub fn handle_faults(&mut self, faults: Faults, now: Now) {
         self.handle_timeout(now);
         let is_news = self.faults.no_thermometer != faults.no_thermometer;
@@ -23,7 +23,7 @@ impl Sim {
         }
     }
 
-    /// The link is lost: the robot halts by itself, and never answers the order under way.
+    /// Cuts the link. The robot halts by itself, and never answers its current order.
     pub fn handle_link_lost(&mut self, now: Now) {
         self.handle_timeout(now);
         if self.task.is_some() {
@@ -32,7 +32,7 @@ impl Sim {
         self.events.clear();
     }
 
-    /// The link is back: the robot reports where it is.
+    /// Restores the link. The robot reports where it is.
     pub fn handle_link_back(&mut self, now: Now) {
         self.handle_timeout(now);
         self.events.clear();

@@ -1,5 +1,6 @@
-//! The hook of a simulated robot that fetches by itself: it takes the piece ahead onto its back, whole, however many
-//! cells it stands on, and releases it at home, into the container. Taken pieces no longer stand in the hall.
+//! The hook of a simulated robot that fetches pieces alone. It takes the piece ahead onto the robot's back, even if
+//! the piece covers several cells. It releases the piece at home, into the container. Taken pieces no longer stand in
+//! the hall.
 
 use super::super::hall::Truth;
 use super::super::memory::Taken;
@@ -10,7 +11,7 @@ use hallsweep_core::event::RobotEvent;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, OrderId, Piece};
 
-/// The action that the hook is about to do; after a halt it is not done.
+/// The action that the hook is doing. If it is halted before its end, nothing has been done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Handling {
     Take(Piece),

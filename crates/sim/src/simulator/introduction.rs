@@ -8,7 +8,7 @@ use hallsweep_core::event::{Capabilities, RobotEvent, Whereabouts};
 use hallsweep_core::robot::{Part, Parts};
 
 impl Sim {
-    /// Queues the first reports after the link comes up: the place, the hook, then the capabilities.
+    /// Queues the first reports after the link is up: the place, the hook if there is one, then the capabilities.
     pub(super) fn introduce(&mut self) {
         let off_centre = self.is_off_centre();
         let stands = match self.outside {

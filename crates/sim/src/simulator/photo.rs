@@ -1,5 +1,5 @@
-//! Photos of the simulated robot: they take time, may be developed elsewhere, and may fail. How a picture is drawn
-//! stands in `camera`.
+//! Photos of the simulated robot. A photo takes time, may be developed outside the simulator, and may fail. `camera`
+//! draws the picture.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use hallsweep_core::units::{Now, OrderId};
 
 #[derive(Debug)]
 pub(super) enum Film {
-    /// The simulator develops it itself when the photo's time is over.
+    /// The simulator itself develops the photo at the end of the photo's time.
     Here(Exposure),
     Away,
     Developed(Photo),
 }
 
 impl Sim {
-    /// Takes the current photo, to develop it elsewhere, since drawing takes milliseconds. The order stays open until
-    /// `handle_photo` brings the photo back.
+    /// Takes the current photo out of the simulator, to be developed elsewhere, since drawing takes milliseconds. The
+    /// order stays open until `handle_photo` is called.
     pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
         let Some(SimTask { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
         let Film::Here(exposure) = film else { return None };
@@ -28,7 +28,7 @@ impl Sim {
         Some(taken)
     }
 
-    /// Brings back a photo that was developed elsewhere. The photo is dropped if its order is no longer open.
+    /// Accepts a photo that was developed elsewhere. If its order is no longer open, the photo is dropped.
     pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
         match &mut self.task {
             Some(SimTask { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {

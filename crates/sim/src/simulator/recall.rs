@@ -1,5 +1,5 @@
-//! How the simulated robot hands out its memory, and continues from it in the next run of the program. `memory` has the
-//! contents, and `state_file` stores them.
+//! How the simulated robot gives its memory to the program, and continues from it in the next run. `memory` defines
+//! the contents, and `state_file` stores them.
 
 use std::sync::Arc;
 
@@ -7,9 +7,10 @@ use super::super::memory::{Astray, Underway};
 use super::{Hall, Sim, SimMemory, SimSettings, Work};
 
 impl Sim {
-    /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within
-    /// half a second. After a step that was cut short it stands between two cells with the pose of the last completed
-    /// order, so that recentring brings it back there. Its first reports are those of a new robot.
+    /// Makes the robot of an earlier run again, in the same hall, after the program has died. The robot is where it
+    /// was, and has halted by itself within half a second. If a step was cut short, it stands between two cells. Its
+    /// pose is still that of the last completed order, so recentring brings it back there. Its first reports are
+    /// those of a new robot.
     #[must_use]
     pub fn remembering(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         Sim::placed(hall, settings, memory.at_rest(settings.seed))
@@ -37,8 +38,8 @@ impl Sim {
         }
     }
 
-    /// The state to store, once whenever something has changed: an order began or ended, or the temperature was
-    /// reported. Store it before passing on the reports that follow.
+    /// The state to store. Returns `None` if nothing has changed since the last call. Changes are the begin or end of
+    /// an order, and a reported temperature. Store the state before passing on the reports that follow.
     pub fn poll_memory(&mut self) -> Option<SimMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())
     }

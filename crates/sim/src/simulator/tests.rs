@@ -1,5 +1,5 @@
-//! Tests of the simulated robot as a whole: what it answers, when, and where its body really is. Its parts are tested
-//! beside themselves.
+//! Tests of the simulated robot as a whole: its answers, their times, and the real place of its body. The parts have
+//! their tests in their own files.
 
 use super::super::settings::Camera;
 use super::*;
@@ -55,7 +55,7 @@ impl Run {
         std::iter::from_fn(|| self.sim.poll_event()).collect()
     }
 
-    /// Gives an order, lets it end, and returns the reports meanwhile.
+    /// Gives an order and waits until it ends. Returns the reports of that time.
     fn perform(&mut self, action: Action) -> Vec<RobotEvent> {
         self.order(action);
         while self.sim.is_busy() {
@@ -202,7 +202,7 @@ fn small_corrective_turns_are_not_its_own() {
     assert!(!run.sim.capabilities().nudges);
 }
 
-/// Safety S5.
+/// Tests safety S5 (docs/safety.md).
 #[test]
 fn past_its_deadline_it_halts_by_itself() {
     let mut run = Run::new(&OPEN);
@@ -256,7 +256,7 @@ fn the_temperature_is_told_when_it_changes_by_a_tenth() {
     assert_eq!(told, expect);
 }
 
-/// A few thousand random moves, halts and waits; returns every report, and checks that the body never leaves the floor.
+/// Makes random moves, halts and waits. Checks that the body never leaves the floor, and returns all reports.
 fn wander(seed: u64, stride_ms: u64) -> String {
     let rows = ["#.....#", ".a.S..b", "...##..", "c......"];
     let mut run = Run::with(&rows, SimSettings { unknown_rate: 0.1, ..SimSettings::new(seed, Camera::Stub) });

@@ -43,7 +43,7 @@ pub(crate) fn entry() -> impl Strategy<Value = Entry> {
     (wall(), fact()).prop_map(|(wall, fact)| Entry { wall, fact })
 }
 
-/// A fact of any kind, without the pixels of a photo, which are stored elsewhere.
+/// A fact of any kind. The pixels of a photo are left out, because they are stored elsewhere.
 pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
@@ -212,7 +212,8 @@ fn refused() -> impl Strategy<Value = Refused> {
     ]
 }
 
-/// Adds the store's hold when there is a reason of the store, which occurs only together with this hold.
+/// A refusal because of holds. If there is a reason of the store, the store's hold is added: the reason occurs only
+/// with this hold.
 fn held(mut holds: BTreeSet<Hold>, why: Option<String>) -> Refused {
     if why.is_some() {
         holds.insert(Hold::Store);
@@ -321,7 +322,7 @@ fn cause() -> impl Strategy<Value = FaultCause> {
     ]
 }
 
-/// A reason that this version knows, or words that it may not know.
+/// A reason why a piece was not fetched. The reason is known to this version, or is in words that may be unknown.
 fn not_fetched() -> impl Strategy<Value = NotFetched> {
     let once = || {
         prop_oneof![

@@ -1,5 +1,5 @@
-//! The actions of resources: the right that each needs, its command, and the answer to an accepted one. `Resources` sends the
-//! command to the core. The words that old clients send are in `old`.
+//! The actions of resources: the right that each action needs, its command, and the answer when the command is
+//! accepted. `Resources` sends the command to the core. The words of old clients are in `old`.
 
 use super::problem::{Problem, words};
 use super::table::Action;
@@ -19,7 +19,8 @@ use hallsweep_core::units::Epoch;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Terms {
     pub(super) id: Option<CommandId>,
-    /// The format of the answer; `None` if the client accepts only the format of problems. Then a success has no body.
+    /// The format of the answer. `None` if the client accepts only the format of problems; then the answer to a
+    /// success has no body.
     pub(super) form: Option<Format>,
 }
 
@@ -28,7 +29,8 @@ const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 const ID: &str = "id";
 
 impl Action {
-    /// The right that a request of this action needs. An old word may be a STOP, so only the right to stop is checked.
+    /// Returns the right that a request of this action needs. The words of old clients include STOP, so only the
+    /// right to stop is checked for them.
     pub(super) fn need(self) -> Need {
         match self {
             Action::Command(kind) => kind.row().need,
@@ -47,7 +49,8 @@ impl Terms {
     }
 }
 
-/// The command of a request, and the epoch that its sender saw. A STOP was recognised before, by `stop`.
+/// Returns the command of a request, and the epoch that its sender saw. A STOP never comes here: `stop` handles it
+/// before.
 pub(super) fn command(
     act: Action,
     number: u64,
@@ -84,7 +87,8 @@ impl Payload for CarriedRequest<'_> {
     }
 }
 
-/// The parameters of a command. An unknown query parameter is refused: with a misspelt `id` the command could act twice.
+/// Returns the parameters of a command. An unknown query parameter is refused, because with a misspelt `id` a
+/// repeated command would act twice.
 pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     let mut id = None;
     for query in &request.queries {

@@ -1,5 +1,5 @@
-//! Caches representations until they change, so that a repeated GET renders nothing again, and all observers of a resource
-//! share one body. The contents come from `shows`.
+//! Caches representations until they change. So a repeated GET renders nothing again, and all observers of a resource
+//! share one body. `shows` makes the contents.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,8 +12,8 @@ use coap_endpoint::{Answer, Format, Response};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 
-/// Maximum number of cached representations: every resource in every format, and a few dozen pieces of luggage. When the cache
-/// is full, the oldest one is dropped.
+/// Maximum number of cached representations. This covers every resource in every format, and a few dozen pieces of
+/// luggage. When the cache is full, the oldest representation is dropped.
 const MOST: usize = 128;
 
 #[derive(Default)]
@@ -23,9 +23,10 @@ type Key = (Show, u64, Format);
 
 #[derive(Clone, Debug)]
 pub(super) struct Copies {
-    /// The answer to a GET. It expires at once (Max-Age 0), and its tag lets a client check it cheaply.
+    /// The answer to a GET. It expires at once (Max-Age 0). With its tag a client can check cheaply whether it is
+    /// still valid.
     pub(super) plain: Arc<Response>,
-    /// The copy for observers, valid until the next notification.
+    /// The answer for observers. It is valid until the next notification.
     pub(super) watched: Arc<Response>,
 }
 
@@ -41,7 +42,8 @@ impl Copies {
 }
 
 impl RepresentationCache {
-    /// `number` is the number in the path, or that of an old item.
+    /// Returns the cached representation, or makes it anew if it has changed. `number` is the number in the path, or
+    /// the number of an item for old clients.
     pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
         let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
         let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);

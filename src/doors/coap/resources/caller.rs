@@ -1,5 +1,5 @@
-//! The identity of a sender, by address alone: a sender on this machine is the operator, anybody else may only look. The
-//! endpoint decides what an address proves. Keys exist only at the other doors.
+//! The identity of a sender, known by its address alone. A sender on this machine counts as the operator. All others
+//! may only read. The endpoint decides whether an address is verified. Only the other doors use keys.
 
 use std::net::SocketAddr;
 
@@ -22,7 +22,7 @@ impl Caller {
     pub(super) fn check(self, need: Need) -> Result<(), Refused> {
         match (self, need) {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
-            // Short enough: an unverified address gets at most three times the bytes of its request.
+            // The text is short, because an unverified address gets at most three times the bytes of its request.
             (Caller::Beyond, Need::Stop | Need::Act) => {
                 Err(Refused::NotAllowed("CoAP commands work only on loopback: use HTTP".to_owned()))
             }

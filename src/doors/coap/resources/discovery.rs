@@ -1,5 +1,5 @@
-//! `/.well-known/core` (RFC 6690): the table as links. A path with a number becomes one link for each existing thing.
-//! `coap_endpoint::link_format` filters and formats the links.
+//! `/.well-known/core` (RFC 6690): lists the rows of the table as links. A path with a number becomes one link for
+//! each existing piece or alarm. `coap_endpoint::link_format` filters and formats the links.
 
 use super::etag::tag;
 use super::table::{PathRow, Show, Table};
@@ -23,7 +23,8 @@ pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
     link_format(&links, queries).into_bytes()
 }
 
-/// The links of a row. A row with a number has one link for each piece of this mission, or for each alarm.
+/// Returns the links of a row. A row with a number has one link for each piece of this mission, or one for each
+/// alarm.
 fn links(row: &PathRow, snapshot: &Snapshot) -> Vec<Link> {
     let each = |id: u64| link(row, &row.path.replace("{id}", &id.to_string()), size(row, LuggageId(id), snapshot));
     if row.path.starts_with("/luggage/{id}") {
@@ -54,7 +55,8 @@ fn link(row: &PathRow, href: &str, size: Option<usize>) -> Link {
     }
 }
 
-/// The size of a photo; `None` for other resources, which change all the time.
+/// Returns the size of a photo in bytes. Returns `None` for a failed photo, and for other resources, because their
+/// sizes change all the time.
 fn size(row: &PathRow, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
     row.shows.as_ref().filter(|shown| shown.show == Show::Resource(ResourceKind::Photo))?;
     match snapshot.luggage(id)?.photo {

@@ -1,10 +1,10 @@
-//! Tags of representations (RFC 7252, section 5.10.6).
+//! Tags of representations (ETag; RFC 7252, section 5.10.6).
 
 use std::hash::Hasher;
 
 use coap_endpoint::ETag;
 
-/// The tag of these parts; it is the same in every run and on every machine.
+/// Returns the tag of these parts. It is the same in every run and on every machine.
 pub(super) fn tag(parts: &[&[u8]]) -> ETag {
     let mut hasher = Fnv::default();
     for part in parts {

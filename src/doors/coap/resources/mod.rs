@@ -1,6 +1,7 @@
-//! The part of this door that knows hallsweep: it finds the resource of a request, and its representation, its action, or the
-//! problem. It answers at once where possible. A command is sent immediately, so that commands keep their order, and only its
-//! result is awaited. The endpoint handles messages, blocks and observers.
+//! The part of this door that knows hallsweep. It finds the resource of a request, and then its representation or its
+//! action. If there is none, it answers with the problem. Answers are given at once where possible. A command is sent
+//! immediately, so that commands keep their order, and only its result is awaited. The endpoint handles messages,
+//! blocks and observers.
 
 mod actions;
 mod cache;
@@ -58,7 +59,7 @@ impl Resources {
 }
 
 impl Application for Resources {
-    /// Must be called inside a runtime.
+    /// Answers a request. Must be called inside a runtime.
     fn answer(&self, request: &Request) -> Reply {
         if stop::is_stop(request) {
             return self.stop(request);
@@ -86,7 +87,7 @@ impl Application for Resources {
         self.handle.figures().connected(door::COAP)
     }
 
-    /// Safety A6, as in `refused`.
+    /// Records the refusal of a known sender (safety A6), as `refused` does.
     fn note_busy(&self, request: &Request) {
         if Caller::of(request.peer) == Caller::Here {
             let words = "too many commands were under way".to_owned();
@@ -95,7 +96,7 @@ impl Application for Resources {
         }
     }
 
-    /// Safety A6, as in `refused`.
+    /// Records a refusal by the endpoint (safety A6), as `refused` does.
     fn note(&self, refused: RefusedRequest) {
         let refusal = Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refused.words };
         let asked = Asked::Words(in_short(&refused.asked));
@@ -129,7 +130,8 @@ impl Resources {
         })))
     }
 
-    /// Checks `If-Match` and `If-None-Match` against the present representations in all formats.
+    /// Checks `If-Match` and `If-None-Match`. They are compared with the tags of the present representations in all
+    /// formats.
     fn may_change(&self, found: &FoundPath<'_>, request: &Request) -> Result<(), Problem> {
         if request.conditions == Conditions::default() {
             return Ok(());
@@ -142,8 +144,8 @@ impl Resources {
         met(None).map_err(|response| Problem::condition(&response))
     }
 
-    /// Refused changes of a known sender are recorded (safety A6). Those of a stranger are only logged, because strangers must
-    /// not be able to fill the disk.
+    /// Answers a refused request. Refused changes from this machine are recorded (safety A6). Those from other
+    /// machines are only logged, because strangers must not be able to fill the disk.
     fn refused(&self, request: &Request, problem: &Problem) -> Reply {
         let answer = Answer::once(problem.response(request));
         if request.method == Method::Get || !problem.is_for_record() {
@@ -160,7 +162,7 @@ impl Resources {
         let noted = self.handle.clone();
         let (issuer, refused) = (caller::issuer(request.peer), problem.for_record());
         Reply::Later(Box::pin(async move {
-            // The program is ending; nobody is left to tell.
+            // An error means that the program is ending. Nothing can be recorded then.
             let _ = noted.note_refused(issuer, asked, refused).await;
             answer
         }))

@@ -1,5 +1,6 @@
-//! `/resourcemodel` for old clients (mission §8), which has three items: a GET returns the item that changed last, an observer
-//! gets the newest version of each. Old clients send bare words as commands. The items are written in `crate::api::old_items`.
+//! `/resourcemodel` for old clients (mission §8). It has three items: robot, map and luggage. A GET returns the item
+//! that changed last. An observer gets the newest version of each item. Old clients send bare words as commands.
+//! `crate::api::old_items` writes the items.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -16,8 +17,8 @@ use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::resource::Resource;
 
-/// The item that changed last. The item is determined at every newer state, so that a later change of something else does not
-/// hide an earlier one. Only the changed parts are compared, and no item is written for that.
+/// Knows the item that changed last. This is checked at every newer state, so that no change between two requests is
+/// missed. Only the changed parts are compared, and no item is written for that.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {
@@ -30,13 +31,15 @@ impl OldModel {
         OldModel(Mutex::new(Seen { snapshot, latest: ROBOT }))
     }
 
-    /// Updates and returns the item that changed last. If several items changed since the last call, the one whose own part has
-    /// the highest revision is returned; with equal revisions, the last in the order of notifications.
+    /// Updates and returns the item that changed last. If several items changed since the last call, the item with
+    /// the highest revision of its own part is returned. If the revisions are equal, the later item in the order of
+    /// notifications is returned.
     pub(super) fn look(&self, snapshot: &Arc<Snapshot>) -> u64 {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let changed = there(snapshot).iter().copied().filter(|number| differs(*number, &seen.snapshot, snapshot));
         let latest = changed.max_by_key(|number| {
-            // The shown piece also depends on the mission, whose revision changes for many other reasons.
+            // The shown piece also depends on the mission. But the mission's revision changes for many other reasons,
+            // so it is not used here.
             let revision = match *number {
                 LUGGAGE => snapshot.revision_of(Resource::Luggage),
                 other => revision(Show::OldItems, other, snapshot),
@@ -45,11 +48,11 @@ impl OldModel {
         });
         let latest = latest.unwrap_or(seen.latest);
         *seen = Seen { snapshot: Arc::clone(snapshot), latest };
-        // An item that does not exist any more is replaced by the robot's item, as at the beginning.
+        // If the item no longer exists, the robot's item is returned, as at the beginning.
         if there(snapshot).contains(&latest) { latest } else { ROBOT }
     }
 
-    /// The item that changed last, and all items for observers, in the order robot, map, luggage.
+    /// Returns the item that changed last. Observers get all items, in the order robot, map, luggage.
     pub(super) fn answer(&self, snapshot: &Arc<Snapshot>, cache: &RepresentationCache) -> Answer {
         let copies = |number| cache.copies(Show::OldItems, number, Format::TEXT, snapshot);
         let response = copies(self.look(snapshot)).plain;
@@ -57,7 +60,7 @@ impl OldModel {
     }
 }
 
-/// Numbers of the existing items; robot and map always exist.
+/// Returns the numbers of the existing items. Robot and map always exist.
 fn there(snapshot: &Snapshot) -> &'static [u64] {
     if snapshot.luggage.is_empty() { &[ROBOT, MAP] } else { &[ROBOT, MAP, LUGGAGE] }
 }
@@ -78,9 +81,8 @@ fn changes_a_cell(older: &Snapshot, newer: &Snapshot) -> bool {
     }
 }
 
-/// The command for a word, bare or in the quotes of JSON, in any content format. `h` and `stop` are STOP, and halt whatever is
-/// wrong with the request. The other moves are accepted only if old clients may drive, because an old console sends a stray `w`
-/// when it starts.
+/// Returns the command for a word, bare or in JSON quotes. `h` and `stop` mean STOP, whatever else is wrong with the
+/// request. Other moves need `manual_driving`, because an old console sends a stray `w` when it starts.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
     let text = text.trim();

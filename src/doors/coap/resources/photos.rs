@@ -1,5 +1,5 @@
-//! Photos are read from the archive where blocking is allowed. The last ones are cached, because a photo that is fetched in
-//! small blocks is requested a thousand times. The tag of a photo stays the same after a restart.
+//! Reads photos from the archive, where blocking is allowed. The last photos are cached, because a client that
+//! fetches a photo in small blocks requests it a thousand times. The tag of a photo stays the same after a restart.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,30 +12,32 @@ use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 
-/// Maximum size of all cached photos in bytes, some eighty photos of the simulated camera. The newest photo is cached even if
-/// it is larger.
+/// Maximum size of all cached photos in bytes: some eighty photos of the simulated camera. The newest photo is cached
+/// even if it is larger.
 const MOST_BYTES: usize = 4 * 1024 * 1024;
 
-/// The photos requested last, the newest last.
+/// The cached photos, in the order in which they were read, the newest last.
 #[derive(Default)]
 pub(super) struct Photos(Mutex<VecDeque<One>>);
 
 struct One {
     id: LuggageId,
-    /// Whether the photo's mission was over when the photo was read, so that it cannot have been retaken since.
+    /// Whether the photo's mission was over when the photo was read. After that the photo cannot be retaken.
     is_settled: bool,
     response: Arc<Response>,
 }
 
 impl Photos {
-    /// The cached photo of a piece. `present` is the current tag of the photo if the piece is of the present mission.
+    /// Returns the cached photo of a piece. For a piece of the present mission, `present` is the current tag of its
+    /// photo. For an older piece it is `None`.
     pub(super) fn kept(&self, id: LuggageId, present: Option<ETag>) -> Option<Arc<Response>> {
         let photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |one: &&One| one.id == id && present.map_or(one.is_settled, |tag| one.response.tag == Some(tag));
         photos.iter().find(is_it).map(|one| Arc::clone(&one.response))
     }
 
-    /// Caches a photo in place of an earlier one of the same piece; drops the oldest ones beyond `MOST_BYTES`.
+    /// Caches a photo, and replaces an earlier one of the same piece. Beyond `MOST_BYTES` the oldest photos are
+    /// dropped.
     pub(super) fn keep(&self, id: LuggageId, is_settled: bool, response: Response) -> Arc<Response> {
         let response = Arc::new(response);
         let mut photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -58,8 +60,8 @@ pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
     Ok(tag(piece))
 }
 
-/// A photo with its own content format, or as plain bytes if the client asks for bytes: some clients cannot accept an unknown
-/// format, and many know no picture format.
+/// Returns a photo with its own content format, or as plain bytes if the client asks for bytes. Some clients cannot
+/// accept an unknown format, and many do not know any picture format.
 pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
     let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
     let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(words(&response)))?;
@@ -68,7 +70,7 @@ pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer
     Ok(Answer { response, observed: Vec::new() })
 }
 
-/// Reads a photo; without the tag it also reads the piece's record.
+/// Reads a photo. If no tag is given, the piece's record is read first to compute the tag.
 pub(super) async fn read(archive: &ArchiveReader, id: LuggageId, present: Option<ETag>) -> Result<Response, Problem> {
     let tag = match present {
         Some(tag) => tag,

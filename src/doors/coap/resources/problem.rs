@@ -1,4 +1,5 @@
-//! Writes problems for this door: their codes, and the three formats. The problems that only this door has are here, too.
+//! Writes problems for this door: their response codes, and the three formats. Problems that exist only at this door
+//! are here, too.
 
 use super::super::application::HALTED;
 use super::shows;
@@ -10,7 +11,7 @@ use crate::api::resources::{self, Form};
 pub(super) use crate::doors::problem::Problem;
 use coap_endpoint::{Code, Format, Method, Request, Response};
 
-/// Seconds after which a client may retry when something is unavailable (RFC 7252, section 5.9.3.4).
+/// Seconds after which a client may retry if something is unavailable (RFC 7252, section 5.9.3.4).
 const RETRY_S: u32 = 5;
 
 impl Problem {
@@ -28,14 +29,14 @@ impl Problem {
         Problem::new(CONDITION_FAILED, words(said))
     }
 
-    /// The problem of a STOP that has halted the robot: the text says so.
+    /// Changes the problem of a STOP that has halted the robot: the text now says that the robot was halted.
     pub(super) fn although_halted(self) -> Problem {
         let words = format!("{HALTED}; {}", self.detail());
         self.saying(words)
     }
 
-    /// The answer to the sender: in JSON or CBOR if accepted, otherwise as text. For a change the text begins with `refused: `,
-    /// because some clients show nothing else.
+    /// Returns the answer to the sender, in JSON or CBOR if the sender accepts one of them, otherwise as text. Unless
+    /// the request was a GET, the text begins with `refused: `, because some clients show nothing else.
     pub(super) fn response(&self, request: &Request) -> Response {
         let code = code_of(self.kind());
         let max_age = (code == Code::UNAVAILABLE).then_some(RETRY_S);
@@ -59,10 +60,11 @@ impl Problem {
     }
 }
 
-/// The code of each kind of problem. Its digits are those of the HTTP status, if CoAP has such a code.
+/// Returns the response code of a kind of problem. If CoAP has a code with the digits of the HTTP status, that code
+/// is used.
 const fn code_of(kind: ProblemKind) -> Code {
     match kind {
-        // The last two exist only in HTTP.
+        // `TooSlow` and `Misdirected` exist only in HTTP.
         ProblemKind::Malformed | ProblemKind::TooSlow | ProblemKind::Misdirected => Code::BAD_REQUEST,
         ProblemKind::NotSignedIn => Code::UNAUTHORIZED,
         ProblemKind::Forbidden => Code::FORBIDDEN,
@@ -138,7 +140,7 @@ mod tests {
         }
     }
 
-    /// RFC 7252, section 12.1.2, and RFC 8132.
+    /// The codes and their names are those of RFC 7252, section 12.1.2, and RFC 8132.
     #[test]
     fn what_this_door_has_a_code_for_is_called_as_codes_are_and_its_status_has_the_same_digits() {
         let row = &super::super::table::Table::default().rows[0];

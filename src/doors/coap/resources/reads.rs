@@ -1,5 +1,5 @@
-//! Reading: the representation for a request, at once or after reading the archive, and the representations for its observers.
-//! `cache` and `photos` cache the representations.
+//! Answers reads: returns the representation at once, or after reading the archive. Also returns the representations
+//! for observers. `cache` and `photos` cache the representations.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 
 impl Resources {
-    /// The answer to a GET. The existence of the thing is checked before its format.
+    /// Answers a GET. Whether the thing exists is checked before the format.
     pub(super) fn show(&self, shown: &Representations, number: u64, request: &Request) -> Result<Reply, Problem> {
         let snapshot = self.handle.snapshot();
         if shown.show == Show::Resource(ResourceKind::Photo) {
@@ -70,7 +70,7 @@ impl Resources {
         }
     }
 
-    /// A piece of a past mission. It cannot be observed, because it does not change any more.
+    /// Answers with a piece of a past mission. Such a piece cannot be observed, because it does not change any more.
     fn past_piece(&self, number: u64, formats: &[Format], request: &Request) -> Reply {
         let (archive, formats, request) = (self.archive.clone(), formats.to_vec(), request.clone());
         let found = async move |request: &Request| {

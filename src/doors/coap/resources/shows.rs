@@ -1,4 +1,4 @@
-//! The representation of each path, and when it last changed.
+//! Makes the representation of each path, and tells when it last changed.
 
 use super::discovery;
 use super::table::Show;
@@ -12,7 +12,7 @@ use hallsweep_core::units::Revision;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Numbers of the old model's items, in the order in which observers get them.
+/// Numbers of the items for old clients, in the order in which observers get them.
 pub(super) const ROBOT: u64 = 0;
 pub(super) const MAP: u64 = 1;
 pub(super) const LUGGAGE: u64 = 2;
@@ -25,14 +25,14 @@ pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision
         Show::OldItems => match number {
             ROBOT => of(Resource::Robot),
             MAP => map_revision(snapshot),
-            // The shown piece also depends on the mission.
+            // The shown piece depends on the mission too.
             _ => of(Resource::Luggage).max(of(Resource::Mission)),
         },
     }
 }
 
-/// The body of a representation, empty when there is nothing to show. `number` is the number in the path, or that of an old
-/// item.
+/// Returns the body of a representation. The body is empty if there is nothing to show. `number` is the number in the
+/// path, or the number of an item for old clients.
 pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Vec<u8> {
     match show {
         Show::Resource(shown) => shown.written(number, form_of(format), snapshot, at_this_door),
@@ -45,7 +45,7 @@ pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
     resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
 }
 
-/// `LuggageJson` names the photo's path at the HTTP door; here the photo has another path.
+/// Replaces the path of the photo, because `LuggageJson` contains its path at the HTTP door.
 pub(super) fn at_this_door(mut piece: LuggageJson) -> LuggageJson {
     piece.photo.url = piece.photo.url.map(|_| format!("/luggage/{}/photo", piece.id));
     piece

@@ -1,5 +1,5 @@
-//! STOP at this door. It is recognised before anything else is judged, by sender, method, path and word alone; other faults are
-//! reported afterwards (safety S8). The handle halts the robot.
+//! STOP at this door. A STOP is recognised before anything else is judged: only sender, method, path and word count.
+//! Other faults are reported afterwards (safety S8). The handle halts the robot.
 
 use super::super::application::Reply;
 use super::Resources;
@@ -10,7 +10,8 @@ use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
 use coap_endpoint::{Answer, Request};
 use hallsweep_core::command::{self, Command};
 
-/// Whether a request halts the robot. A method that this door does not support halts as well, but not a method that only reads.
+/// Whether a request halts the robot. Methods that this door does not support halt too. Methods that only read do
+/// not.
 pub(super) fn is_stop(request: &Request) -> bool {
     if request.method.is_safe() || Caller::of(request.peer) != Caller::Here {
         return false;
@@ -24,18 +25,19 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
-/// Every request that halts has one of these words in its path, here in lower case. The exception is an unusual form of the
-/// bare `h`: one that does not directly follow `commands`, because blanks or an empty segment precede it, or that is cut off.
+/// Every request that halts contains one of these words in its path; they are in lower case here. The exception is an
+/// unusual form of the bare `h`: with blanks around it, after an empty segment, or in a message that is cut off.
 pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
 
-/// The words of a path in lower case, however a client has split it.
+/// Returns the words of a path in lower case. How the client has split the path does not matter.
 fn segments(request: &Request) -> Vec<String> {
     let segments = request.path.iter().flat_map(|segment| segment.split('/'));
     segments.map(|segment| bare(segment).to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
 }
 
 impl Resources {
-    /// Carries out a STOP, and answers when the robot stands: accepted, or refused although it has halted.
+    /// Carries out a STOP, and answers when the robot has halted. The answer is "accepted", or a refusal that says
+    /// that the robot has halted.
     pub(super) fn stop(&self, request: &Request) -> Reply {
         let judged = self.judged(request);
         let id = judged.as_ref().ok().and_then(|terms| terms.id.clone());
@@ -50,8 +52,8 @@ impl Resources {
         }))
     }
 
-    /// The parameters of the answer. Only path and method are judged: a STOP counts whatever its query, conditions, format and
-    /// body are.
+    /// Returns the parameters of the answer. A fault in path or method is reported. Faults in query, conditions,
+    /// format and body are ignored.
     fn judged(&self, request: &Request) -> Result<Terms, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let act = found.row.action(request.method).ok_or_else(|| Problem::not_answered(request, found.row))?;

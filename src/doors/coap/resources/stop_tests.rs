@@ -1,5 +1,5 @@
-//! STOP from the datagram to the loop, through endpoint and resources: with any addition it halts once, and once more when it is
-//! repeated after a START; anything that is no STOP does not halt, whatever it looks like.
+//! Tests of STOP from the datagram to the loop, through endpoint and resources. With any addition a STOP halts once.
+//! If it is repeated after a START, it halts once more. Other messages do not halt, even if they look like a STOP.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -22,7 +22,7 @@ struct Door {
     now: Duration,
 }
 
-/// A message as a list of options, which may be faulty in any way.
+/// A message whose parts may be faulty in any way.
 #[derive(Clone, Debug)]
 struct Message {
     version: u8,
@@ -31,9 +31,9 @@ struct Message {
     token_bits: u8,
     token: Vec<u8>,
     options: Vec<(u16, Vec<u8>)>,
-    /// The bytes after the options, including the marker.
+    /// The bytes after the options, including the payload marker.
     rest: Vec<u8>,
-    /// Bytes at which the message's grammar breaks, after its options.
+    /// Bytes after the options that break the grammar of CoAP.
     broken: Option<Vec<u8>>,
 }
 
@@ -48,7 +48,7 @@ impl Door {
         Door { endpoint, app, runtime, now: Duration::from_secs(100) }
     }
 
-    /// Takes a datagram, and everything that follows from it; returns what is sent back.
+    /// Handles a datagram and all requests that follow from it. Returns the datagrams that are sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
         self.endpoint.handle_undone(self.app.resources.undone());
@@ -150,15 +150,15 @@ fn stops() -> Vec<Message> {
 
 #[derive(Clone, Debug)]
 enum Fault {
-    /// An option of any number and value, repeated this often.
+    /// Adds an option with this number and value, this many times.
     Option(u16, Vec<u8>, usize),
     Method(u8),
-    /// A token of this length, with this announced length.
+    /// Announces this token length, and sends this many token bytes.
     Token(u8, usize),
-    /// A body instead of none, or after the body of the message.
+    /// Sets a body, or adds these bytes to the body of the message.
     Body(Vec<u8>),
     MarkerAlone,
-    /// Invalid bytes after the options.
+    /// Adds invalid bytes after the options.
     Broken(Vec<u8>),
     Nonconfirmable,
 }
@@ -166,7 +166,7 @@ enum Fault {
 fn any_fault() -> impl Strategy<Value = Fault> {
     let known =
         prop::sample::select(vec![1_u16, 3, 4, 5, 6, 7, 8, 9, 12, 14, 15, 17, 19, 20, 23, 27, 28, 31, 35, 39, 60, 252, 258, 292]);
-    // Another word in the path would make another path.
+    // Option 11 is a part of the path. Another word there would make another path.
     let number = prop_oneof![4 => known, 1 => any::<u16>().prop_filter("the path", |number| *number != 11)];
     let value = prop_oneof![
         4 => prop::collection::vec(any::<u8>(), 0..5),
@@ -188,7 +188,7 @@ fn any_fault() -> impl Strategy<Value = Fault> {
     ]
 }
 
-/// The message with the fault; `None` when the fault would remove the name of the STOP.
+/// Returns the message with the fault. Returns `None` if the fault would remove the name of the STOP.
 fn spoilt(message: &Message, fault: &Fault) -> Option<Message> {
     let mut message = message.clone();
     match fault {
@@ -196,7 +196,7 @@ fn spoilt(message: &Message, fault: &Fault) -> Option<Message> {
         Fault::Method(code) => message.code = *code,
         Fault::Token(bits, length) => (message.token_bits, message.token) = (*bits, vec![0x33; *length]),
         Fault::Body(body) if message.rest.is_empty() => message.rest = [&[0xFF], &body[..]].concat(),
-        // After a word only blanks leave it the same word.
+        // Only blanks after a word leave the word unchanged.
         Fault::Body(body) if body.iter().all(|letter| *letter == b' ') => message.rest.extend(body),
         Fault::Body(_) => return None,
         Fault::MarkerAlone if message.rest.is_empty() => message.rest = vec![0xFF],
@@ -211,7 +211,7 @@ fn is_known_in_a_flood(bytes: &[u8]) -> bool {
     bytes.windows(4).any(|four| WORDS.iter().any(|word| word.iter().copied().eq(four.iter().map(|byte| byte | 0x20))))
 }
 
-/// A path, split in one of the possible ways: as segments, as a single one, as an address.
+/// Generates paths. Each is written as several segments, as one segment, or as a whole address.
 fn path_in_parts() -> impl Strategy<Value = (Vec<&'static str>, u8)> {
     let first = prop::sample::select(vec!["commands", "Commands", " commands", "commands ", "ResourceModel", " resourcemodel "]);
     let rest = prop::sample::select(vec!["h", "H", " h", "h ", "stop", "\tSTOP", "move ", "Move", "", " ", "x"]);
@@ -244,7 +244,8 @@ proptest! {
         prop_assert_eq!(door.refusals(), 0);
     }
 
-    /// Safety S8: every form of STOP passes the flood filter, except for a bare `h` in an unusual form.
+    /// Safety S8: every form of STOP contains a word that passes the flood filter, except for a bare `h` in an
+    /// unusual form.
     #[test]
     fn however_the_path_of_a_stop_is_written_it_is_known_in_a_flood_but_for_an_unusual_h((parts, cut) in path_in_parts()) {
         let message = match cut {
@@ -290,7 +291,7 @@ proptest! {
     /// Safety S8.
     #[test]
     fn bytes_by_chance_behind_a_stop_leave_it_halting(tail in prop::collection::vec(any::<u8>(), 0..20)) {
-        // The first of these bytes ends the path.
+        // The byte 0x10 begins another option, so it ends the path.
         let message = Message { rest: [&[0x10_u8][..], &tail].concat(), ..stops().remove(0) };
         let mut door = Door::new();
         door.take(here(), &message.bytes(1));
@@ -298,12 +299,12 @@ proptest! {
     }
 }
 
-/// The code of the answer; `0.00` for a rejection.
+/// Returns the code of the answer; it is `0.00` for a rejection.
 fn answered(sent: &[Transmit]) -> Option<String> {
     sent.first().map(|transmit| Code(transmit.bytes[1]).to_string())
 }
 
-/// Safety S8: it halts first and is refused afterwards, as the RFC requires.
+/// Safety S8: the robot halts first. The request is refused afterwards, as the RFC requires.
 #[test]
 fn a_stop_that_is_refused_has_halted_and_says_so() {
     let stop = || Message::new(2, &["commands", "stop"], b"");
@@ -350,7 +351,8 @@ fn a_halt_in_a_body_that_comes_in_blocks_halts_when_its_word_has_come() {
     assert_eq!(door.given(), [Command::Stop]);
 }
 
-/// The answer to a STOP may be longer than the client's blocks: fetching the next block is no press.
+/// The answer to a STOP may be longer than one block of the client. Fetching the next block of the answer does not
+/// press STOP again.
 #[test]
 fn to_read_on_in_the_answer_to_a_stop_is_no_press_and_to_begin_anew_is_one() {
     let block =
@@ -366,7 +368,8 @@ fn to_read_on_in_the_answer_to_a_stop_is_no_press_and_to_begin_anew_is_one() {
     }
 }
 
-/// Safety S8: each of these halts when its datagram is received, and passes the flood filter as often as any other command.
+/// Safety S8: each of these halts when its datagram arrives. The flood filter treats these datagrams like other
+/// commands.
 #[test]
 fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
     let address = |path: &str| Message { options: vec![(35, path.as_bytes().to_vec())], ..Message::new(2, &[], b"") };
@@ -384,7 +387,7 @@ fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
     }
 }
 
-/// Safety S8: every STOP of the table is recognised before anything is judged.
+/// Safety S8: every STOP in the table is recognised before anything else is judged.
 #[test]
 fn every_path_at_which_anybody_may_stop_is_known_as_one() {
     for row in Table::default().rows {

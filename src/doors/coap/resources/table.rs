@@ -1,6 +1,7 @@
-//! Every path of this door with its representations, their formats, whether they can be observed, and its actions: the rows of
-//! `api::resources` and `api::commands`, and the paths that only this door has. Routing, the answer to a wrong method,
-//! `/.well-known/core` and the table in `docs/coap.md` all use this table. A path that is not in the table does not exist.
+//! All paths of this door: their representations with formats, whether they can be observed, and their actions. The
+//! rows come from `api::resources` and `api::commands`; some paths exist only at this door. Routing, the answer to a
+//! wrong method, `/.well-known/core` and the table in `docs/coap.md` all use this table. A path that is not in the
+//! table does not exist.
 
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 use crate::api::resources::{Form, RESOURCES, ResourceKind};
@@ -11,7 +12,7 @@ pub(super) struct Table {
 }
 
 pub(super) struct PathRow {
-    /// Such as `/luggage/{id}/photo`; `{id}` stands for a number.
+    /// A path such as `/luggage/{id}/photo`, where `{id}` stands for a number.
     pub(super) path: &'static str,
     pub(super) rt: String,
     pub(super) title: String,
@@ -42,7 +43,7 @@ pub(super) enum Action {
 
 pub(super) struct FoundPath<'a> {
     pub(super) row: &'a PathRow,
-    /// The number in the path; 0 where there is none.
+    /// The number in the path, or 0 if the path has no number.
     pub(super) number: u64,
 }
 
@@ -71,9 +72,10 @@ impl PathRow {
         self.shows.iter().map(|_| Method::Get).chain(self.actions.iter().map(|(method, _)| *method))
     }
 
-    /// The number in a path that matches this row, 0 if the row has no number; `None` when the path does not match.
+    /// Returns the number in a path that matches this row, or 0 if the row has no number. Returns `None` if the path
+    /// does not match.
     fn number(&self, path: &[String]) -> Option<u64> {
-        // Every path begins with a word, and most paths differ in it.
+        // Most paths differ in the first word, so that word is compared first.
         if !self.path[1..].starts_with(path.first()?) {
             return None;
         }
@@ -81,7 +83,7 @@ impl PathRow {
         let mut ours = self.path.split('/').skip(1);
         for segment in path {
             match ours.next()? {
-                // Neither `+1` nor `01`, so that each thing has a single path.
+                // Numbers such as `+1` and `01` are not accepted, so that each thing has a single path.
                 "{id}" => number = segment.parse().ok().filter(|number: &u64| number.to_string() == *segment)?,
                 other if other == segment => {}
                 _ => return None,
@@ -101,7 +103,7 @@ fn only_here() -> [PathRow; 2] {
     ]
 }
 
-/// The formats of a form. A client that cannot accept a picture format gets plain bytes.
+/// Returns the content formats of a form. Clients that cannot accept a picture format get plain bytes.
 const fn formats_of(form: Form) -> &'static [Format] {
     match form {
         Form::Json => &[Format::JSON],
@@ -112,8 +114,8 @@ const fn formats_of(form: Form) -> &'static [Format] {
     }
 }
 
-/// Adds the commands of the common table, to the row with the same path or in a row of their own. Rows with a number come
-/// before the others.
+/// Adds the commands of the common table. A command is added to the row with the same path, or gets a row of its own.
+/// Rows with a number come before the others.
 fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
     let (of_a_thing, plain): (Vec<&'static commands::CommandRow>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);

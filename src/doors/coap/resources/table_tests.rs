@@ -1,4 +1,4 @@
-//! Walks the table: every path with every method and format, from this machine and from another one.
+//! Tests every path of the table with every method and format, from this machine and from another one.
 
 use std::fmt::Write;
 
@@ -99,7 +99,7 @@ async fn everything_is_there_in_the_formats_that_the_table_says_and_in_no_other(
     }
 }
 
-/// Safety A4.
+/// Safety A4: from another machine everything can be read, but no command is accepted.
 #[tokio::test]
 async fn from_beyond_this_machine_everything_is_seen_and_nothing_done() {
     let app = app(searching());

@@ -1,5 +1,6 @@
-//! For tests of this door: its resources in front of a loop that answers commands from a script and publishes the snapshots it is
-//! given, an archive of one past piece, and requests from this machine. It knows no mission.
+//! Helpers for tests of this door: its resources, a loop with a script, an archive with one past piece, and requests
+//! from this machine. The loop answers commands from the script and publishes the snapshots of the test. It knows no
+//! mission.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -53,8 +54,8 @@ impl PartialArchive for Pictures {
     }
 }
 
-/// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
-/// runtime.
+/// Starts an app in this state. Its loop accepts everything until told to refuse. Old clients may not drive. Must be
+/// called inside a runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
@@ -84,9 +85,9 @@ impl TestApp {
         self.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// The last refusal that the door recorded since the last call: who, which command, and why.
+    /// Returns the last refusal recorded since the last call: the sender, the command, and the reason.
     pub(super) async fn noted(&self) -> Option<Noted> {
-        // Lets the loop have its turn.
+        // Gives the loop a turn.
         tokio::task::yield_now().await;
         self.noted.lock().unwrap().pop()
     }

@@ -1,4 +1,5 @@
-//! Requests and their answers: representations, actions, and refusals with their reasons. The table is tested in its own file.
+//! Tests of requests and their answers: representations, actions, and refusals with their reasons. `table_tests`
+//! tests the table.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -161,7 +162,7 @@ async fn what_the_core_refuses_it_has_recorded_itself() {
     assert!(app.noted().await.is_none());
 }
 
-/// Safety S1: no fault of its request prevents a STOP from halting.
+/// Safety S1: a STOP halts whatever is wrong with its request.
 #[tokio::test]
 async fn a_stop_reads_nothing_of_its_request() {
     let app = app(searching());
@@ -182,7 +183,7 @@ async fn a_stop_reads_nothing_of_its_request() {
     }
 }
 
-/// Safety S1, S8: it is carried out however many commands are under way.
+/// Safety S1, S8: a request that `IS_STOP` recognises is carried out however many commands are under way.
 #[test]
 fn a_stop_is_known_by_its_path_and_word_and_nothing_else_is_one() {
     let is_stop = |request| Resources::IS_STOP(&request);

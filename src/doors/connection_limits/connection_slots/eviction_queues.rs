@@ -1,6 +1,6 @@
-//! The order in which connections are evicted: one queue for all of them, one for each key, one for each network. The queues
-//! are kept sorted, so that the first connection is found at once, and a crowd that comes and goes costs the hearing thread
-//! little. `connection_slots` decides which queue is used.
+//! The order in which connections are evicted. There are queues for operators and for all others, and one for each
+//! key and each network. The queues are kept sorted, so that the first connection is found at once. So a crowd that
+//! comes and goes costs the hearing thread little. `connection_slots` chooses the queue.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -9,7 +9,7 @@ use std::hash::Hash;
 use super::{Activity, SlotClaim, Who};
 use crate::access::Network;
 
-/// Position in the order of eviction: strangers go first, operators last.
+/// Position in the order of eviction. Strangers are evicted first, operators last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct EvictionTurn {
     pub(super) rank: u8,
@@ -18,7 +18,8 @@ pub(super) struct EvictionTurn {
     pub(super) number: u64,
 }
 
-/// Number of connections of one kind, and the one that is evicted first; `None` when none may be evicted.
+/// The number of connections of one kind, and the connection that is evicted first. `first` is `None` if no
+/// connection may be evicted.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct QueueHead {
     pub(super) many: usize,
@@ -56,13 +57,13 @@ impl EvictionQueues {
         leave(&mut self.networks, claim.network, turn);
     }
 
-    /// All connections; operators are evicted last.
+    /// Returns the number of all connections, and the first to evict. Operators are evicted last.
     pub(super) fn of_all(&self) -> QueueHead {
         let (operators, others) = (self.operators.head(), self.others.head());
         QueueHead { many: operators.many + others.many, first: others.first.or(operators.first) }
     }
 
-    /// The connections of viewers and strangers.
+    /// Returns the number of connections of viewers and strangers, and the first to evict.
     pub(super) fn of_others(&self) -> QueueHead {
         self.others.head()
     }
@@ -75,7 +76,7 @@ impl EvictionQueues {
         self.networks.get(&claim.network).map(EvictionQueue::head).unwrap_or_default()
     }
 
-    /// Whether there are no connections, and no leftover entries of keys or networks.
+    /// Whether the queues are empty, without left entries of keys or networks.
     #[cfg(test)]
     pub(super) fn are_empty(&self) -> bool {
         let is_kept = self.keys.len() + self.networks.len() + self.operators.yielding.len() + self.others.yielding.len() > 0;
@@ -105,8 +106,8 @@ impl EvictionQueue {
     }
 }
 
-/// Removes a connection from the queue of its key or network. With its last connection the queue is removed too, which bounds
-/// the memory of the maps.
+/// Removes a connection from the queue of its key or network. An empty queue is removed too, so that the maps do not
+/// grow without bound.
 fn leave<K: Eq + Hash>(queues: &mut HashMap<K, EvictionQueue>, of: K, turn: EvictionTurn) {
     if let Entry::Occupied(mut queue) = queues.entry(of) {
         queue.get_mut().leave(turn);

@@ -10,7 +10,7 @@ use crate::access::Keyring;
 
 const HERE: &str = "127.0.0.1";
 
-/// A connection with its slot, or without one once it is evicted.
+/// A connection. It has a slot until it is evicted.
 struct Somebody {
     slot: Option<ConnectionSlot>,
     claim: SlotClaim,
@@ -25,7 +25,8 @@ fn keyed(most: usize) -> ConnectionSlots {
     ConnectionSlots::new(most, ConnectionBudget::default(), &Access::Keys(Keyring::in_memory().unwrap()))
 }
 
-/// Takes a slot from this address. `who` is the name of the key; a name that begins with `operator` is an operator's.
+/// Opens a connection from this address. `who` is the name of its key. A key whose name begins with `operator` is an
+/// operator's.
 fn comes(slots: &ConnectionSlots, from: &str, who: &str) -> Somebody {
     let who = (!who.is_empty()).then(|| (Arc::from(who), who.starts_with("operator")));
     let claim = SlotClaim { network: Network::of(from.parse().unwrap()), who };
@@ -39,13 +40,13 @@ impl Somebody {
         self.slot.as_ref().expect("there was a slot")
     }
 
-    /// Begins a request whose body has not arrived.
+    /// Sends the head of a request. Its body has not arrived yet.
     fn dribbles(self) -> Somebody {
         self.slot().asked(self.claim.clone(), true);
         self
     }
 
-    /// Begins a request without a body, which is being answered.
+    /// Sends a request without a body. The request is being answered.
     fn asks(self) -> Somebody {
         self.slot().asked(self.claim.clone(), false);
         self
@@ -56,7 +57,7 @@ impl Somebody {
     }
 }
 
-/// Safety S9: such a connection is as good as one whose request had no body.
+/// Safety S9: after its body has arrived, a request counts like one without a body.
 #[test]
 fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
     let slots = open(2);
@@ -93,7 +94,7 @@ fn whoever_makes_least_progress_gives_way() {
     assert!(!watching.is_cut(), "an endless answer does not give way");
 }
 
-/// Safety S9: a slow body is no progress, however often a piece of it arrives.
+/// Safety S9: a slow body is no progress, even if pieces of it keep arriving.
 #[test]
 fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
     let slots = open(100);
@@ -232,7 +233,7 @@ fn a_key_that_is_shown_later_counts_for_its_share_too() {
     assert_eq!(connections.iter().filter(|connection| !connection.is_cut()).count(), 2, "a fourth of eight");
 }
 
-/// Safety S9, A5: the number of evicted connections that are still closing is bounded too.
+/// Safety S9, A5: the number of evicted connections that are still closing is limited too.
 #[test]
 fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_slot() {
     let slots = open(4);
@@ -247,7 +248,7 @@ fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_slot() {
     assert!(comes(&slots, HERE, "operator").slot.is_some(), "one has gone");
 }
 
-/// Safety S9: after any sequence of events, the first of the sorted queues is the one that a search of all holders finds.
+/// Safety S9: after any events, the queues name the same connection as a search of all connections.
 #[test]
 fn whoever_is_found_to_give_way_is_the_first_of_all() {
     let slots = keyed(40);

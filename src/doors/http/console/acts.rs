@@ -1,4 +1,4 @@
-//! Turns the fields of the page's forms into commands. Decides nothing.
+//! Converts the fields of the page's forms to commands. It does not decide whether a command is allowed.
 
 use serde::Deserialize;
 
@@ -10,7 +10,7 @@ use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
-/// One struct for all forms of the page: a field that a form does not have is missing.
+/// The fields of all forms of the page. A field that a form does not have is `None`.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     epoch: Option<String>,
@@ -25,7 +25,7 @@ pub(in crate::doors::http) struct Fields {
     note: Option<String>,
 }
 
-/// The note that the operator typed, from the query of the confirmation page (`?note=…`).
+/// The note that the operator typed. It comes from the query of the confirmation page (`?note=…`).
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct TypedNote {
     #[serde(default)]
@@ -38,13 +38,14 @@ impl TypedNote {
     }
 }
 
-/// The values of a command's buttons: the name of the command, except for the two verdicts.
+/// Returns the form actions of a command's buttons. A verdict has two buttons; every other command has one, with the
+/// command's name.
 pub(in crate::doors::http) fn buttons(command: &CommandRow) -> Vec<&'static str> {
     if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
 }
 
 impl Fields {
-    /// The command of this form, and the epoch that its page showed.
+    /// Returns the command of this form, and the epoch that the page showed when the form was sent.
     pub(super) fn command(&self, act: &str) -> Result<(Command, Option<Epoch>), Problem> {
         let epoch = self.epoch.as_deref().map(|text| number("epoch", text)).transpose()?.map(Epoch);
         let command = match act {
@@ -68,13 +69,14 @@ impl Fields {
         Ok((command, epoch))
     }
 
-    /// Name of the pressed button, beside which the page shows a refusal.
+    /// Returns the name of the place where the page shows a refusal: beside the pressed button.
     pub(super) fn button(&self, act: &str) -> String {
         match (act, &self.id) {
             ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
-            // The place beside STOP is for the script's messages.
+            // The place beside STOP is reserved for messages of the script, so a refusal is shown at the top of the
+            // page.
             ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
@@ -104,7 +106,7 @@ impl Fields {
     }
 }
 
-/// The typed note. Line ends and tabs of the text field become blanks.
+/// Returns the typed note. Line ends and tabs of the text field become blanks.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
     let line: Vec<&str> = typed.split_whitespace().collect();
     Ok(command::note(&line.join(" "))?)

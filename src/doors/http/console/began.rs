@@ -1,5 +1,5 @@
-//! When the present mission began, from the record of missions: pages show the elapsed time. It is looked up once for each
-//! mission, with a time limit; while it is unknown, a page shows everything else.
+//! Looks up when the present mission began, so that pages can show the elapsed time. The record of missions is read
+//! once for each mission, with a time limit. Until the time is known, a page is shown without it.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::super::HttpDoor;
 use hallsweep_core::units::{MissionId, WallTime};
 
-/// Maximum wait for the record. When the disk hangs, the page is shown without the elapsed time.
+/// Maximum wait for the record of missions. If the disk does not respond, the page is shown without the elapsed time.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Pause before the record is read again after a failure.
@@ -23,7 +23,7 @@ struct Lookup {
     asked: Option<Duration>,
 }
 
-/// When this mission began; `None` before the first one, and while the record cannot be read.
+/// Returns when this mission began. Returns `None` before the first mission, and while the record cannot be read.
 pub(super) async fn began(door: &HttpDoor, mission: MissionId) -> Option<WallTime> {
     let now = door.clock.now().since_start;
     let known = {

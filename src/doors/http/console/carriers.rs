@@ -1,5 +1,6 @@
-//! The fetching robots in the picture of the hall: position, name, the arm that reaches to the piece, and the place of the
-//! piece. `hall` draws the searching robot, `entrance` the area before the entrance.
+//! Draws the robots that fetch luggage in the picture of the hall: position, name, and the arm that reaches to the
+//! piece. It also draws the piece that a robot holds. `hall` draws the searching robot, `entrance` the area before
+//! the entrance.
 
 use super::drawing::{CELL, draw_luggage, larger, middle, turn, write};
 use super::entrance::{Column, Entrance};
@@ -10,7 +11,7 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Whether anything is before the entrance: a fetching robot, or a piece in the container.
+/// Whether the area before the entrance must be drawn: there is a fetching robot, or a piece in the container.
 pub(super) fn has_entrance(snapshot: &Snapshot) -> bool {
     snapshot.robots.len() > 1 || snapshot.luggage.secured().next().is_some()
 }
@@ -41,7 +42,8 @@ pub(super) fn fetched(snapshot: &Snapshot) -> Option<&Luggage> {
     snapshot.luggage(retrieval.luggage).map(|piece| &**piece)
 }
 
-/// Where a piece that is to be fetched lies in the hall; `None` while the piece is held, and once it is secured.
+/// Returns where a piece that is to be fetched lies in the hall. Returns `None` while a robot holds the piece, and
+/// after the piece is secured.
 pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
     if piece.secured.is_some() || held_at(snapshot, piece).is_some() {
         return None;
@@ -51,7 +53,7 @@ pub(super) fn fetched_lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i
     Some(middle(if found { piece.cell } else { cells[0] }))
 }
 
-/// Where a piece is drawn: where it was found, or where it is held while it is fetched.
+/// Returns where a piece is drawn: the place where it was found, or the place where a robot holds it.
 pub(super) fn is_at(snapshot: &Snapshot, piece: &Luggage) -> (i32, i32) {
     let is_fetched = fetched(snapshot).is_some_and(|fetched| fetched.id == piece.id);
     match held_at(snapshot, piece) {
@@ -68,7 +70,7 @@ pub(super) fn held_at(snapshot: &Snapshot, piece: &Luggage) -> Option<Place> {
 
 struct Scene {
     entrance: Entrance,
-    /// Magnification of everything drawn here.
+    /// Factor by which everything drawn here is enlarged.
     size: i32,
 }
 
@@ -84,8 +86,8 @@ impl Scene {
         }
     }
 
-    /// Where a robot is drawn. In a large hall the robot and its piece are magnified, and so is the distance between them:
-    /// otherwise the robot would cover the piece.
+    /// Returns where a robot is drawn. In a large hall, the robot and its piece are drawn larger than their cells.
+    /// The distance between them is enlarged too, otherwise the robot would cover the piece.
     fn at(&self, waits: i32, robot: &RobotShown) -> (i32, i32) {
         let at_work = reaches(robot);
         if robot.view.outside > 0 {
@@ -99,7 +101,7 @@ impl Scene {
         }
     }
 
-    /// The arm from the robot to the piece; it moves with the robot.
+    /// Draws the arm from the robot to the piece. The arm moves with the robot.
     fn arm(&self, waits: i32, robot: &RobotShown) -> String {
         let Some(place) = reaches(robot) else { return String::new() };
         let ((x, y), (to_x, to_y)) = (self.at(waits, robot), self.place(place));
@@ -111,7 +113,7 @@ impl Scene {
         let ((x, y), size) = (self.at(waits, robot), self.size);
         let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
         let (name, arm) = (robot.id.name(), self.arm(waits, robot));
-        // The name is put on the side away from the piece.
+        // The name is drawn on the side of the robot that is away from the piece.
         let is_above = reaches(robot).is_some_and(|place| self.place(place).1 > y);
         let name_y = if is_above { "-5" } else { "8.2" };
         write(
@@ -129,7 +131,8 @@ impl Scene {
         if let Some(piece) = fetched(snapshot)
             && let Some(place) = held_at(snapshot, piece)
         {
-            // The held piece moves as the robots do, and leaves room for their names.
+            // The held piece has the class `robot`, so it moves in the picture like a robot. It is smaller, so that
+            // the robots' names stay visible.
             let (x, y) = self.place(place);
             write(
                 group,

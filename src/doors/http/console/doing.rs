@@ -1,4 +1,4 @@
-//! The console's sentences about the activities of the robots, and about the link and the parts of the searching one.
+//! The console's sentences about what each robot is doing, and about the link and the parts of the searching robot.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -10,11 +10,12 @@ use hallsweep_core::robot::{Part, Parts, RobotState};
 use hallsweep_core::snapshot::robot::{RobotShown, RobotView};
 use hallsweep_core::units::WallTime;
 
-/// Maximum number of pieces named to screen reader users: as many as one remembers.
+/// Maximum number of pieces named to users of screen readers. Nobody remembers more.
 const NAMED: usize = 8;
 
 impl View<'_> {
-    /// The activity shown in the bar. A STOP is visible there even on a screen that has no room for the other holds.
+    /// Returns the activity shown in the status bar. A STOP is shown here because a small screen has no room for the
+    /// list of holds.
     pub(super) fn doing(&self) -> Phrase<'static> {
         let is_halting = self.snapshot.robot.halting || self.snapshot.robots.iter().any(|robot| robot.view.halting);
         let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
@@ -31,7 +32,7 @@ impl View<'_> {
         Some(self.language.robot_said(why))
     }
 
-    /// Parts of the searching robot; `None` while there is no link to it.
+    /// Returns the parts of the searching robot, or `None` while there is no link to it.
     pub(super) fn parts(&self) -> Option<Parts> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }
@@ -40,13 +41,14 @@ impl View<'_> {
         self.say_of("led", self.led())
     }
 
-    /// Whether the shown state of the searching robot is current. Without a link only its last report is shown. In the past the
-    /// shown state is the recorded one.
+    /// Whether the shown state of the searching robot can be relied on. Without a link, the page shows only the
+    /// robot's last report. A page about the past shows the recorded state, which counts as reliable.
     pub(super) fn is_reached(&self) -> bool {
         self.then.is_some() || self.snapshot.robots.first().is_none_or(|robot| robot.parts.is_some())
     }
 
-    /// A robot's report; if there is no link, also since when it is outdated.
+    /// Returns a robot's last report as text. If there is no link to the robot, the text also says since when the
+    /// report is outdated.
     pub(super) fn as_known(&self, robot: &RobotShown, last: &impl Display) -> String {
         match robot.view.unreached_since {
             _ if self.then.is_some() || robot.parts.is_some() => last.to_string(),
@@ -97,12 +99,14 @@ impl View<'_> {
         self.does_itself(&robot.view)
     }
 
-    /// The activity of a robot. A robot that was told to halt is halting until it reports that it stands.
+    /// Returns the activity of a robot. A robot that was told to halt counts as halting until it reports that it
+    /// stands still.
     const fn does_itself(&self, robot: &RobotView) -> Phrase<'static> {
         if robot.halting { self.say("doing-halting") } else { self.say_of("doing", robot.state.name()) }
     }
 
-    /// The hall for screen reader users: the progress of the search, the robot's position, and which piece was found where.
+    /// Describes the hall for users of screen readers: the progress of the search, the robot's position, and where
+    /// each piece was found.
     pub(super) fn hall_in_words(&self) -> String {
         let robot = &self.snapshot.robot;
         let stands = match robot.outside {

@@ -1,4 +1,4 @@
-//! Shared by all drawings of the hall: sizes, and the shape of a piece of luggage.
+//! Shared by all drawings of the hall: sizes, and the shapes of luggage.
 
 use std::fmt::Write;
 
@@ -7,19 +7,20 @@ use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap};
 use hallsweep_core::world::luggage::Luggage;
 
-/// The side of a cell, in the picture's units.
+/// Side length of a cell, in units of the picture.
 pub(super) const CELL: i32 = 10;
 
-/// The picture grows by this many cells at a time, so that it does not jump with every step.
+/// Number of cells by which the picture grows at a time. With single cells it would jump at every step of the robot.
 const GROWTH: i32 = 4;
 
 /// Minimum size of the picture, in cells.
 const LEAST: (i32, i32) = (16, 12);
 
-/// Up to this width, in cells, the picture is drawn to scale. In a wider one important things are drawn larger than their cell.
+/// Maximum width of a picture drawn to scale, in cells. In a wider picture, the robot and the luggage are drawn
+/// larger than their cells.
 const READABLE: i32 = 32;
 
-/// The visible part of the hall in cells: the known part, rounded outwards.
+/// Returns the part of the hall that the picture shows, in cells. It is the known part, rounded outwards.
 pub(super) fn shown(map: &HallMap) -> Bounds {
     let known = map.known_bounds();
     let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
@@ -27,7 +28,7 @@ pub(super) fn shown(map: &HallMap) -> Bounds {
     Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
 }
 
-/// Magnification of the robot and similar things, so that they are visible in a large hall too.
+/// Returns by which factor the robot and other symbols are enlarged, so that they are visible in a large hall too.
 pub(super) fn larger(map: &HallMap) -> i32 {
     let shown = shown(map);
     let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
@@ -38,7 +39,7 @@ pub(super) const fn middle(cell: Cell) -> (i32, i32) {
     (cell.x * CELL + CELL / 2, cell.y * CELL + CELL / 2)
 }
 
-/// Degrees from north, clockwise.
+/// Returns the heading in degrees from north, clockwise.
 pub(super) const fn turn(heading: Heading) -> i32 {
     match heading {
         Heading::North => 0,
@@ -48,7 +49,7 @@ pub(super) const fn turn(heading: Heading) -> i32 {
     }
 }
 
-/// Draws a piece that is not in its cell, or not alone there.
+/// Draws a piece of luggage at any place of the picture, and not only in its own cell.
 pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
     let verdict = piece.verdict_name();
     let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));
@@ -65,7 +66,7 @@ pub(super) fn said(language: Language, piece: &Luggage) -> String {
     language.say("piece-is").with("id", piece.id).with("verdict", language.verdict(piece.verdict_name())).to_string()
 }
 
-/// The shape of a verdict. The piece also shows a letter, for people who cannot tell the colours apart.
+/// Returns the shape for a verdict. A piece also shows a letter, for people who cannot distinguish the colours.
 pub(super) fn shape(verdict: &str) -> &'static str {
     match verdict {
         "safe" => "<circle r=\"4.2\"/>",

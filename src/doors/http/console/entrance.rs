@@ -1,45 +1,47 @@
-//! The area before the entrance, beyond the northern edge of the hall's picture: waiting robots, and the container with secured
-//! pieces. `hall` draws the cells, `carriers` the robots.
+//! The area before the entrance, drawn north of the hall's picture. It contains the waiting robots, and the container
+//! with the secured pieces. `hall` draws the cells, `carriers` the robots.
 
 use super::drawing::{CELL, larger, middle, shown, write};
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::{Cell, LuggageId};
 use hallsweep_core::world::hall_map::HallMap;
 
-/// Distance between rows, in tenths of a cell as drawn: enough for robots with their names.
+/// Distance between two rows of waiting robots, in tenths of a drawn cell. It leaves room for the robots' names.
 const ROW: i32 = 14;
 
-/// Number of steps from home between two rows.
+/// Number of rows in the area. A robot one step outside stands in the first row; a robot further away stands in the
+/// second.
 const ROWS: i32 = 2;
 
-/// Distance between two waiting robots, in tenths of a cell.
+/// Distance between two waiting robots of a row, in tenths of a drawn cell.
 const COLUMN: i32 = 20;
 
-/// The middle of the container and the middle of the first waiting robot, in tenths of a cell east of the way out.
+/// Positions of the container and of the first waiting robot: distance of their middles from the way out, to the
+/// east. In tenths of a drawn cell.
 const CONTAINER: i32 = 20;
 const FIRST: i32 = 42;
 
-/// End of the area, in tenths of a cell: at most three robots wait in it.
+/// Eastern end of the area, in tenths of a drawn cell. At most three robots wait in the area.
 const END: i32 = FIRST + 2 * COLUMN + 12;
 
-/// Maximum number of pieces drawn in the container. When there are more, only their number is shown.
+/// Maximum number of pieces drawn in the container. If there are more, only their number is shown.
 const SEEN: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
-    /// On the way out, north of home.
+    /// The column of the way out, north of home.
     WayOut,
-    /// Beside the container; the number counts the places from there.
+    /// A column of waiting robots. The number is 0 for the place beside the container.
     Waiting(i32),
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entrance {
-    /// A tenth of a cell as drawn here, in the picture's units.
+    /// Size of a tenth of a drawn cell, in units of the picture.
     tenth: i32,
-    /// The southern edge of the area, which is the northern edge of the hall's picture including labels.
+    /// Southern edge of the area. It is also the northern edge of the hall's picture, labels included.
     south: i32,
-    /// The middle of the column in which home is.
+    /// Middle of the column of cells that contains home.
     home: i32,
 }
 
@@ -49,12 +51,12 @@ impl Entrance {
         Entrance { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
     }
 
-    /// Height that the area adds to the picture, in the picture's units.
+    /// Returns the height that this area adds to the picture, in units of the picture.
     pub(super) const fn height(self) -> i32 {
         (ROWS * ROW + 4) * self.tenth
     }
 
-    /// The eastern end of the area, in the picture's units.
+    /// Returns the eastern end of the area, in units of the picture.
     pub(super) const fn east(self) -> i32 {
         self.home + END * self.tenth
     }
@@ -87,7 +89,7 @@ impl Entrance {
 
     fn container(self, language: Language, group: &mut String, secured: &[LuggageId]) {
         let (x, y) = (self.home + CONTAINER * self.tenth, self.south - ROWS * ROW / 2 * self.tenth);
-        // The container is drawn in a cell's units, ten to a cell.
+        // The container is drawn as if a cell were 10 units wide, and then scaled.
         write(
             group,
             format_args!(

@@ -1,5 +1,5 @@
-//! Distances: from home to a piece in metres, and the evacuation circle round a bomb. The circle is drawn if the side of a cell
-//! is known. The settings give its radius; people decide whom to send away.
+//! Distances: from home to a piece in metres, and the evacuation circle round a bomb. The settings give the radius of
+//! the circle. The circle is drawn only if the size of a cell is known. People decide who must leave.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 
-/// The circles round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
+/// Draws the circles round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
     if let Some(cell_m) = v.hall.cell_m {
@@ -24,7 +24,7 @@ pub(super) fn circles(v: &View<'_>) -> String {
     group
 }
 
-/// Whether the whole known hall lies within the circle round this cell.
+/// Whether the circle round this cell contains the whole known part of the hall.
 pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
     let Some(cell_m) = v.hall.cell_m else { return false };
     let known = v.snapshot.map.known_bounds();
@@ -63,7 +63,7 @@ pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> 
     .to_string()
 }
 
-/// Between the middles of two cells, in cells.
+/// Returns the distance between the middles of two cells, in cells.
 fn distance(one: Cell, other: Cell) -> f64 {
     f64::from(one.x - other.x).hypot(f64::from(one.y - other.y))
 }

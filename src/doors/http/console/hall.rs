@@ -1,6 +1,7 @@
-//! The hall as a picture, in parts that can be sent separately: a group for each map tile, the labels, and a small layer with
-//! everything that moves. `pieces` draws the luggage. One cell is `CELL` units. A run of equal cells is one stroke of a path,
-//! which keeps a large hall small. Frames, legend and colours are in the template and the style sheet.
+//! The hall as a picture. Its parts can be sent separately: one group for each map tile, the labels, and a small
+//! layer with everything that moves. `pieces` draws the luggage. One cell is `CELL` units wide. Neighbouring cells of
+//! the same kind are drawn as one stroke, which keeps the picture of a large hall small. The template and the style
+//! sheet have frames, legend and colours.
 
 use super::carriers::{fetched, fetched_lies_at, has_entrance, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
@@ -17,20 +18,22 @@ const TRAIL: usize = 48;
 
 const FADES: usize = 4;
 
-/// Maximum number of labels at an edge. Each cell has a label if they all fit, otherwise every fifth, tenth and so on.
+/// Maximum number of labels at one edge. If there is no room for a label at each cell, only every fifth, tenth, …
+/// cell has one.
 const LABELS: i32 = 24;
 
-/// Maximum length of the sonar's ray, in cells.
+/// Maximum length of the drawn sonar ray, in cells.
 const RAY: i32 = 8;
 
-/// Maximum number of frontier cells drawn. More would be most of the data that is sent with every step.
+/// Maximum number of frontier cells drawn. With more, the frontier would be most of the data sent at every step.
 const FRONTIER: usize = 2000;
 
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
     view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)))
 }
 
-/// The `viewBox`, with a margin for the labels, and with the area before the entrance if that is drawn.
+/// Returns the `viewBox` of the picture, with a margin for the labels. It includes the area before the entrance if
+/// that area is drawn.
 pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>) -> String {
     let (shown, margin) = (shown(map), CELL * larger(map));
     let higher = entrance.map_or(0, Entrance::height);
@@ -44,7 +47,7 @@ pub(super) fn tile_id(corner: Cell) -> String {
     format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
 }
 
-/// A tile's group: one path for each kind of mark in it.
+/// Draws a tile as a group, with one path for each kind of mark in the tile.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
     for (class, wanted) in [
@@ -85,7 +88,7 @@ fn label(group: &mut String, (x, y): (i32, i32), size: i32, number: i32) {
     write(group, format_args!("<text transform=\"translate({x} {y}) scale({size})\" y=\"2\">{number}</text>"));
 }
 
-/// Unknown cells beside visited ones: where the search goes on.
+/// Draws the frontier: unknown cells beside visited ones, where the search continues.
 pub(super) fn frontier(map: &HallMap) -> String {
     let mut group = String::from("<g id=\"hall-frontier\">");
     if (1..=FRONTIER).contains(&map.frontier_size()) {
@@ -99,7 +102,7 @@ pub(super) fn frontier(map: &HallMap) -> String {
     group
 }
 
-/// Everything that moves (trail, route, goal, the piece being fetched), and home.
+/// Draws home and everything that moves: the trail, the route, the goal, and a piece that is to be fetched.
 pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let far = if size > 1 { " class=\"far\"" } else { "" };
@@ -119,7 +122,8 @@ pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     group
 }
 
-/// Home and the pieces, without a robot: the layer of a mission's record. Secured pieces are in the container.
+/// Draws home and the pieces, without robots, for the page of a recorded mission. Secured pieces are drawn in the
+/// container.
 pub(super) fn found<'a>(
     language: Language,
     map: &HallMap,
@@ -139,11 +143,12 @@ pub(super) fn found<'a>(
     group
 }
 
-/// The robot, in a group of its own that glides from cell to cell.
+/// Draws the searching robot in a separate group, which moves smoothly from cell to cell.
 pub(super) fn robot(snapshot: &Snapshot) -> String {
     let (x, y) = searcher_at(snapshot);
     let turn = turn(snapshot.robot.pose.heading);
-    // A robot alone in the hall needs no name. The name is never ahead of the robot, where its target is drawn.
+    // A single robot needs no name. The name is never drawn ahead of the robot, because the robot's target is drawn
+    // there.
     let name_y = if snapshot.robot.pose.heading == Heading::South { "-5.4" } else { "8.2" };
     let name = match snapshot.robots.first().filter(|_| snapshot.robots.len() > 1) {
         Some(robot) => {
@@ -189,7 +194,7 @@ fn trail(group: &mut String, snapshot: &Snapshot) {
     let latest = &trail[trail.len().saturating_sub(TRAIL)..];
     let part = latest.len().div_ceil(FADES).max(1);
     for (fade, cells) in latest.rchunks(part).enumerate() {
-        // Each part begins where the previous one ended, so that the line has no gaps.
+        // Each part begins where the part before it ended, so that the line has no gaps.
         let from = latest.len() - (fade * part + cells.len());
         let to = (from + cells.len() + 1).min(latest.len());
         if to - from > 1 {
@@ -216,7 +221,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
         write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
     }
-    // The cross of the goal would cover a piece in that cell, which is more important.
+    // The cross of the goal would cover a piece of luggage in the same cell. The piece is more important.
     let goal = snapshot.mission.goal.filter(|goal| snapshot.map.at(*goal) != Mark::Luggage);
     if let Some(goal) = goal {
         let ((x, y), said) = (middle(goal), language.say("goal-at").with("cell", goal));
@@ -230,7 +235,8 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
     }
 }
 
-/// The sonar's ray from the robot's front over the free cells ahead. The exact distance is shown beside the picture.
+/// Draws the sonar's ray from the robot's front over the free cells ahead. The exact distance is shown beside the
+/// picture.
 fn ray(group: &mut String, snapshot: &Snapshot) {
     let pose = snapshot.robot.pose;
     let (dx, dy) = pose.heading.vector();

@@ -1,5 +1,5 @@
-//! The incident, shown when a piece in the hall is judged dangerous: the next step with its one button, the alarm, the
-//! evacuation distance, and the bombs with photo and place.
+//! The incident. It is shown while a piece in the hall is judged dangerous. It has the next step with its button, the
+//! alarm, the evacuation distance, and each bomb with photo and place.
 
 use std::borrow::Cow;
 
@@ -16,17 +16,17 @@ use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum number of bombs shown with photos. The others are counted, and are in the gallery.
+/// Maximum number of bombs shown with photos. Of the others only the number is shown; the gallery has them.
 const BOMBS: usize = 8;
 
-/// The part `incident`; empty without a bomb in the hall.
+/// The part `incident` of the page. It is empty while there is no bomb in the hall.
 #[derive(Template)]
 #[template(path = "console/incident.html")]
 pub(super) struct Incident<'a> {
     pub(super) v: &'a View<'a>,
 }
 
-/// Whether an alarm is about a bomb in the hall, and therefore belongs to the incident.
+/// Whether an alarm is about a bomb in the hall. Such an alarm is shown in the incident.
 pub(super) fn is_of_incident(v: &View<'_>, alarm: &AlarmView) -> bool {
     let is_left = |id: LuggageId| v.snapshot.luggage(id).is_some_and(|piece| piece.is_bomb_left());
     alarm.luggage.is_some_and(is_left)
@@ -45,7 +45,7 @@ impl Incident<'_> {
         self.number().saturating_sub(BOMBS)
     }
 
-    /// Newest first, like the other alarms.
+    /// Returns the alarms of the incident, newest first.
     fn alarms(&self) -> Vec<&AlarmView> {
         self.v.snapshot.alarms.iter().rev().filter(|alarm| is_of_incident(self.v, alarm)).collect()
     }
@@ -117,7 +117,8 @@ impl Incident<'_> {
         }
     }
 
-    /// The command that goes on from here, for the button below the heading. An alarm has its own button.
+    /// Returns the command of the button below the heading, with which the mission continues. Returns `None` if no
+    /// such command is possible. An alarm has a button of its own.
     fn act(&self) -> Option<&'static str> {
         let mission = &self.v.snapshot.mission;
         let goes_on = matches!(mission.phase, PhaseName::ReturningWithAlarm | PhaseName::Retrieving | PhaseName::Fault);

@@ -1,5 +1,6 @@
-//! `GET /console/live`: the rendered parts of the page that changed, as server-sent events. The first message has all parts, so
-//! a page that was disconnected catches up by opening the stream again. The contents of the parts are in `parts`.
+//! `GET /console/live`: sends the changed parts of the page as HTML, in server-sent events. The first message has all
+//! parts. A page that was disconnected opens the stream again and is then complete. `parts` has the contents of the
+//! parts.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -26,31 +27,33 @@ use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// Minimum time between two messages: an eye cannot use more than ten a second.
+/// Minimum time between two messages. A person cannot follow more than ten a second.
 const PAUSE: Duration = Duration::from_millis(100);
 
 #[derive(Debug, Serialize)]
 pub(in crate::doors::http) struct Message {
     run: String,
     revision: u64,
-    /// The server's time in milliseconds since 1970, because the browser's clock may be wrong.
+    /// The server's time in milliseconds since 1970. The browser's own clock may be wrong.
     now: i64,
     title: String,
-    /// Whether all parts are included: then the page removes any part that the message does not name.
+    /// Whether the message has all parts of the page. If it has, the page removes every part that is not in the
+    /// message.
     whole: bool,
     view: String,
     then: Option<Then>,
     line: Option<Scale>,
-    /// Markup by element id. For a removed tile, group of luggage or section of the timeline it is empty.
+    /// HTML by element id. It is empty for an element that the page must remove: a tile, a group of luggage or a
+    /// section of the timeline.
     parts: BTreeMap<String, String>,
 }
 
 #[derive(Default)]
 pub(super) struct Shown {
     older: Option<Arc<Snapshot>>,
-    /// A fingerprint of each part's markup: a part is not sent when its resource changed and its markup did not.
+    /// Hash of each part's HTML. A part is not sent when its data changed but its HTML is the same.
     prints: BTreeMap<&'static str, u64>,
-    /// Whether the simulator was paused, which is not part of a snapshot.
+    /// Whether the last message said that the simulator is paused. A snapshot does not contain this.
     is_paused: bool,
     line: ShownLine,
 }
@@ -92,7 +95,8 @@ async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, wh
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }
 
-/// The message when the state has not changed: the timeline follows the record, in which there may be new entries.
+/// Returns the message for a time without a new state. The timeline is read from the record, and new entries may be
+/// there.
 async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>, language: Language) -> Event {
     let older = shown.older.clone();
     let message_of = async {
@@ -115,7 +119,8 @@ impl Shown {
         Shown { older: Some(Arc::clone(snapshot)), prints, is_paused: view.hall.is_paused, line }
     }
 
-    /// The changes from the page's contents to this snapshot and view, which become its new contents.
+    /// Returns the message that changes the page from its last contents to this snapshot and view. Stores the new
+    /// contents for the next call.
     pub(super) fn update(&mut self, snapshot: &Arc<Snapshot>, view: &View<'_>) -> Message {
         let older = self.older.replace(Arc::clone(snapshot));
         let mut parts = tiles(older.as_deref(), snapshot);
@@ -153,10 +158,11 @@ impl ShownLine {
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
-    /// New and changed sections by element id. The remaining sections of another mission's timeline get empty markup, which
-    /// removes them.
+    /// Returns new and changed sections by element id. If the mission is another one, surplus sections of the old
+    /// timeline get empty HTML, which removes them from the page.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
-        // A timeline that is being read again removes nothing from the page while it is incomplete.
+        // A timeline may be read again from its beginning. Until it has its old length, no section is removed from
+        // the page.
         if self.mission == line.mission().0 && line.full() < self.full {
             return Vec::new();
         }
@@ -171,7 +177,7 @@ impl ShownLine {
     }
 }
 
-/// Tiles that differ from the older snapshot; tiles shared by both are not compared.
+/// Returns the tiles that differ from the older snapshot. Tiles that both snapshots share in memory are not compared.
 fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let map = &snapshot.map;
     let drawn = |corner: Cell| (hall::tile_id(corner), hall::tile(map, corner));
@@ -250,7 +256,7 @@ mod tests {
         assert_eq!(update(&mut shown, emptied).parts["tile_3_0"], "");
     }
 
-    /// The simulator is paused a moment after the pause is in the log.
+    /// The log records a pause a moment before the simulator is paused.
     #[test]
     fn that_the_simulator_is_paused_is_sent_although_the_state_is_the_same() {
         let (mut shown, snapshot) = (Shown::default(), searching());

@@ -1,5 +1,6 @@
-//! The pages of missions, past and present: the list of missions, and for each mission a page with its hall, its luggage and
-//! all its events, including commands with sender, address and outcome. The pages work without a script.
+//! The pages of missions, past and present. There is a list of missions, and one page for each mission with its hall,
+//! its luggage and all its events. A command is shown with its sender, address and outcome. The pages work without a
+//! script.
 
 use askama::Template;
 use axum::extract::State;
@@ -24,7 +25,7 @@ use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
-/// Events on a page: a few screens.
+/// Number of events on one page. They fill a few screens.
 const EVENTS: u64 = 200;
 
 pub(in crate::doors::http) async fn list(
@@ -75,7 +76,7 @@ impl Show {
         }
     }
 
-    /// Query parameter of this view, after `?` or `&`. The main view is the default, and has no parameter.
+    /// Returns the query parameter of this view, after `?` or `&`. The main view is the default and has no parameter.
     fn address(self, joined_by: &str) -> String {
         match self {
             Show::Main => String::new(),
@@ -85,7 +86,8 @@ impl Show {
     }
 }
 
-/// Whether a fact is in the main view: commands and findings, without the thousands of steps of the robot.
+/// Whether a fact is shown in the main view. That view has commands and findings, but not the thousands of steps of
+/// the robot.
 fn is_main(fact: &Fact) -> bool {
     let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_) | Fact::Secured(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
@@ -126,7 +128,7 @@ struct Event {
     moment: String,
     time: String,
     what: String,
-    /// Sender of a command, with address and door.
+    /// Sender of a command, with the address and the door that the command came from.
     by: Option<String>,
     outcome: String,
     refused: bool,
@@ -141,8 +143,8 @@ impl List {
         self.language.date(&self.zone.date_and_time(*wall))
     }
 
-    /// How the mission ended. Counting the places that were not searched takes reading the whole mission, so only the mission's
-    /// own page tells their number.
+    /// Returns how the mission ended. The number of unsearched places is missing: to count them, the whole record
+    /// must be read. Only the mission's own page does this.
     fn came_to(&self, record: &MissionRecord) -> String {
         let came_to = came_to(self.language, record);
         let ends_the_search = [PhaseName::BombLocated, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
@@ -164,7 +166,8 @@ impl One {
         self.language.team(self.state.as_ref().and_then(|state| state.conditions.as_ref()))
     }
 
-    /// The strategy, by its phrase if this version knows it.
+    /// Returns the name of the search strategy in the reader's language. A strategy that this version does not know
+    /// keeps its recorded name.
     fn strategy(&self) -> String {
         let known = Strategy::named(&self.record.strategy);
         known.map_or_else(|| self.record.strategy.to_string(), |known| self.language.say_of("strategy", known.name()).to_string())
@@ -175,7 +178,8 @@ impl One {
         Some(self.language.fact(&Fact::Conditions(conditions)))
     }
 
-    /// The report in every language, and the record as lists: labels and addresses of the files.
+    /// Returns labels and addresses of the files of a mission: the report in every language, and the record in two
+    /// formats.
     fn files(&self) -> Vec<(String, String)> {
         let at = |file: &str| format!("/missions/{}/{file}", self.record.id);
         let report = |language: Language| (language.name().to_owned(), at(&format!("report?language={}", language.tag())));
@@ -222,7 +226,7 @@ impl One {
         self.after > Seq(0)
     }
 
-    /// The views of the events: labels, addresses, and which is the present one.
+    /// Returns the views of the events. Each has a label, an address, and whether it is the view shown now.
     fn views(&self) -> [(Phrase<'static>, String, bool); 3] {
         let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
         [("main", Show::Main), ("commands", Show::Commands), ("all", Show::All)]

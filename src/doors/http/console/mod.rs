@@ -1,5 +1,6 @@
-//! The operator's console: one page, rendered here and kept up to date by `live`. Every button is a plain form, so the page
-//! works without a script; the script only avoids reloading. The core decides what is allowed, and the page shows its refusals.
+//! The operator's console: one page, built here and kept up to date by `live`. Every button is a plain HTML form, so
+//! the page works without a script. The script only avoids reloading. The core decides which commands are
+//! allowed, and the page shows its refusals.
 
 mod acts;
 mod began;
@@ -60,16 +61,16 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<S
     whole(&door, &to, None).await
 }
 
-/// `GET console/bar`: the bar with the state of the hall that all other pages show. The stream of the console contains the
-/// console's bar.
+/// `GET console/bar`: the status bar with the state of the hall, for all pages except the console. The console gets
+/// its bar by its stream.
 pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
     let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
     html(&parts::Elsewhere { v: &view })
 }
 
-/// `POST console/start`, and every other form except that of STOP. A move that was recognised as a STOP is one, whatever else
-/// it contains.
+/// `POST console/start` and every other form except the form of STOP. A move that was recognised as a STOP is carried
+/// out as STOP, whatever else the form contains.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
         _ if sender.has_pressed_stop() => stop(sender, headers).await,
@@ -83,7 +84,7 @@ fn is_by_script(headers: &HeaderMap) -> bool {
     preferred(headers, &["text/html", "application/json"]) == Some("application/json")
 }
 
-/// `POST console/stop`. The body is not read: nothing wrong in it may keep it from halting the robot.
+/// `POST console/stop`. The body is not read, so that no fault in it can prevent the halt.
 pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response {
     answered(&sender, &headers, "stop", &Fields::default()).await
 }
@@ -107,7 +108,8 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
     response
 }
 
-/// `GET console/confirm/danger/{id}?note=…`: passes on the note that was typed beside the button.
+/// `GET console/confirm/danger/{id}?note=…`: asks for a confirmation of the verdict DANGER. The note typed beside the
+/// button is kept in the confirmation form.
 pub(super) async fn confirm_danger(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -181,7 +183,7 @@ mod tests {
 
     #[tokio::test]
     async fn who_reads_italian_reads_now_and_the_past_in_italian() {
-        // Lines of the log and alarms are made up for the test, so they have no phrases.
+        // The log lines and alarms are invented for this test, so they are not translated.
         const NAMES: [&str; 14] = [
             "42 cm",
             ": luggage #2 is dangerous.",

@@ -1,5 +1,6 @@
-//! The console at a moment of the past: the same page from the same parts, made from the record of that moment. Only STOP works
-//! there. The script asks for the differences from the moment that it shows, and gets them as a message of the live stream.
+//! The console at a moment of the past. The page has the same parts as the live console, filled from the record. Only
+//! STOP works there. The script requests another moment and receives the differences in a message, with the format of
+//! the live stream.
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::Conditions;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
 
-/// `GET missions/{id}/moment`: the page at the last entry up to `at`, or at the first entry without `at`.
+/// `GET missions/{id}/moment`: the page after the last entry up to `at`. Without `at` it shows the first entry.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -39,8 +40,8 @@ pub(in crate::doors::http) async fn page(
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
-/// `GET console/missions/{id}/moment`: the differences between the moment that the page shows and the last moment up to `at` or
-/// `time`. The page shows the moment after the entry `from`, at the time `shown`.
+/// `GET console/missions/{id}/moment`: the differences between two moments. The page now shows the moment after entry
+/// `from`, at the time `shown`. It requests the last moment up to the entry `at` or up to `time`.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -80,7 +81,8 @@ async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Res
         let looked = about.looked_at(moment, wanted);
         shown.update(&looked.snapshot, &about.view(&looked))
     };
-    // Drawing a large hall takes time, so it is done on a thread that nothing else waits for (safety S7), a few at once.
+    // Drawing a large hall takes time. It runs on a thread that no other work waits for (safety S7). Only a few such
+    // jobs run at once.
     Ok(door.archive.look_up(move |_| Ok(message())).await?)
 }
 
@@ -100,7 +102,8 @@ impl About {
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
-    /// Time goes on between two entries: a moment that is requested by its time may be later than its entry.
+    /// Returns the state and the clock time for a requested moment. Between two entries the clock runs on: a moment
+    /// requested by its time may be later than its entry.
     fn looked_at(&self, moment: PastMoment, at: At) -> Looked {
         let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
@@ -197,7 +200,7 @@ mod tests {
         let back = message(&app, &format!("at=3&from=4&shown={shown}")).await;
         assert_eq!(back["parts"]["holds"], whole["parts"]["holds"], "backwards likewise");
         let same = message(&app, &format!("at=4&from=4&shown={shown}")).await;
-        // The archive of the tests shares no maps between moments.
+        // The test archive shares no tiles between two moments, so the tile counts as changed.
         assert_eq!(same["parts"].as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>(), ["tile_0_0"]);
     }
 

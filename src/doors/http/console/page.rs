@@ -1,4 +1,4 @@
-//! The whole page: all parts in their places, the hall with all its tiles, and the whole timeline.
+//! The whole page: all parts in their places, all tiles of the hall, and the whole timeline.
 
 use askama::Template;
 use serde::Serialize;

@@ -1,5 +1,5 @@
-//! The parts of the page. The same template renders a part for a whole page and for the stream. Each part knows which resources
-//! it shows, so that a change renders only the affected parts.
+//! The parts of the page. The same template produces a part for the whole page and for the stream. Each part lists
+//! the resources that it shows, so a change updates only the affected parts.
 
 use std::borrow::Cow;
 
@@ -32,20 +32,20 @@ use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Maximum number of log lines on the page; the interface has more.
+/// Maximum number of log lines on the page. The HTTP interface has more.
 const LINES: usize = 40;
 
-/// Maximum number of pieces in the gallery, the latest ones. The page of the mission has all.
+/// Maximum number of pieces in the gallery. It shows the latest ones; the page of the mission has all.
 const PIECES: usize = 24;
 
-/// A part that the stream can replace; `id` is the id of its element.
+/// A part of the page that the stream can replace. `id` is the id of its HTML element.
 pub(super) struct PagePart {
     pub(super) id: &'static str,
     pub(super) shows: &'static [Resource],
     pub(super) render: fn(&View<'_>) -> String,
 }
 
-/// All parts, in the page's order.
+/// All parts, in the order of the page.
 pub(super) const PARTS: [PagePart; 23] = [
     PagePart {
         id: "announce",
@@ -291,7 +291,8 @@ impl Gallery<'_> {
 }
 
 impl Alarms<'_> {
-    /// Newest first, without the alarms about bombs, which the incident shows.
+    /// Returns the alarms that nobody has acknowledged, newest first. Alarms about bombs are left out, because the
+    /// incident shows them.
     fn unseen(&self) -> Vec<&AlarmView> {
         let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
@@ -311,7 +312,8 @@ impl Retrieval<'_> {
         armed(&self.v.snapshot.robots)
     }
 
-    /// A hook has no figures about its grip.
+    /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has
+    /// none.
     fn has_arm(&self, robot: &RobotShown) -> bool {
         robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
     }
@@ -320,7 +322,7 @@ impl Retrieval<'_> {
         self.v.say_of("fetcher", fetcher.name())
     }
 
-    /// A figure with two decimals, always, so that changing figures do not jump.
+    /// Returns a figure with exactly two decimals, so that the text does not change its width with the value.
     fn figure(&self, value: &f64) -> String {
         self.v.language.number(&format!("{value:.2}"))
     }

@@ -1,5 +1,5 @@
-//! The page of one photo: as large as the window allows, with STOP beside it, and the other photos of the same piece. A browser
-//! that opens a photo by itself is sent here.
+//! The page of one photo, as large as the window allows. It has STOP, and the other photos of the same piece. A
+//! browser that opens the address of a photo directly is redirected to this page.
 
 use std::borrow::Cow;
 
@@ -21,10 +21,11 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum number of photos of one piece shown side by side, the latest ones. An older photo can be requested by its number.
+/// Maximum number of photos of one piece shown side by side. They are the latest ones. An older photo can be
+/// requested by its number.
 const SHOWN: u32 = 12;
 
-/// `GET luggage/{id}` and `GET luggage/{id}?take=1`
+/// `GET luggage/{id}`: the page of the newest photo. With a query such as `?take=1`, the page of an earlier photo.
 pub(in crate::doors::http) async fn page(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
@@ -53,7 +54,7 @@ pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
 struct PhotoPage<'a> {
     language: Language,
     luggage: &'a Luggage,
-    /// Number of the shown photo, counted from 1; `None` when the piece has no photo.
+    /// Number of the shown photo, counted from 1. `None` when the piece has no photo.
     take: Option<u32>,
     zone: Zone,
 }

@@ -1,7 +1,8 @@
-//! The luggage in the picture of the hall. Each piece is drawn in its own cell, in groups by numbers, so that a change sends
-//! only a few pieces. When cells are too small to see, pins stand for all pieces in a square of cells, in groups by rows of
-//! squares. No piece covers another, and no pin: each is no larger than its cell or square. `hall::layer` draws a piece that is
-//! being fetched, because it moves; `carriers` draws secured pieces.
+//! The luggage in the picture of the hall. Each piece is drawn in its own cell. Pieces are grouped by their numbers,
+//! so that a change sends only a few pieces. In a large picture, where cells are too small, a pin represents all
+//! pieces in a square of cells. Pins are grouped by rows of squares. A piece is no larger than its cell and a pin no
+//! larger than its square, so none covers another. `hall::layer` draws a piece that is to be fetched. `carriers`
+//! draws held and secured pieces.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,7 +22,8 @@ pub(super) fn all_pins(language: Language, snapshot: &Snapshot) -> String {
     pins(language, snapshot).into_values().collect()
 }
 
-/// The groups and rows that differ from an older snapshot, by their ids. A removed group or row is empty.
+/// Returns the groups of pieces and the rows of pins that differ from an older snapshot, by their ids. A removed
+/// group or row has empty markup.
 pub(super) fn changed(language: Language, older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let Some(older) = older else { return groups(language, snapshot).chain(pins(language, snapshot)).collect() };
     let looks = |snapshot: &Snapshot| (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
@@ -49,7 +51,8 @@ pub(super) fn in_their_cells<'a>(language: Language, pieces: impl Iterator<Item 
     group
 }
 
-/// Pins for squares with sides of this many cells, for a picture that is too large for single pieces.
+/// Draws a pin for each square with pieces. The side of a square is `size` cells. Used for pictures that are too
+/// large for single pieces.
 pub(super) fn pinned<'a>(language: Language, pieces: impl Iterator<Item = &'a Luggage>, size: i32) -> String {
     rows(language, pieces, size).into_values().collect()
 }
@@ -84,7 +87,7 @@ fn draw(language: Language, group: &mut String, piece: &Luggage) {
     );
 }
 
-/// The pins of the picture, by the ids of their rows; empty when every piece is visible in its cell.
+/// Returns the pins of the picture, by the ids of their rows. Empty when every piece is visible in its cell.
 fn pins(language: Language, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let (size, fetched) = (larger(&snapshot.map), fetched(snapshot).map(|piece| piece.id));
     if size == 1 {
@@ -125,7 +128,7 @@ impl<'a> Square<'a> {
         self.last = Some(piece);
     }
 
-    /// A pin in the middle of the square, with the worst verdict of its pieces.
+    /// Draws a pin in the middle of the square. It shows the worst verdict of the pieces in the square.
     fn draw(&self, language: Language, row: &mut String, (x, y): (i32, i32), size: i32) {
         let verdict = match (self.danger, self.pending) {
             (0, 0) => "safe",
@@ -222,14 +225,14 @@ mod tests {
         assert!(changed(Language::English, Some(&newer), &newer.clone()).is_empty());
     }
 
-    /// The drawn boxes as middle and half side, including strokes.
+    /// Returns the middle (x, y) and half the side length of each drawn box, strokes included.
     fn boxes(markup: &str) -> Vec<(f64, f64, f64)> {
         let number = |text: &str| text.parse::<f64>().expect("a number");
         let drawn = markup.split("<g class=\"piece").skip(1).map(|drawn| {
             let (_, at) = drawn.split_once("translate(").expect("it has a place");
             let (x, y) = at.split_once(')').and_then(|(at, _)| at.split_once(' ')).expect("two numbers");
             let scales = drawn.split("scale(").skip(1).map(|scale| number(scale.split(')').next().expect("it ends")));
-            // The largest shape is the triangle, ten units high and wide; half of its stroke is outside.
+            // The largest shape is the triangle, 10 units high and wide. Half of its stroke lies outside.
             (number(x), number(y), scales.product::<f64>() * (5.0 + 0.35))
         });
         drawn.collect()

@@ -1,5 +1,5 @@
-//! The page of a recorded retrieval: its trees at one of its moments, and its events. Its script moves through the moments.
-//! Without a script there are links between the moments. The record comes from `missions`.
+//! The page of a recorded retrieval: its events, and its behaviour trees at one moment. A script moves through the
+//! moments. Without a script, links lead to the other moments. `missions` reads the record.
 
 use askama::Template;
 use axum::extract::State;
@@ -41,7 +41,7 @@ struct ReplayPage {
     mission: u64,
     record: RetrievalRecordJson,
     shown: TreesView,
-    /// Number of the shown moment, counted from 1, the number of all moments, and its time.
+    /// Number of the shown moment, counted from 1. Then the number of all moments, and the time of the shown one.
     moment: usize,
     last: usize,
     t: f64,
@@ -68,7 +68,8 @@ impl ReplayPage {
         sign(*status)
     }
 
-    /// Links to other moments, with their labels; the shown moment has no link.
+    /// Returns the links to other moments, with their labels. A link that would lead to the shown moment has no
+    /// address.
     fn ways(&self) -> [(Phrase<'static>, Option<usize>); 4] {
         let other = |moment: usize| Some(moment).filter(|moment| (1..=self.last).contains(moment) && *moment != self.moment);
         [

@@ -1,5 +1,5 @@
-//! The retrieval on the page: its stages and arms in an operator's words, and its trees as nested rows. The markup is in the
-//! templates. `carriers` draws the robots in the hall.
+//! The retrieval on the page: its stages and arms in an operator's words, and its behaviour trees as nested rows. The
+//! templates have the markup. `carriers` draws the robots in the hall.
 
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
@@ -11,8 +11,8 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use crate::api::robot::ArmJson;
 use crate::phrases::{Language, Phrase};
 
-/// The stages in order, by fetcher, with their names on the wire. If the searching robot fetches, nobody makes room for it, and
-/// it is at home when the piece is in the container.
+/// Returns the names of the stages in the interface, in order. They depend on which robots fetch. If the searching
+/// robot fetches the piece, it need not make room. It is then at home when the piece is in the container.
 pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     match fetcher {
         Fetcher::Pair => &["makingRoom", "fetching", "goingOut", "comingHome"],
@@ -27,13 +27,14 @@ pub(super) fn stage(language: Language, fetcher: Fetcher, stage: &str) -> Phrase
 
 pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) node: &'a NodeShown,
-    /// Whether the node's children follow.
+    /// Whether the next row is a child of this node.
     pub(in crate::doors::http) opens: bool,
-    /// Number of ancestors whose last descendant this node is.
+    /// Number of nesting levels that end after this row.
     pub(in crate::doors::http) closes: usize,
 }
 
-/// The nodes of a tree, given in preorder, each with the nesting that begins and ends there.
+/// Returns one row for each node of a tree. The nodes are in preorder. A row knows which nesting levels begin and end
+/// there.
 pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<TreeRow<'_>> {
     let next = nodes.iter().skip(1).map(|node| node.depth).chain([0]);
     let row = |(node, next): (_, usize)| row(node, next);
@@ -44,7 +45,7 @@ fn row(node: &NodeShown, next: usize) -> TreeRow<'_> {
     TreeRow { node, opens: next > node.depth, closes: node.depth.saturating_sub(next) }
 }
 
-/// The sign of a status, so that it can be read without its colour.
+/// Returns a sign for a status, so that it can be read without its colour.
 pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     match status {
         Status::Idle => "○",
@@ -59,7 +60,8 @@ pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJso
     robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
-/// What the operator has to press for the halted robots, as the id of a phrase; `None` when no button helps yet.
+/// Returns which button the operator has to press so that the halted robots continue. The result is the id of a
+/// phrase, or `None` while no button helps.
 pub(super) fn wanted_of_the_operator(holds: &[Hold]) -> Option<&'static str> {
     if let Some((_, press)) =
         [(Hold::Alarm, "acknowledge"), (Hold::TooHigh, "ok")].into_iter().find(|(hold, _)| holds.contains(hold))

@@ -1,4 +1,4 @@
-//! The input of the console's parts: the snapshot in an operator's words. The markup is in the templates.
+//! The data that the console's parts show: the snapshot in an operator's words. The templates have the markup.
 
 mod announced;
 mod progress;
@@ -31,20 +31,21 @@ pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: HallInfo,
     pub(super) began: Option<WallTime>,
-    /// The reader; `None` where no key is required.
+    /// Who reads the page. `None` if the program requires no keys.
     pub(super) who: Option<Who>,
     pub(super) language: Language,
     pub(super) why: Option<Why>,
     pub(super) now: WallTime,
     pub(super) line: Option<&'a Timeline>,
-    /// The shown moment of the past; `None` for the present.
+    /// The moment of the past that is shown, or `None` for the present.
     pub(super) then: Option<Then>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Then {
     pub(super) mission: u64,
-    /// The entry after which the shown state held, its time in milliseconds since 1970, and the entries before and after it.
+    /// The shown state is the state after the entry `seq`, at the time `time` in milliseconds since 1970.
+    /// `earlier` and `later` are the neighbouring entries.
     pub(super) seq: u64,
     pub(super) time: i64,
     pub(super) earlier: Option<u64>,
@@ -54,11 +55,11 @@ pub(super) struct Then {
 #[derive(Clone, Debug)]
 pub(super) struct HallInfo {
     pub(super) name: Arc<str>,
-    /// The side of a cell in metres, if it is known.
+    /// Side length of a cell in metres, if it is known.
     pub(super) cell_m: Option<f64>,
-    /// Whether the hall's map is reckoned from driving times alone.
+    /// Whether the positions on the map come from driving times alone, without measured distances.
     pub(super) is_reckoned: bool,
-    /// Distance from a bomb that people must keep, in metres.
+    /// Distance that people must keep from a bomb, in metres.
     pub(super) evacuation_m: f64,
     pub(super) is_paused: bool,
     pub(super) robot: Option<Participant>,
@@ -72,7 +73,8 @@ impl HallInfo {
         HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
     }
 
-    /// The hall under recorded conditions. Without recorded conditions it is the present hall without the robot.
+    /// Returns the hall under the recorded conditions. Without recorded conditions it returns the present hall
+    /// without a robot.
     pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
         let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
@@ -91,7 +93,8 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// The reason of a refusal, and its button. Without text it marks where the script puts a reason.
+/// The reason of a refusal, shown beside the button that was refused. With an empty text it is only the place where
+/// the script writes a reason.
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
 pub(super) struct Why {
@@ -109,9 +112,9 @@ impl Why {
 pub(super) enum Mood {
     Calm,
     Working,
-    /// The robot stands, or waits for somebody.
+    /// The robot is held, or it waits for a person.
     Held,
-    /// A bomb, or a fault.
+    /// There is a bomb or a fault.
     Alarm,
 }
 
@@ -139,7 +142,7 @@ impl View<'_> {
         self.language.place(cell)
     }
 
-    /// The pieces in the container, as in `luggage #1 is in the container`.
+    /// Returns which pieces are in the container, such as `luggage #1 is in the container`.
     fn secured(&self) -> Option<String> {
         let ids: Vec<LuggageId> = self.snapshot.luggage.secured().map(|piece| piece.id).collect();
         match ids.as_slice() {
@@ -156,7 +159,7 @@ impl View<'_> {
         self.hall.robot.as_ref().is_some_and(|robot| &*robot.kind == "sim")
     }
 
-    /// Kind of the searching robot. In the past it may say that the kind is not on record.
+    /// Returns the kind of the searching robot. For the past, the text may say that the kind was not recorded.
     pub(super) fn engine(&self) -> Option<Phrase<'_>> {
         let is_known = self.hall.robot.is_some() || self.then.is_some();
         is_known.then(|| self.language.engine(self.hall.robot.as_ref()))
@@ -166,12 +169,12 @@ impl View<'_> {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
     }
 
-    /// Why a button is disabled: the refusal of its command, or that the reader may only look.
+    /// Returns why a button is disabled: its command would be refused, or the reader may only look.
     pub(super) fn bar(&self, refusal: &Option<Refused>) -> Option<String> {
         self.looks_only().or_else(|| refusal.as_ref().map(|refused| self.language.refused(refused)))
     }
 
-    /// Why every button but STOP is disabled: the page shows the past, or the reader is a viewer.
+    /// Returns why every button except STOP is disabled: the page shows the past, or the reader is a viewer.
     pub(super) fn looks_only(&self) -> Option<String> {
         if self.then.is_some() {
             return Some(self.say("dead-past").to_string());
@@ -201,7 +204,7 @@ impl View<'_> {
         self.snapshot.robots.len() > 1
     }
 
-    /// Whether the mission would go on if nothing held it.
+    /// Whether the mission is halted by holds and would continue without them.
     pub(super) fn is_halted(&self) -> bool {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
@@ -230,7 +233,7 @@ impl View<'_> {
             (Hold::RobotLink, _) if let Some(why) = self.unreached() => {
                 self.say("hold-with-why").with("hold", self.language.hold(*hold)).with("why", why).to_string()
             }
-            // In this phase the robot waits for RETRIEVE or RESET, not for START.
+            // In this phase the robot waits for RETRIEVE or RESET, and not for START.
             (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
             (Hold::Temperature, _) if !heat.is_empty() => {
                 let read = |(source, last): &(Arc<str>, SourceReading)| {
@@ -248,12 +251,13 @@ impl View<'_> {
         self.snapshot.mission.holds.iter().map(words).collect()
     }
 
-    /// Why nothing can be recorded, without a full stop; `None` when entries are recorded.
+    /// Returns why the program cannot record entries, without a full stop. `None` while it can record.
     pub(super) fn unrecorded(&self) -> Option<&str> {
         self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
     }
 
-    /// What to do next, if the robot waits for it and no button tells. `None` in the past.
+    /// Returns what the operator should do next, if the robot waits for it and no button says so. Always `None` for
+    /// the past.
     pub(super) fn next_step(&self) -> Option<String> {
         if self.then.is_some() {
             return None;
@@ -301,7 +305,8 @@ impl View<'_> {
         if is_held && mood != Mood::Alarm { Mood::Held } else { mood }
     }
 
-    /// The title of the window. It shows important news even when another window hides this one.
+    /// Returns the title of the browser window. Its sign for an alarm or a hold is visible even when another window
+    /// covers this one.
     pub(super) fn title(&self) -> String {
         let sign = match self.mood() {
             _ if self.then.is_some() => "",
@@ -317,7 +322,7 @@ impl View<'_> {
         self.snapshot.pending().map(|luggage| &**luggage)
     }
 
-    /// Why START is disabled: it is refused, or the mission goes on without it.
+    /// Returns why START is disabled: the core would refuse it, or the mission already runs.
     pub(super) fn bar_of_start(&self) -> Option<String> {
         use PhaseName::{Exploring, Inspecting, Retrieving, ReturningHome, ReturningWithAlarm};
         let mission = &self.snapshot.mission;
@@ -326,7 +331,7 @@ impl View<'_> {
         self.bar(&mission.refusals.start).or_else(|| goes_on.then(|| self.say("dead-goes-on").to_string()))
     }
 
-    /// Why BACK HOME is disabled: it is refused, or the robot is at home or on its way.
+    /// Returns why BACK HOME is disabled: the core would refuse it, or the robot is at home or on its way home.
     pub(super) fn bar_of_back_home(&self) -> Option<String> {
         let mission = &self.snapshot.mission;
         let is = |phase| mission.phase == phase && mission.holds.is_empty();
@@ -335,13 +340,13 @@ impl View<'_> {
         self.bar(&mission.refusals.back_home).or_else(|| already.map(|id| self.say(id).to_string()))
     }
 
-    /// Why OK of the temperature is disabled: OK only revokes TOO HIGH.
+    /// Returns why the button OK of the temperature is disabled: OK only revokes TOO HIGH.
     pub(super) fn bar_of_ok(&self) -> Option<String> {
         let is_over = !self.declared_too_high();
         self.looks_only().or_else(|| is_over.then(|| self.say("dead-no-too-high").to_string()))
     }
 
-    /// Time since a moment, such as `0:14`.
+    /// Returns the time since a moment, such as `0:14`.
     pub(super) fn gone(&self, since: &WallTime) -> String {
         let seconds = self.now.unix_ms.saturating_sub(since.unix_ms).max(0) / 1000;
         format!("{}:{:02}", seconds / 60, seconds % 60)

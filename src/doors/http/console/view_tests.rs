@@ -341,7 +341,8 @@ fn fields(page: &str) -> [String; 5] {
     [heat.to_owned(), row("State"), row("Sonar"), row("Position"), row("LED")]
 }
 
-/// One state of the page: its name, the snapshot, its fields, further texts, and texts that must be missing.
+/// One state of the page: its name, the snapshot, the texts of its fields, further texts, and texts that must not
+/// appear.
 type Case<'c> = (&'c str, Snapshot, [&'c str; 5], &'c [&'c str], &'c [&'c str]);
 
 const KNOWN: [&str; 5] = ["21.4 °C", "stands still", "42 cm", "(2, 2)", "blinking"];

@@ -1,6 +1,6 @@
-//! Reads one connection from its first byte to its end. A connection is pending until its first head is complete. Then it gets
-//! a slot, or is told that there is none. It is read to the end, whatever becomes of its requests. Everything here runs on the
-//! hearing thread.
+//! Reads one connection from its first byte to its end. A connection is pending until its first head (request
+//! line and headers) is complete. Then it gets a slot, or an answer that no slot is free. It is read to the end even
+//! if its requests fail. Everything here runs on the hearing thread.
 
 use std::io::Read;
 use std::net::SocketAddr;
@@ -32,80 +32,83 @@ use crate::runtime::figures::Connected;
 /// Maximum duration of a TLS handshake.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
-/// Maximum number of bytes read from a newcomer before its turn. A STOP is shorter.
+/// Maximum number of bytes read at once from a new connection, before its first turn. A STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
-/// Maximum time that a first request waits for its body before it gets a task. Most bodies come at once, so few requests wait
-/// that long.
+/// Maximum time that the first request waits for its body before its connection gets a task. Most bodies arrive with
+/// their head, so few requests wait that long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
-/// Maximum number of bytes read in one turn, before other connections have their turns. A newcomer waits for the turns of at
-/// most a thousand connections, which take some hundredths of a second together.
+/// Maximum number of bytes read from a connection in one turn. Then other connections have their turns. A new
+/// connection waits for at most a thousand turns, which take some hundredths of a second together.
 const TURN: usize = 4 * 1024;
-/// Size of the buffer at the beginning of a turn, in bytes: most heads are short, and many connections wait.
+/// Size of the buffer at the beginning of a turn, in bytes. It is small because most heads are short and many
+/// connections wait.
 const FIRST: usize = 1024;
 /// Maximum number of heads scanned in one turn.
 const HEADS: usize = 32;
 
-/// Maximum number of bytes that wait for room in the pipe: enough for the longest head with the longest body. When a client
-/// reads no answers and more bytes come, nothing more is carried out on its connection, but STOPs are still found (safety S8).
+/// Maximum number of bytes that wait for room in the pipe to hyper. The longest head with the longest body fits. If a
+/// client sends more without reading its answers, no more of its requests are carried out. STOPs are still found
+/// (safety S8).
 pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 
-/// Maximum time for which a connection is read after its last answer, so that an incomplete head can end and the answer reaches
-/// the client.
+/// Maximum time for which a connection is still read after its last answer. In this time an incomplete head can
+/// end, and the answer can reach the client.
 const LINGER_TIME: Duration = Duration::from_secs(5);
-/// Maximum number of bytes read after the last answer.
+/// Maximum number of bytes read from a connection after its last answer.
 const LINGER_BYTES: usize = 1024 * 1024;
 
 pub(super) struct Connection<R, W> {
     from: R,
-    /// `None` when a task answers the client.
+    /// The way back to the client. `None` after a task has taken it for its answers.
     to: Option<W>,
     cut: Arc<Notify>,
     waiting: Option<PendingConnection>,
     slot: Option<Arc<ConnectionSlot>>,
-    /// Counts the connection, from the time when it got its slot.
+    /// Counts this connection in the metrics, from the moment when it gets its slot.
     connected: Option<Connected>,
     task: Option<ConnectionTask>,
     context: Arc<ServerContext>,
     search: StopSearch,
     shared: Arc<ConnectionState>,
-    /// Sender of the first head.
+    /// Sender of the first request. `None` until the head of that request is complete.
     claim: Option<SlotClaim>,
-    /// Bytes that were read and not yet passed on.
+    /// Bytes that were read but not yet passed on.
     read: BytesMut,
-    /// Number of bytes of `read` that the scanner has seen.
+    /// Number of bytes of `read` that were already scanned.
     scanned: usize,
     /// Scanned bytes that wait for room in the pipe.
     ahead: BytesMut,
     /// Whether bytes after `ahead` were dropped. Then nothing more is passed on, and only STOPs are carried out.
     is_only_heard: bool,
-    /// The position in the stream where a head ends whose request may hand the connection over.
+    /// Position in the stream after the head of a request that may switch this connection to WebSocket.
     upgrade: Option<u64>,
-    /// Number of bytes passed on.
+    /// Number of bytes passed on so far.
     handed_on: u64,
-    /// Number of bytes read since other connections had their turn.
+    /// Number of bytes read in the present turn.
     turn: usize,
-    /// Time limit of the first head, and after that of its body.
+    /// Time limit of the first head, and later of the first body.
     late: Pin<Box<Sleep>>,
 }
 
 enum Next {
     More,
-    /// The client sends nothing more.
+    /// The client sends no more bytes.
     End,
-    /// The task answers nothing more.
+    /// The task sends no more answers.
     Over,
 }
 
-/// Serves one connection until it ends or is evicted. A client's faults are only logged.
+/// Serves one connection until it ends or is evicted. Errors caused by the client are only logged.
 pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketAddr, context: Arc<ServerContext>) {
     let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
-        // The eviction may be requested during the turns of other tasks, so bytes that have arrived are read first.
+        // The eviction may be requested while other tasks have their turns. Bytes that have arrived before it are
+        // read first.
         tokio::task::yield_now().await;
     };
     tokio::select! {
@@ -115,7 +118,7 @@ pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketA
     }
 }
 
-/// Performs the TLS handshake if the door has TLS, and reads the connection.
+/// Performs the TLS handshake if this door uses TLS. Then reads the connection.
 async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cut: Arc<Notify>, context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "TCP_NODELAY could not be set: small packets may be delayed");
@@ -125,7 +128,7 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cu
         let (from, to) = stream.into_split();
         return Connection::new(from, to, peer, waiting, cut, context).hear(said).await;
     };
-    // Boxed, because most connections do not use TLS.
+    // Boxed to save memory, because most connections do not use TLS.
     match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
@@ -136,11 +139,11 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cu
     }
 }
 
-/// Reads what a newcomer has sent already. The event loop would notice these bytes only at its next poll, so the system is
-/// asked directly.
+/// Reads what a new connection has already sent. The event loop would notice these bytes only at its next poll, so
+/// the socket is read directly.
 fn first_words(stream: &TcpStream) -> BytesMut {
     let mut said = BytesMut::zeroed(FIRST_WORDS);
-    // If there are no bytes, or the end, or an error, the next read finds that again.
+    // If there are no bytes yet, or the stream has ended or failed, the next read finds out again.
     let length = (&*SockRef::from(stream)).read(&mut said).unwrap_or(0);
     said.truncate(length);
     said
@@ -182,11 +185,12 @@ where
         }
     }
 
-    /// Reads the connection to its end. `said` was read already.
+    /// Reads the connection to its end. `said` has the bytes that were already read.
     pub(super) async fn hear(mut self, said: BytesMut) {
         self.read = said;
         loop {
-            // A handover is known here before the client can know it, so that bytes of another protocol are not scanned.
+            // A switch to WebSocket is known here before the client can know it. Bytes of the other protocol are
+            // therefore never scanned.
             if self.upgrade.is_some() && self.shared.is_handed_over() {
                 return self.carry().await;
             }
@@ -243,7 +247,8 @@ where
         self.keep(given);
     }
 
-    /// Records the sender, the epoch and the existence of a body, for a request that will be carried out.
+    /// Records the sender of a request, the epoch, and whether there is a body. Does nothing if the request will not
+    /// be carried out.
     fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
@@ -256,18 +261,18 @@ where
         }
     }
 
-    /// Stores the outcome of a STOP for the request that will answer it.
+    /// Stores the outcome of a STOP for the handler that answers its request.
     fn keep(&self, given: Option<StopOutcome>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
             self.shared.keep(self.search.number(), given);
         }
     }
 
-    /// Passes on what was read. When there is no room for these bytes, they are dropped, and so is everything after them.
+    /// Passes on the bytes that were read. If there is no room for them, they are dropped, and all later bytes too.
     fn hand_on(&mut self) {
         self.is_only_heard |= self.ahead.len() + self.read.len() > AHEAD;
         if !self.is_only_heard && self.ahead.is_empty() {
-            // A new buffer, so that the memory of a burst is freed.
+            // A new buffer is used, so that the memory of a large burst is freed.
             self.ahead = BytesMut::from(&self.read[..]);
         } else if !self.is_only_heard {
             self.ahead.extend_from_slice(&self.read);
@@ -283,18 +288,18 @@ where
         }
     }
 
-    /// Whether there is something to answer: a head, or bytes that cannot become one.
+    /// Whether a request can be answered: a head is complete, or the bytes can no longer become a valid head.
     fn has_come(&self) -> bool {
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner.is_no_request()
     }
 
     fn take_slot(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
-        // hyper panics before 1970.
+        // hyper panics if the clock shows a time before 1970.
         if !self.context.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
-        // An evicted connection gets no slot, because another connection would be evicted to make room for it.
+        // An evicted connection gets no slot. Otherwise another connection would be evicted to make room for it.
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
             return Err(Problem::no_slot(has_heard));
         }
@@ -310,7 +315,8 @@ where
         Ok(())
     }
 
-    /// Whether the task should begin: the connection has a slot, and does not wait for the body of its first request any more.
+    /// Whether the task that answers should begin. The connection must have a slot, and its first request need not
+    /// wait for its body any more.
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
@@ -323,12 +329,13 @@ where
         }
     }
 
-    /// Carries the frames of a WebSocket. A WebSocket has limits of its own, and therefore no slot.
+    /// Carries the frames of a WebSocket. A WebSocket has other limits, so its slot is freed.
     async fn carry(mut self) {
         (self.slot, self.connected) = (None, None);
-        // After dropped bytes, the meaning of further bytes of another protocol is unknown.
+        // If bytes of the other protocol were dropped, the meaning of the following bytes is unknown.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
-        // A client that did not wait for its answer may have begun a frame in the bytes already passed on.
+        // A client may have sent the beginning of a frame before it received the answer. These bytes were passed on
+        // unchanged.
         let mut frames = (self.upgrade == Some(self.handed_on)).then(Frames::default);
         let carried = async {
             to.write_all(&self.ahead).await?;
@@ -345,14 +352,14 @@ where
             }
         };
         tokio::select! {
-            // The task itself sends the rest of the other direction.
+            // The task itself sends the remaining bytes to the client.
             _ = carried => {}
             _ = over.changed() => return,
         }
         drop(over.changed().await);
     }
 
-    /// Passes on bytes if there is room in the pipe, and otherwise reads.
+    /// Passes on bytes if the pipe has room, and otherwise reads more.
     async fn go_on(&mut self) -> Next {
         self.take_turns().await;
         let mut closing = self.context.closing.clone();
@@ -386,21 +393,22 @@ where
         }
     }
 
-    /// Yields to other connections after a turn, and makes room for reading.
+    /// Lets other connections have their turns after a full turn, then reserves room for reading.
     async fn take_turns(&mut self) {
         if self.turn >= TURN {
             self.turn = 0;
             tokio::task::yield_now().await;
         }
-        // Most heads are short, and many connections wait.
+        // The buffer is small at first, because most heads are short and many connections wait.
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
     }
 
-    /// Reads the connection after its last answer, so that a head that has begun can end, and the answer reaches a client that
-    /// still sends. The slot is free meanwhile. When too many connections linger, the oldest one of the largest network is
-    /// evicted.
+    /// Reads the connection after its last answer. In this time a head that has begun can end, and the answer can
+    /// reach a client that is still sending. The slot is already free. If too many connections linger, the oldest one
+    /// of the network with the most connections is evicted.
     async fn linger(mut self) {
-        // What comes now may not belong to the last body, and may not end soon, so the body is searched now.
+        // The bytes that follow may not belong to the last body, and may not end soon. The body is therefore searched
+        // now.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.slot, self.is_only_heard) = (None, None, true);
         let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
@@ -422,7 +430,8 @@ where
         }
     }
 
-    /// Answers why the request is not carried out. A STOP in it has halted the robot all the same.
+    /// Answers why the request is not carried out. If there is a STOP in the request, it has halted the robot
+    /// already.
     async fn refuse(mut self, problem: &Problem) {
         let body = problem.json();
         let answer = format!(
@@ -432,7 +441,7 @@ where
         );
         if let Some(to) = self.to.take() {
             let mut to = WriteTimeoutStream::new(to);
-            // A client that does not read the answer is not waited for.
+            // A client that does not read its answer delays nothing longer than this.
             let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
         }
         self.linger().await;

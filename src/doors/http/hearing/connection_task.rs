@@ -1,6 +1,6 @@
-//! Answers the requests of a connection with hyper, from the bytes that the hearing thread passes on. Each request carries its
-//! peer and the STOP that was found in it. When the client is gone, answers are discarded, so that requests it sent before are
-//! still carried out.
+//! Answers the requests of a connection with hyper. Its input is the bytes that the hearing thread passes on. Each
+//! request carries the address of its sender, and the STOP that was found in it. When the client is gone, its answers
+//! are discarded, so that the requests it sent before are still carried out.
 
 use std::io;
 use std::pin::Pin;
@@ -29,29 +29,31 @@ use crate::doors::http::peer::Peer;
 use crate::doors::http::watcher::closed;
 use crate::doors::write_timeout::WriteTimeoutStream;
 
-/// Maximum time for the headers of a request to arrive, and maximum silence between two requests.
+/// Maximum time for the headers of a request to arrive. A connection on which no new request comes is closed after
+/// the same time.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
-/// Maximum size of a request's line and headers together, in bytes. A longer head is answered with 431.
+/// Maximum size of a request's line and headers together, in bytes. A longer head is answered with status 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
 /// Size of the pipe between the hearing thread and hyper, in bytes.
 const PIPE: usize = 16 * 1024;
 
-/// Time for which the requests of a client that is gone are still carried out. An endless answer ends after that time.
+/// Time for which the requests of a client that is gone are still carried out. An endless answer, such as an event
+/// stream, ends after that time too.
 const GONE_TIME: Duration = Duration::from_secs(2);
 
-/// The task that answers a connection, on another runtime. The task ends when this value is dropped.
+/// The task that answers a connection. It runs on another runtime, and ends when this value is dropped.
 pub(super) struct ConnectionTask {
-    /// The pipe to hyper; `None` when no more bytes follow.
+    /// The pipe to hyper. `None` when no more bytes follow.
     pub(super) to: Option<DuplexStream>,
-    /// Closed when nothing more can be answered; no value is ever sent.
+    /// This channel is closed when no more requests can be answered. No value is ever sent on it.
     pub(super) over: watch::Receiver<()>,
     task: JoinSet<()>,
 }
 
 impl ConnectionTask {
-    /// Begins the task on the runtime of the routes.
+    /// Starts the task on the runtime of the routes.
     pub(super) fn begin<W>(
         to: W,
         peer: Peer,
@@ -72,14 +74,14 @@ impl ConnectionTask {
         ConnectionTask { to: Some(ours), over, task }
     }
 
-    /// Passes on the last bytes, and waits until all requests are answered. A client that ends its side during an endless
-    /// answer counts as gone.
+    /// Passes on the last bytes and waits until all requests are answered. If the client closes its side during an
+    /// endless answer, the client counts as gone.
     pub(super) async fn ended(self, shared: &ConnectionState, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
             if let Some(mut to) = to {
-                // If the task reads no more, it has logged why.
+                // If the task does not read any more, it has logged the reason.
                 let _ = to.write_all(rest).await;
             }
             task.join_next().await
@@ -91,8 +93,8 @@ impl ConnectionTask {
     }
 }
 
-/// Writes as much into the pipe as fits, and waits if nothing fits. When nobody reads from the pipe any more, all bytes are
-/// dropped.
+/// Writes as many bytes into the pipe as fit. Waits if nothing fits. When nobody reads from the pipe any more, all
+/// bytes are dropped.
 pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
     let is_put = match to {
         Some(to) => to.write_buf(bytes).await.is_ok(),
@@ -134,7 +136,7 @@ async fn run<W>(
                     shared.is_endless.send_replace(true);
                 }
                 if response.status() == StatusCode::SWITCHING_PROTOCOLS {
-                    // The slot is freed before the client can know of the handover.
+                    // The slot is freed before the client can know that the protocol has changed.
                     asked.0.hands_over();
                     shared.is_handed_over.send_replace(true);
                 }
@@ -144,7 +146,8 @@ async fn run<W>(
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
-    // The guard writes the date. hyper still reads the clock after every head, and panics before 1970; then no task begins.
+    // The guard writes the header `Date`. hyper still reads the clock after every head, and panics before 1970. No
+    // task is started while the clock shows such a time.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
     let connection = http.serve_connection(TokioIo::new(transport), service).with_upgrades();
     tokio::pin!(connection);
@@ -178,7 +181,7 @@ impl Drop for OpenRequest {
     }
 }
 
-/// The body of an answer. Its request counts as open until hyper has the whole body.
+/// The body of an answer. Its request counts as open until hyper has received the whole body.
 struct AnswerBody {
     body: Body,
     asked: OpenRequest,
@@ -205,7 +208,7 @@ impl hyper::body::Body for AnswerBody {
     }
 }
 
-/// The bytes of the client, and the way back to the client. When the client is gone, answers are accepted and discarded.
+/// The bytes from the client, and the way back to it. When the client is gone, answers are accepted but discarded.
 struct Transport<W> {
     from: DuplexStream,
     to: WriteTimeoutStream<W>,

@@ -1,5 +1,5 @@
-//! Tests of one connection over pipes: when it ends, what it keeps from others, and that a STOP halts before the connection is
-//! evicted.
+//! Tests of one connection over pipes: when it ends, what it leaves for other connections, and that its STOP halts
+//! the robot before it is evicted.
 
 use std::net::Ipv4Addr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -42,7 +42,7 @@ fn context(app: &TestApp, slots: usize) -> ServerContext {
     }
 }
 
-/// A connection from this machine, both pipes of its client, and its eviction.
+/// Returns a connection from this machine, the two pipes of its client, and the signal for its eviction.
 fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
     let ((says, from), (to, hears)) = (tokio::io::duplex(100_000), tokio::io::duplex(100_000));
     let cut = Arc::new(Notify::new());
@@ -51,7 +51,7 @@ fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexSt
     (Connection::new(from, to, peer, waiting, Arc::clone(&cut), Arc::clone(context)), says, hears, cut)
 }
 
-/// Whether the task runs for this time, and has ended a second later.
+/// Whether the task still runs one second before this time, and has ended one second after it.
 async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
     sleep(Duration::from_secs(seconds - 1)).await;
     let is_there = !hearing.is_finished();
@@ -119,7 +119,7 @@ async fn who_gets_no_further_answer_has_no_slot_and_is_heard_for_five_seconds() 
     assert!(lasts(&mut hearing, 5).await);
 }
 
-/// Safety S8: the word for STOP is escaped, is behind the first KiB, and only the whole body shows it.
+/// Safety S8: the word for STOP is escaped and comes after the first KiB. Only a search of the whole body finds it.
 #[tokio::test(start_paused = true)]
 async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let app = app(searching());
@@ -128,7 +128,7 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
     let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
     says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
-    // Until the bytes so far were read.
+    // Waits until the bytes sent so far are read.
     sleep(Duration::from_millis(1)).await;
     let before = app.door.handle.epoch();
     says.write_all(format!("{:x}\r\n{end}\r\n \r\n", end.len()).as_bytes()).await.unwrap();
@@ -138,7 +138,7 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
     assert_eq!((app.door.handle.epoch() == before, hearing.is_finished()), (false, false));
 }
 
-/// Safety S9: connections that may be about to send STOP go last.
+/// Safety S9: connections that may be about to send STOP are evicted last.
 #[tokio::test]
 async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_slots_then_of_newcomers() {
     let app = app(searching());
@@ -155,7 +155,7 @@ async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_
     }
 }
 
-/// A connection with a real socket, and the client's end.
+/// Returns the client's end of a connection over a real socket, and the task that serves it.
 async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHandle<()>) {
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
@@ -164,7 +164,7 @@ async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHan
     (client, tokio::spawn(converse(stream, address, Arc::clone(context))))
 }
 
-/// Safety S9: bytes that the system has received count as received.
+/// Safety S9: bytes that the operating system has received are scanned before the eviction.
 #[tokio::test]
 async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     use std::io::Write;
@@ -172,7 +172,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     let context = Arc::new(context(&app, 8));
     for number in 1..20 {
         let (mut client, hearing) = accepted(&context).await;
-        // Half of the connections are pending, half rest in a slot.
+        // Half of the connections are pending, the other half are idle in a slot.
         if number % 2 == 0 {
             client.write_all(LOOK.as_bytes()).unwrap();
             while context.slots.held() == 0 {
@@ -188,7 +188,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     }
 }
 
-/// Safety S9: no other connection is evicted for one that is evicted itself, and its STOP has halted.
+/// Safety S9: an evicted connection does not cause the eviction of another one. Its STOP has halted the robot.
 #[tokio::test]
 async fn who_had_to_make_room_takes_no_slot() {
     let app = app(searching());
@@ -233,7 +233,7 @@ async fn others_have_their_turns_while_much_is_heard_of_one() {
     others.abort();
 }
 
-/// Safety S7, S9: the STOP does not wait until every earlier connection has had a turn.
+/// Safety S7, S9: the STOP of a new connection does not wait for the turns of earlier connections.
 #[tokio::test]
 async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited_for() {
     let app = app(searching());

@@ -16,16 +16,16 @@ pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) tls: Option<Tls>,
     pub(in crate::doors::http) slots: ConnectionSlots,
     pub(in crate::doors::http) pending: PendingConnections,
-    /// Connections that get no further answer, but are still read.
+    /// Connections that get no more answers, but are still read.
     pub(in crate::doors::http) lingering: PendingConnections,
-    /// Runtime of hyper and the routes.
+    /// The runtime on which hyper and the routes run.
     pub(in crate::doors::http) work: Handle,
     pub(in crate::doors::http) closing: watch::Receiver<bool>,
 }
 
 impl ServerContext {
-    /// Evicts some connections when the system has no more descriptors, and returns how many: first connections that get no
-    /// further answer, last connections that may be about to send STOP.
+    /// Evicts some connections when the system has no more file descriptors. Returns their number. Connections that
+    /// get no more answers are evicted first. Connections that may be about to send STOP are evicted last.
     pub(in crate::doors::http) fn evict_some(&self) -> usize {
         let mut relieved = self.lingering.evict_some();
         if relieved == 0 {

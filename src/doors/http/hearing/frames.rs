@@ -1,20 +1,21 @@
-//! Rewrites WebSocket frames on their way to the MQTT door (RFC 6455, section 5.2). Each frame of a binary message becomes a
-//! message of its own, so that a STOP in a complete frame need not wait for the end of its message, which may never come
-//! (safety S8). In MQTT the boundaries of messages have no meaning (MQTT 3.1.1, section 6). Frames are not validated here.
+//! Rewrites WebSocket frames on their way to the MQTT door (RFC 6455, section 5.2). Each frame of a binary message
+//! becomes a message of its own. A STOP in a complete frame then need not wait for the end of its message, which may
+//! never come (safety S8). MQTT ignores the boundaries of messages (MQTT 3.1.1, section 6). Frames are not validated
+//! here.
 
 /// Bit of a frame's first byte that marks the last frame of a message.
 const FIN: u8 = 0x80;
-/// Bits of a frame's first byte that are its opcode.
+/// Bits of a frame's first byte that contain its opcode.
 const OPCODE: u8 = 0x0F;
 const CONTINUATION: u8 = 0;
 const TEXT: u8 = 1;
 const BINARY: u8 = 2;
 
-/// The frames of one client, from the first byte after the head of its request.
+/// The state of one client's stream of frames, which begins after the head of the request.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
     at: FrameState,
-    /// Whether the last frame of a binary message is still to come.
+    /// Whether a binary message has begun and its last frame has not come yet.
     is_in_binary: bool,
 }
 
@@ -22,16 +23,16 @@ pub(super) struct Frames {
 enum FrameState {
     #[default]
     First,
-    /// The byte with the mask bit, which also has the length or the size of the length field.
+    /// The second byte: the mask bit, and either the length or the size of the length field.
     Second,
-    /// Number of length bytes to come, value of the length bytes read, and number of mask bytes.
+    /// Number of length bytes still to come, value of the length bytes so far, and number of mask bytes.
     Length(u8, u64, u64),
-    /// Number of mask and payload bytes to come.
+    /// Number of mask and payload bytes still to come.
     Rest(u64),
 }
 
 impl Frames {
-    /// Rewrites the heads of frames in the next bytes of the stream.
+    /// Rewrites the first byte of each frame in the next bytes of the stream.
     pub(super) fn pass(&mut self, mut bytes: &mut [u8]) {
         while let Some((byte, behind)) = std::mem::take(&mut bytes).split_first_mut() {
             let mut passed = 0;
@@ -93,11 +94,11 @@ mod tests {
             126..0x1_0000 => [&[first, mask | 126][..], &(length as u16).to_be_bytes()].concat(),
             _ => [&[first, mask | 127][..], &long.to_be_bytes()].concat(),
         };
-        // A payload may look like the head of a frame.
+        // The payload consists of bytes that look like the head of a frame.
         [head, vec![BINARY; length + if is_masked { 4 } else { 0 }]].concat()
     }
 
-    /// First bytes of frames, before and after they are rewritten.
+    /// First bytes of the frames of a stream, before and after rewriting.
     const PLAYS: [(&[u8], &[u8]); 6] = [
         (&[0x02, 0x00, 0x80, 0x82], &[0x82, 0x82, 0x82, 0x82]),
         (&[0x02, 0x89, 0x00, 0x8A, 0x80, 0x80], &[0x82, 0x89, 0x82, 0x8A, 0x82, 0x80]),

@@ -1,7 +1,7 @@
-//! Finds the requests of one connection, and carries out a STOP as soon as it has arrived, in a head or in a body. The sender
-//! is authenticated with the same rules as in the guard and the gate: a STOP that they would reject does not halt. One valid
-//! key among several is enough, because a STOP with a wrong key beside the valid one is only a STOP with a fault. `connection`
-//! reads the bytes and passes them on.
+//! Finds the requests of one connection. A STOP is carried out as soon as it has arrived, in a head or in a body. The
+//! sender is authenticated with the same rules as in the guard and the gate: a STOP that they would reject does not
+//! halt. If a request has several keys, one valid key is enough. The wrong keys are only a fault of the STOP.
+//! `connection` reads the bytes and passes them on.
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
@@ -18,25 +18,25 @@ use crate::doors::http::scanning::{self, BodyLength, Field, Head, Scanner, names
 use hallsweep_core::command::{Command, Request};
 use hallsweep_core::units::Epoch;
 
-/// Length in bytes up to which a body is searched whole whenever more of it arrives; the body of a move is a few dozen. In a
-/// longer body, the new bytes and this many before them are searched.
+/// A body of at most this many bytes is searched whole whenever more of it arrives. The body of a move has a few
+/// dozen bytes. In a longer body, only the new bytes and this many bytes before them are searched.
 const SHORT: usize = 1024;
 
 pub(super) struct StopSearch {
     pub(super) judge: Judge,
     pub(super) scanner: Scanner,
-    /// The STOP that the last request would be; its body decides.
+    /// The STOP to carry out if the body of the last request says STOP.
     unsaid: Option<Request>,
-    /// Number of bytes of the body that were searched.
+    /// Number of bytes of the body that were already searched.
     looked: usize,
-    /// Length of the body when it was last searched whole, in bytes.
+    /// Length of the body in bytes when it was last searched whole.
     looked_whole: usize,
 }
 
-/// A part of a request that is complete.
+/// A part of a request that is now complete.
 pub(super) enum Heard {
     Head(HeardRequest),
-    /// The body of the request whose head came last.
+    /// The body of the request whose head was found last.
     Body,
 }
 
@@ -53,7 +53,8 @@ impl StopSearch {
         StopSearch { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
-    /// Reads up to the first byte that completes a part, and returns the number of bytes read. A STOP in them is carried out.
+    /// Reads up to the first byte that completes a part, and carries out a STOP found there. Returns the number of
+    /// bytes read, the part, and the outcome of the STOP.
     pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>, Option<StopOutcome>) {
         let (taken, heard) = self.scanner.take(bytes);
         match heard {
@@ -84,8 +85,8 @@ impl StopSearch {
         }
     }
 
-    /// Carries out a STOP in an incomplete body: the end of a body need not come, and cannot always be found. A long body is
-    /// searched whole each time that it has doubled, so that many small pieces cost little.
+    /// Carries out a STOP in an incomplete body, because the end of the body may never come or may not be recognised.
+    /// A long body is searched whole only when its length has doubled, so that many small pieces cost little.
     pub(super) fn look_early(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         if said.len() == self.looked {
@@ -100,30 +101,30 @@ impl StopSearch {
         self.unsaid.take_if(|_| says_halt_from(said, start)).map(|stop| self.judge.give(stop))
     }
 
-    /// Carries out a STOP in the body when nothing more of the body comes.
+    /// Carries out a STOP in the body. Called when no more of the body comes.
     pub(super) fn look(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
         self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
     }
 
-    /// Number of the last request. The first request has the number 0.
+    /// Returns the number of the last request. The first request has the number 0.
     pub(super) fn number(&self) -> u64 {
         self.scanner.heads().saturating_sub(1)
     }
 }
 
 impl Drop for StopSearch {
-    /// Searches the body once more: nothing more comes, however the connection has ended.
+    /// Searches the body for the last time, because the connection has ended and no more bytes come.
     fn drop(&mut self) {
         drop(self.look());
     }
 }
 
-/// A STOP whose sender has the permission to stop.
+/// A STOP from a sender who has the right to stop.
 pub(super) enum StopRequest {
-    /// The head names STOP.
+    /// The path in the head is a STOP route.
     Named(Request),
-    /// The request is a STOP if its body says so.
+    /// The request is a STOP if its body contains the word for STOP.
     Unsaid(Request),
 }
 
@@ -135,7 +136,8 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// The sender of a request; and if that sender may stop, the STOP that the request is or may be.
+    /// Returns the sender of a request. If that sender has the right to stop, also returns the STOP that this request
+    /// is or may become.
     pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<StopRequest>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
@@ -151,19 +153,20 @@ impl Judge {
         (claim, Some(if stop.is_some() { StopRequest::Named(request) } else { StopRequest::Unsaid(request) }))
     }
 
-    /// Halts at once; the future waits for the result.
+    /// Halts the robot at once. The returned future waits for the result.
     pub(super) fn give(&self, stop: Request) -> StopOutcome {
         Box::pin(self.door.handle.carry_out(stop))
     }
 
-    /// Whether the request names this program as its host, and no page of another origin sent it.
+    /// Whether the request is meant for this program: it names no foreign host, and no page of another origin sent
+    /// it.
     fn is_ours(&self, head: &Head, headers: &HeaderMap) -> bool {
         let named = head.host.as_deref().map(String::from_utf8_lossy);
         self.hosts.stranger(named.as_deref(), headers).is_none() && !is_foreign(headers)
     }
 }
 
-/// The fields of a head for the guard and the gate, and whether host or origin are in doubt.
+/// Returns the headers that the guard and the gate need. Also returns whether the host or the origin is unknown.
 fn headers(head: &Head) -> (HeaderMap, bool) {
     let (mut headers, mut is_in_doubt) = (HeaderMap::new(), head.is_in_doubt);
     for (field, value) in &head.fields {

@@ -1,4 +1,5 @@
-//! Safety S8: a STOP with any single fault halts; an excepted request never does, whatever fault it has besides.
+//! Safety S8: a STOP with any single fault halts the robot. A request that must never halt does not halt, even with a
+//! further fault.
 
 use std::net::Ipv4Addr;
 
@@ -12,19 +13,19 @@ use crate::api::door;
 use crate::api::tests::fixture::searching;
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 
-/// A request in lines.
+/// A request, line by line.
 #[derive(Clone, Debug)]
 struct Sent {
     method: Vec<u8>,
     target: Vec<u8>,
     version: Vec<u8>,
     fields: Vec<Vec<u8>>,
-    /// The end of the request's line and of each field.
+    /// The line ends: of the request line, and of each header line.
     ends: Vec<Vec<u8>>,
     body: Vec<u8>,
 }
 
-/// Faults of a STOP that is still a STOP of a permitted sender.
+/// Faults after which a STOP is still a STOP from a sender who may stop.
 #[derive(Clone, Debug)]
 enum Fault {
     Method(String),
@@ -32,10 +33,10 @@ enum Fault {
     Target(&'static str),
     Version(Vec<u8>),
     LineEnd(usize, &'static str),
-    /// An additional line at this place.
+    /// An additional line at this position.
     Line(usize, Vec<u8>),
     Again(usize),
-    /// The value of this line begins on the next line.
+    /// The value of this header begins on the next line.
     Folded(usize),
     SpaceBeforeColon(usize),
     EmptyLinesBefore(usize),
@@ -73,7 +74,7 @@ impl Sent {
                 self.target = form.replace("/ROUTE", &route).replace("/UPPER", &route.to_uppercase()).into_bytes();
             }
             Fault::Version(version) => self.version = version,
-            // A bare carriage return before the empty line would end no head.
+            // A carriage return alone before the empty line would not end the head.
             Fault::LineEnd(line, "\r") => self.ends[line % lines] = b"\r".to_vec(),
             Fault::LineEnd(line, end) => self.ends[line % (lines + 1)] = end.into(),
             Fault::Line(place, line) => self.insert(place, line),
@@ -113,7 +114,8 @@ fn judge(app: &TestApp) -> Judge {
     Judge { door: app.door.clone(), hosts: Hosts::new(true, &[]), peer }
 }
 
-/// Whether the first request in these bytes, in pieces of this size, halts while its connection is open.
+/// Whether the first request in these bytes halts the robot while its connection is open. The bytes are sent in
+/// pieces of this size.
 fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
     let (mut search, mut has_head) = (StopSearch::new(judge.clone()), false);
     for mut piece in bytes.chunks(piece) {
@@ -141,7 +143,7 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 const MOVE: &str = "/api/v1/commands/move";
 const BUTTON: &str = "/console/move";
 
-/// Every route for STOP, with a body that says STOP where one is needed.
+/// Every route for STOP. Where the path alone is not enough, the body says STOP.
 const STOPS: [(&str, &str); 14] = [
     (ROUTES[0], ""),
     (ROUTES[1], ""),
@@ -165,7 +167,7 @@ fn line() -> impl Strategy<Value = Vec<u8>> {
         .prop_filter("it is a line of its own", |line| !matches!(line[0], b' ' | b'\t'))
 }
 
-/// A header that changes nothing, whatever its value.
+/// A header line that must not change the result, with any value.
 fn header_line() -> impl Strategy<Value = Vec<u8>> {
     let names = [
         "Content-Length",
@@ -227,7 +229,7 @@ fn fault() -> impl Strategy<Value = Fault> {
     ]
 }
 
-/// The reason why a request never halts, and the change that makes it such a request.
+/// Why a request must never halt, and the change that makes a STOP such a request.
 type Exception = (&'static str, fn(Sent, &str) -> Sent);
 
 fn excepted() -> Vec<Exception> {
@@ -264,8 +266,8 @@ fn excepted() -> Vec<Exception> {
     ]
 }
 
-/// A door with keys, the credentials of a viewer as header and as cookie, and an expired session. The loop runs as long as the
-/// runtime.
+/// Returns a door with keys, the credentials of a viewer as header and as cookie, and an expired session. The app's
+/// loop runs until the runtime ends.
 fn guarded() -> (TestApp, [String; 2], String) {
     let (keyring, Tokens { viewer, .. }) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
@@ -302,7 +304,7 @@ fn any_single_fault_that_is_added_to_a_stop_leaves_it_halting() {
 fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
     check(1500, |judge, credentials, expired, (route, credential, fault, piece)| {
         for (why, except) in excepted() {
-            // A fault of the method or of the target would replace the exception.
+            // A fault of the method or of the target would undo the exception.
             if matches!(fault, Fault::Method(_) | Fault::Target(_)) && why.contains("method") | why.contains("target") {
                 continue;
             }
@@ -313,7 +315,7 @@ fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
     });
 }
 
-/// Safety S8: halting and answering apply the same rule.
+/// Safety S8: the halt and the answer follow the same rule.
 #[tokio::test]
 async fn who_may_stop_without_a_key_is_on_this_machine() {
     let app = app(searching());
@@ -326,7 +328,7 @@ async fn who_may_stop_without_a_key_is_on_this_machine() {
     assert!(!halts(&judge, &stop, 9));
 }
 
-/// Safety S8, A2: with more hosts and origins than are stored, one of the rest may be foreign.
+/// Safety S8, A2: if there are more hosts or origins than can be stored, one of the others may be foreign.
 #[tokio::test]
 async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
     let app = app(searching());
@@ -360,7 +362,7 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
     }
 }
 
-/// Safety S8: the rest of the body need not come, and may be invalid.
+/// Safety S8: the rest of the body may be missing or invalid.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_when_its_word_has_come() {
     let app = app(searching());
@@ -404,7 +406,7 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
     }
 }
 
-/// Safety S8: a word that only the whole body shows is not always searched for while more of the body may come.
+/// Safety S8: while more of a body may come, a word that is found only in the whole body is not always looked for.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     let app = app(searching());
@@ -425,7 +427,7 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     }
 }
 
-/// Safety S8, A2: what was found in one request does not count for the next.
+/// Safety S8, A2: a STOP found in one request does not count for the next request.
 #[tokio::test]
 async fn each_move_on_a_connection_is_looked_at_by_itself() {
     let app = app(searching());
@@ -449,7 +451,7 @@ async fn each_move_on_a_connection_is_looked_at_by_itself() {
     }
 }
 
-/// Safety S8: of sixteen keys one valid key is enough.
+/// Safety S8: one valid key among sixteen is enough.
 #[tokio::test]
 async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {
     let (app, credentials, _) = guarded();

@@ -1,4 +1,4 @@
-//! State of one connection, shared by the hearing thread and the task that answers.
+//! State of one connection. The hearing thread and the task that answers share it.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -9,32 +9,32 @@ use tokio::sync::watch;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::units::Epoch;
 
-/// Maximum number of STOPs of one connection that wait until hyper reads their requests; each takes some 1.5 KiB. A further
-/// STOP is carried out at once as well, and a second time by the handler of its request.
+/// Maximum number of STOPs of one connection that wait until hyper reads their requests. Each takes some 1.5 KiB. A
+/// further STOP is also carried out at once, and a second time by the handler of its request.
 pub(super) const STOP_OUTCOMES: usize = 128;
 
-/// The result of a STOP that was carried out when its request was read.
+/// The result of a STOP. The STOP was carried out when its request was read.
 pub(in crate::doors::http) type StopOutcome = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
 
-/// The STOP that was found in a request's head, or may be found in its body. The handler of the request takes it.
+/// The STOP that was found in a request, or may still be found in its body. The handler of the request takes it.
 #[derive(Clone)]
 pub(in crate::doors::http) struct Pressed {
     pub(super) shared: Arc<ConnectionState>,
     pub(super) number: u64,
 }
 
-/// The epoch in which a request's head was read. If a later STOP raises the epoch, the request is outdated, however late it is
-/// carried out (safety S4).
+/// The epoch in which the head of a request was read. If a STOP then raises the epoch, the request is outdated,
+/// however late it is carried out (safety S4).
 #[derive(Clone, Copy)]
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
 pub(super) struct ConnectionState {
     stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
-    /// Epochs in which requests came. The key of an epoch is the number of its first request.
+    /// Epochs in which requests arrived. Each key is the number of the first request of that epoch.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
-    /// Whether an answer hands the connection over. That answer is the last one.
+    /// Whether an answer has switched the connection to WebSocket. This answer is the last one.
     pub(super) is_handed_over: watch::Sender<bool>,
-    /// Whether an answer without an end has begun.
+    /// Whether an endless answer, such as an event stream, has begun.
     pub(super) is_endless: watch::Sender<bool>,
 }
 
@@ -58,11 +58,11 @@ impl ConnectionState {
         })
     }
 
-    /// Records that the head of this request was read in this epoch.
+    /// Records the epoch in which the head of this request was read.
     pub(super) fn came(&self, number: u64, epoch: Epoch) {
         let mut epochs = self.epochs();
-        // After too many changes of the epoch, requests get the last recorded one, so that no request is taken for newer than
-        // it is.
+        // If there are too many epochs, later requests get the last recorded one. No request then counts as newer
+        // than it is.
         if epochs.len() < STOP_OUTCOMES && epochs.values().next_back() != Some(&epoch) {
             epochs.insert(number, epoch);
         }
@@ -86,7 +86,7 @@ impl ConnectionState {
         }
     }
 
-    /// Whether the outcome of a STOP waits for its request.
+    /// Whether the outcome of a STOP waits for the handler of its request.
     pub(super) fn has_heard(&self) -> bool {
         !self.stop_outcomes().is_empty()
     }
@@ -97,11 +97,11 @@ impl ConnectionState {
 
     pub(super) async fn handed_over(&self) {
         let mut is_handed_over = self.is_handed_over.subscribe();
-        // This object holds the sender, so the channel stays open.
+        // This object owns the sender, so the channel stays open.
         drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
     }
 
-    /// Removes the STOPs of earlier requests, which their handlers did not take.
+    /// Removes the STOPs of earlier requests that their handlers did not take.
     pub(super) fn forget_before(&self, number: u64) {
         let mut stop_outcomes = self.stop_outcomes();
         let later = stop_outcomes.split_off(&number);

@@ -1,5 +1,5 @@
-//! The runs requested in an address of the laboratory: a run of the Roomba, and one of the pallet scenario. The address of the
-//! page has the parameters of both, so their names differ.
+//! Reads which runs an address of the laboratory requests: a run of the Roomba, or a run of the pallet scenario. The
+//! address of the page has the parameters of both runs, so the parameters have different names.
 
 use std::fmt::Write;
 
@@ -9,18 +9,19 @@ use crate::api::fields::in_short;
 use hallsweep_laboratory::pallet::{Asked, AskedFault, BeyondError, Mishap, Pallet, asked};
 use hallsweep_laboratory::roomba::Roomba;
 
-/// Maximum length of a Roomba run in seconds. Ten minutes fill the room with lines, and take a few milliseconds to compute.
+/// Maximum length of a Roomba run in seconds. After ten minutes the room is full of lines. Computing takes a few
+/// milliseconds.
 pub(in crate::doors::http) const LONGEST_S: u64 = 600;
 
-/// Default length in seconds: enough for spirals and walls.
+/// Default length of a Roomba run in seconds, long enough for spirals and walls.
 pub(in crate::doors::http) const USUAL_S: u64 = 120;
 
-/// Maximum number of parcels, which bounds the cost of a run.
+/// Maximum number of parcels. It limits the cost of a run.
 pub(in crate::doors::http) const MOST_PARCELS: u64 = 4;
 
 pub(in crate::doors::http) const USUAL_PARCELS: u64 = 3;
 
-/// Maximum number of mishaps in one run: twice the number of their kinds.
+/// Maximum number of mishaps in one run: twice the number of kinds of mishap.
 pub(in crate::doors::http) const MOST_FAULTS: usize = 12;
 
 pub(in crate::doors::http) const USUAL_SEED: u64 = 1;
@@ -68,7 +69,8 @@ impl AskedPallet {
         AskedPallet::read(query, "seed", faults, "fault")
     }
 
-    /// `names_parcel` is the name of the parameter that says which parcel the mishaps concern.
+    /// Reads a run of the pallet scenario from a query. `names_parcel` is the name of the parameter that selects the
+    /// parcel of a mishap.
     fn read(query: &Query, seed: &str, faults: Vec<AskedFault>, names_parcel: &str) -> Result<AskedPallet, Problem> {
         let seed = query.count(seed, 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
         let parcels = query.count("parcels", 1..=MOST_PARCELS)?.unwrap_or(USUAL_PARCELS);
@@ -104,7 +106,7 @@ impl AskedPage {
         let parcel = u32::try_from(at).unwrap_or(u32::MAX);
         let faults = faults(query, |name| {
             let mishap: Mishap = name.parse().map_err(|error| wrong_fault(name, error))?;
-            // A mishap of the whole run concerns no parcel.
+            // This mishap affects the whole run, so the chosen parcel does not matter.
             Ok(mishap.at(if mishap == Mishap::Absent { 1 } else { parcel }))
         })?;
         let pallet = AskedPallet::read(query, "palletSeed", faults, "at")?;
@@ -118,7 +120,7 @@ fn faults(query: &Query, read: impl Fn(&str) -> Result<AskedFault, Problem>) -> 
         let words = format!("`fault` occurs {} times: a run has at most {MOST_FAULTS} faults", texts.len());
         return Err(Problem::unusable(words));
     }
-    // Programs write `@` as `%40`. No other character of these words is ever escaped.
+    // Programs write `@` as `%40`. No other character of a fault is ever escaped.
     texts.iter().map(|text| read(&text.replace("%40", "@"))).collect()
 }
 

@@ -1,5 +1,5 @@
-//! The laboratory's runs in the language of the page: figures, events, and the words in the drawings. The command line prints
-//! the same words in English, from `hallsweep_laboratory`.
+//! The laboratory's runs in the language of the page: figures, events, and the words in the drawings. On the command
+//! line, `hallsweep_laboratory` prints the same words in English.
 
 use crate::phrases::Language;
 use hallsweep_laboratory::pallet::{AskedFault, Entry, Figures as Carried, Missed, News, Pallet, PalletFault, Spread, kind};
@@ -8,12 +8,12 @@ use hallsweep_laboratory::roomba::{Controller, Figures, Parting, Phase, Roomba, 
 pub(super) type Row = (String, Vec<String>);
 
 pub(super) struct Event {
-    /// Seconds since the beginning of the run, with a decimal point for programs.
+    /// Seconds since the beginning of the run, with a decimal point, for scripts.
     pub(super) t: String,
     pub(super) parcel: u32,
     pub(super) kind: &'static str,
     pub(super) words: String,
-    /// Text beside the drawing, until the next event that has such a text.
+    /// Text beside the drawing. It is shown until the next event with such a text.
     pub(super) while_it_lasts: Option<String>,
 }
 
@@ -124,7 +124,7 @@ pub(super) fn carried(language: Language, figures: &Carried) -> Vec<(String, Str
     rows.map(|(name, value)| (language.say_of("laboratory-figure", name).to_string(), value)).into()
 }
 
-/// Requested mishaps that did not happen, with the reason.
+/// Returns the requested mishaps that did not happen, each with the reason.
 pub(super) fn missed(language: Language, pallet: &Pallet) -> Vec<String> {
     let said = |(fault, why): (AskedFault, Missed)| {
         let what = language.say_of("laboratory-mishap", fault.mishap.name());

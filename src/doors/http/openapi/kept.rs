@@ -1,4 +1,5 @@
-//! Content that is the same for everybody. It is rendered and compressed once, so that repeated requests cost only the sending.
+//! Content that is the same for all readers. It is created and compressed once, so a repeated request costs only the
+//! sending.
 
 use std::io::Write;
 

@@ -1,5 +1,6 @@
-//! The description of this door for programs: OpenAPI 3.1, made from the table of routes, the operations, and the schemas of
-//! the interface. Everybody gets the same description, except for whether a key is required.
+//! The description of this door for programs, in OpenAPI 3.1. It is built from the table of routes, the
+//! operations, and the schemas of the interface. All readers get the same description, except for whether a key is
+//! required.
 
 mod kept;
 mod operation;
@@ -34,7 +35,7 @@ struct Description {
     tag: String,
 }
 
-/// The descriptions, made at the first request: one for doors without keys, one for doors with keys.
+/// The descriptions, created at the first request: one for doors without keys, one for doors with keys.
 static OPEN: LazyLock<Description> = LazyLock::new(|| Description::of(false));
 static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
 
@@ -67,7 +68,7 @@ fn described(schemas: &mut Schemas) -> Vec<(RouteRow, Operation)> {
         .collect()
 }
 
-/// The whole description. `asks` says whether keys are required.
+/// Returns the whole description. `asks` says whether keys are required.
 fn document(asks: bool) -> Value {
     let mut schemas = Schemas::default();
     let mut paths: Map<String, Value> = Map::new();

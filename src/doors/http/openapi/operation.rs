@@ -1,5 +1,5 @@
-//! The operation of a route, for programs, in the format of OpenAPI 3.1. Its possible problems follow from its parts: an
-//! operation with a body may be malformed, a command may be refused now.
+//! The operation of a route, for programs, in the format of OpenAPI 3.1. Most problems of an operation follow from
+//! its parts. For example, an operation with a body can get a malformed body, and a command can be refused.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -60,9 +60,9 @@ pub(super) struct Operation {
     pub(super) headers: Vec<Parameter>,
     pub(super) body: Option<Body>,
     pub(super) answers: Vec<Media>,
-    /// Whether the answer is omitted when the client has that version already.
+    /// Whether the answer has a tag, and is omitted if the client already has that version.
     pub(super) is_tagged: bool,
-    /// Problems other than those that follow from the other fields.
+    /// Possible problems that do not follow from the other fields.
     pub(super) also: Vec<ProblemKind>,
 }
 
@@ -128,7 +128,7 @@ impl Operation {
         Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
     }
 
-    /// Adds a command id, with which the command acts only once. A STOP acts whatever its id is.
+    /// Adds the header with the command id. A command with an id acts only once, but a STOP halts every time.
     pub(super) fn once(self, is_stop: bool) -> Operation {
         let what = if is_stop {
             "Name of this command. A STOP halts each time, whatever its name is."
@@ -166,7 +166,7 @@ impl Operation {
         follow.chain(&self.also).map(|kind| kind.status()).collect()
     }
 
-    /// The operation in OpenAPI. `asks` says whether keys are required.
+    /// Returns the operation in the format of OpenAPI. `asks` says whether keys are required.
     pub(super) fn written(&self, need: Need, asks: bool) -> Value {
         let (subject, _) = self.subject.named();
         let parameter = |(place, name, what, schema)| {
@@ -196,7 +196,7 @@ impl Operation {
         operation
     }
 
-    /// Parameters beside the body: place, name, description, and schema.
+    /// Returns the parameters outside the body, each with place, name, description and schema.
     pub(super) fn parameters(&self) -> Vec<(&'static str, &str, &str, Value)> {
         let in_path = self.path.split('{').skip(1).filter_map(|rest| rest.split('}').next());
         let schema = |name| match name {

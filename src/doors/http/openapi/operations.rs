@@ -1,6 +1,6 @@
-//! Every operation for programs at this door: the operations in the tables of commands, resources, map files and old words, and
-//! below them the operations without a table. A test fails if a route under `/api/v1` is missing here, or an operation here has
-//! no route.
+//! All operations for programs at this door. Most come from the tables of commands, resources, map files and old
+//! words; the others are listed below. A test fails if a route under `/api/v1` is missing here, or if an operation
+//! here has no route.
 
 use axum::http::Method;
 use serde_json::{Value, json};
@@ -74,7 +74,7 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
         Some(body) => operation.takes(&[JSON], body, row.needs_body()),
         None => operation,
     };
-    // The settings may not name the sensor.
+    // The request may name a sensor that the settings do not have.
     if row.kind == CommandKind::Temperature { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
@@ -115,7 +115,7 @@ fn old_words(schemas: &mut Schemas) -> Vec<Operation> {
 }
 
 fn state(schemas: &mut Schemas) -> Vec<Operation> {
-    // Adds the schema of the events' data, for programs that read the stream.
+    // Adds the schema for the data of an event, for programs that read the stream.
     let _ = schemas.sent::<ChangesJson>();
     let events = "The state, then every change, as server-sent events: `snapshot` carries a `State`, `changes` carries \
                   `Changes`. After a break, send `Last-Event-ID` to receive only what changed since.";
@@ -178,7 +178,7 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     let of = |method, path, id, what| Operation::new(method, path, id, Simulator, what);
     let after = |operation: Operation| operation.answers(JSON, now.clone()).also(&[Conflict, NotFound]);
     let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[NotFound]);
-    // A hall file is accepted with any media type.
+    // The description names two media types, but a hall file is accepted with any media type.
     const FILE: &[&str] = &["application/octet-stream", "application/toml"];
     vec![
         of(Method::GET, "/api/v1/simulator", "getSimulator", "Simulator state").answers(JSON, now.clone()).also(&[NotFound]),

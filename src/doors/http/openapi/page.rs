@@ -1,5 +1,5 @@
-//! The description as a page for people: operations by subject, and the schemas of the interface. Its frame is in the reader's
-//! language; its contents are in English, like everything under `/api`.
+//! The description as a page for people: the operations by subject, and the schemas of the interface. The text around
+//! them is in the reader's language. The operations and schemas are in English, like everything under `/api`.
 
 use std::sync::LazyLock;
 
@@ -62,7 +62,7 @@ struct Shown {
 
 struct Field {
     name: String,
-    /// Where a parameter is sent, such as `query`; empty for a field of a schema.
+    /// Where a parameter is sent, such as `query`. Empty for a field of a schema.
     place: &'static str,
     kind: Vec<Word>,
     what: String,

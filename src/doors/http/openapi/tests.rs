@@ -1,5 +1,5 @@
-//! Compares the description with the table of routes, both ways, and with itself. Whether answers match it is tested over the
-//! wire (`tests/service`).
+//! Compares the description with the table of routes in both directions, and checks that it is consistent.
+//! `tests/service` checks that real answers match it.
 
 use std::collections::BTreeSet;
 
@@ -63,7 +63,7 @@ fn every_reference_leads_somewhere_and_no_name_is_there_twice() {
     assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
 }
 
-/// The Python generator of openapi-generator fails on such a type.
+/// The Python generator of openapi-generator fails on a type that is only `null`.
 #[test]
 fn nothing_has_the_type_null_alone() {
     assert!(!document(true).to_string().contains(r#":{"type":"null"}"#));

@@ -1,7 +1,7 @@
-//! Finds the end of a chunked body (RFC 9112, section 7.1), as strictly as hyper: a body that hyper would refuse is an error
-//! here too. The caller gets the contents of the chunks.
+//! Finds the end of a chunked body (RFC 9112, section 7.1). It is as strict as hyper: a body that hyper refuses is an
+//! error here too. The caller gets the contents of the chunks.
 
-/// State of a chunked body.
+/// State of reading a chunked body.
 #[derive(Debug, Default)]
 pub(super) struct Chunks {
     at: BodyState,
@@ -13,14 +13,14 @@ enum BodyState {
     #[default]
     Start,
     Size,
-    /// After the size, where only white space, an extension or the end of the line may follow.
+    /// After the size. Here only white space, an extension or the end of the line may follow.
     Space,
     Extension,
     SizeLf,
     Data,
     DataCr,
     DataLf,
-    /// The line after the last chunk: empty, or a trailer.
+    /// The line after the last chunk. It is empty or a trailer.
     EndCr,
     EndLf,
     Trailer,
@@ -28,8 +28,8 @@ enum BodyState {
 }
 
 impl Chunks {
-    /// Reads up to the end of the body, and calls `shown` with the contents of the chunks. Returns the number of bytes
-    /// read, and at the end also whether the body is valid.
+    /// Reads up to the end of the body, and calls `shown` with the contents of the chunks. Returns the number of
+    /// bytes read. At the end, also returns whether the body is valid.
     pub(super) fn take(&mut self, bytes: &[u8], mut shown: impl FnMut(&[u8])) -> (usize, Option<Result<(), ()>>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {

@@ -1,5 +1,5 @@
-//! Parses the bytes of requests before hyper and the routes read them: where each request begins and ends, what it names, and
-//! who sends it. There is no socket, no clock and no decision about permissions here.
+//! Parses the bytes of requests before hyper and the routes read them. Finds where each request begins and ends,
+//! which route it names, and who sends it. There is no socket, no clock and no decision about rights here.
 
 mod body;
 pub mod names;

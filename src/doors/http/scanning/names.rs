@@ -1,21 +1,21 @@
-//! The routes that are STOP whatever is sent there, by any method except those that change nothing. A path with a fault (an
-//! extra slash, another case, blanks, escapes) still names its route. Bodies are not read here.
+//! The routes that are always STOP, for all methods except those that change nothing. A path with a fault (an extra
+//! slash, another case, blanks, escapes) still names its route. Bodies are not read here.
 
 use crate::api::halt::bare;
 
 /// The routes that are STOP, as in the table of routes.
 pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
-/// Other paths that people try, and the routes that they mean.
+/// Other paths that people try, and the routes that these paths mean.
 const OTHERWISE: [(&str, &str); 3] = [("/api/v1/commands/h", STOPS[0]), ("/console/h", STOPS[1]), ("/stop", STOPS[2])];
 
-/// The routes that are STOP if the body of the request says so.
+/// The routes that are STOP if the body of the request contains the word for STOP.
 pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 
 /// Methods that change nothing (RFC 9110, section 9.2.1).
 const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 
-/// The STOP route that a request names.
+/// Returns the STOP route that a request names.
 pub fn stop(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -25,7 +25,7 @@ pub fn stop(method: &[u8], path: &[u8]) -> Option<&'static str> {
     routes.find(|(name, _)| is_at(&named, name)).map(|(_, route)| route)
 }
 
-/// The route that a request names, if its body decides whether it is a STOP.
+/// Returns the route that a request names, if the body decides whether this request is a STOP.
 pub fn says_by_body(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -38,12 +38,12 @@ fn is_safe(method: &[u8]) -> bool {
     SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe))
 }
 
-/// Whether a path is that of the route that hands connections over to MQTT.
+/// Whether a path names the route for MQTT over WebSocket.
 pub fn is_upgrade(path: &[u8]) -> bool {
     is_at(&segments(path), "/mqtt")
 }
 
-/// The segments of a path, in lower case like the routes here.
+/// Returns the segments of a path in lower case, because the routes here are in lower case.
 fn segments(path: &[u8]) -> Vec<String> {
     let path = String::from_utf8_lossy(&unescaped(path)).to_ascii_lowercase();
     path.split('/').map(bare).filter(|segment| !segment.is_empty() && *segment != ".").map(str::to_owned).collect()
@@ -53,7 +53,8 @@ fn is_at(named: &[String], route: &str) -> bool {
     named.iter().map(String::as_str).eq(route.split('/').skip(1))
 }
 
-/// A path without its escapes (RFC 3986, section 2.1), even those of slashes. A byte that is escaped twice stays escaped once.
+/// Decodes the escapes of a path (RFC 3986, section 2.1), escaped slashes included. A byte that was escaped twice
+/// stays escaped once.
 fn unescaped(path: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(path.len());
     let mut rest = path;

@@ -1,31 +1,32 @@
-//! Follows the requests of a connection byte by byte: where a head ends, what it names and who sends it, how long its body
-//! is, and where the next head begins. It is lenient, because a STOP with a fault is still a STOP. For a request that hyper
-//! accepts, it finds the same length as hyper. It reads no socket, stores little even of a long head, and decides nothing.
+//! Follows the requests of a connection byte by byte. It finds where a head (request line and headers) ends, which
+//! route the head names, who sends it, how long the body is, and where the next head begins. The scanner is lenient,
+//! because a STOP with a fault is still a STOP. For a request that hyper accepts, it finds the same length as hyper.
+//! It reads no socket, stores little even of a long head, and decides nothing.
 //!
-//! Of a head it stores only what names STOP, who sends it, and how long the body is, each within a bound:
+//! Of a head it stores the following parts. The size of each part is limited.
 //!
 //! ```text
-//!   POST /api/v1/commands/stop?now HTTP/1.1        method, path
-//!   POST http://localhost/h HTTP/1.1               and the host, when the target is a whole address (RFC 9112, section 3.2.2)
-//!   Host: localhost                                kept fields, up to FIELDS different values of each
-//!    folded                                        goes on with the line before
-//!   Cookie: a=b; hallsweep-8080=…                  pair by pair, of which only ours are kept
-//!   X-Anything: …                                  passes by
+//!   POST /api/v1/commands/stop?now HTTP/1.1        method and path
+//!   POST http://localhost/h HTTP/1.1               also the host of this absolute address (RFC 9112, section 3.2.2)
+//!   Host: localhost                                the headers of `Field`, each up to FIELDS or KEYS times
+//!    folded                                        continues the line before
+//!   Cookie: a=b; hallsweep-8080=…                  only the pairs with our name
+//!   X-Anything: …                                  skipped
 //! ```
 
 use super::body::Chunks;
 use super::names;
 
-/// Maximum number of bytes stored of a body that may say STOP. A body that is longer than allowed is searched only in its
-/// beginning.
+/// Maximum number of bytes stored of a body that may say STOP. If a body is longer than this, only its beginning is
+/// searched.
 const BODY: usize = 16 * 1024;
 
-/// A part of a request that is complete.
+/// A part of a request that is now complete.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Heard {
-    /// A head: what it names, and who sends it.
+    /// A head: which route it names, and who sends it.
     Head(Head),
-    /// The body of the request whose head came last. A request without a body has no such part.
+    /// The body of the request whose head was found last. A request without a body has no such part.
     Body,
 }
 
@@ -37,7 +38,7 @@ pub struct Scanner {
     said: BodyStart,
 }
 
-/// The beginning of a body that may say STOP; empty for any other body.
+/// The beginning of a body that may say STOP. Empty for any other body.
 #[derive(Debug, Default)]
 struct BodyStart {
     is_kept: bool,
@@ -47,20 +48,20 @@ struct BodyStart {
 #[derive(Debug)]
 enum ScannerState {
     Head,
-    /// Number of bytes of a body that have not come yet.
+    /// Number of bytes of the body that have not come yet.
     Body(u64),
     Chunks(Chunks),
-    /// The beginning of the next request cannot be found; hyper ends such a connection.
+    /// The beginning of the next request cannot be found. hyper ends such a connection.
     Lost,
 }
 
 impl Scanner {
-    /// The scanner before the first byte. `cookie` is the name of the session cookie.
+    /// Creates a scanner for a new connection. `cookie` is the name of the session cookie.
     pub fn new(cookie: &str) -> Scanner {
         Scanner { head: HeadReader::new(cookie), at: ScannerState::Head, heads: 0, said: BodyStart::default() }
     }
 
-    /// Reads up to the first byte that completes a part, and returns the number of bytes read.
+    /// Reads up to the first byte that completes a part. Returns the number of bytes read, and the part.
     pub fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
@@ -87,7 +88,7 @@ impl Scanner {
                     match ended {
                         Some(Ok(())) => Some(Heard::Body),
                         Some(Err(())) => {
-                            // The byte belongs to no valid chunk, but may be part of a STOP.
+                            // This byte makes the chunk invalid, but it may be part of a STOP.
                             self.said.keep(&bytes[taken - 1..taken]);
                             self.at = ScannerState::Lost;
                             None
@@ -120,12 +121,13 @@ impl Scanner {
         matches!(self.at, ScannerState::Head)
     }
 
-    /// Whether a head begins with a byte that cannot begin a method. No server waits for the end of such a head.
+    /// Whether the present head begins with a byte that cannot begin a method. No server waits for the end of such a
+    /// head.
     pub fn is_no_request(&self) -> bool {
         matches!(self.at, ScannerState::Head) && self.head.is_no_method()
     }
 
-    /// The stored part of the last request's body, empty unless that body may say STOP.
+    /// Returns the stored part of the last request's body. Empty unless that body may say STOP.
     pub fn said(&self) -> &[u8] {
         &self.said.bytes
     }
@@ -152,26 +154,27 @@ impl BodyStart {
     }
 }
 
-/// Maximum number of bytes stored of a method, a path, a host or a value: the longest token, name or session is shorter.
+/// Maximum number of bytes stored of a method, a path, a host or a value. Every real token, name or session is
+/// shorter.
 const TEXT: usize = 1024;
 
-/// Maximum length of a header name that is compared, in bytes.
+/// Maximum length in bytes of a header name that this scanner needs to recognise.
 const NAME: usize = 32;
 
-/// Maximum number of different values stored of one header.
+/// Maximum number of different values stored for one header. Headers with keys have the limit `KEYS`.
 const FIELDS: usize = 4;
 
-/// Maximum number of keys stored, of which one must be valid.
+/// Maximum number of keys stored for one header. One of them must be valid.
 pub const KEYS: usize = 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     Host,
     Origin,
-    /// Whether the request comes from one of our origins, as the browser says.
+    /// The header in which a browser says whether the request comes from a page of this origin.
     SecFetchSite,
     Authorization,
-    /// A session: the pair in a `Cookie` header that has our name.
+    /// A session: the pair with the name of our cookie in a `Cookie` header.
     Cookie,
     IdempotencyKey,
 }
@@ -180,20 +183,20 @@ pub enum Field {
 pub enum BodyLength {
     Known(u64),
     Chunked,
-    /// The length in the head is invalid, or differs between two fields.
+    /// The length in the head is invalid, or two fields contradict each other.
     Unknown,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     pub method: Vec<u8>,
-    /// The target up to its query, without scheme and host.
+    /// The path in the target, without scheme, host and query.
     pub path: Vec<u8>,
-    /// The host in the target, if the target is a whole address.
+    /// The host in the target, if the target is an absolute address.
     pub host: Option<Vec<u8>>,
-    /// Stored fields, in the order in which they came.
+    /// Stored header fields, in the order of the request.
     pub fields: Vec<(Field, Vec<u8>)>,
-    /// Whether a part of the host or the origin was not stored, so that nothing can tell whether they are ours.
+    /// Whether a value for the host or the origin could not be stored. Nobody can then know whether it is ours.
     pub is_in_doubt: bool,
     pub body: BodyLength,
     pub wants_upgrade: bool,
@@ -204,17 +207,17 @@ pub(super) struct HeadReader {
     cookie: String,
     head: Head,
     part: HeadPart,
-    /// Whether the last byte was a carriage return. It ends the line, whether or not a line feed follows.
+    /// Whether the last byte was a carriage return. It ends the line even if no line feed follows.
     after_cr: bool,
-    /// Whether no byte of this line has come.
+    /// Whether no byte of the present line has come yet.
     is_new_line: bool,
     line: HeaderLine,
-    /// Whether the last `Transfer-Encoding` ends in `chunked`; `None` without one.
+    /// Whether the last `Transfer-Encoding` ends with `chunked`. `None` without this header.
     is_chunked: Option<bool>,
     length: Option<u64>,
 }
 
-/// The line of one header, as far as it was stored.
+/// The stored part of one header line.
 #[derive(Debug, Default)]
 struct HeaderLine {
     name: Vec<u8>,
@@ -236,7 +239,7 @@ enum Named {
 enum HeadPart {
     Method,
     Path,
-    /// The host of a whole address. In it a `;` ends nothing.
+    /// The host of an absolute address. A `;` does not end it.
     Host,
     /// The query and the version.
     Rest,
@@ -257,13 +260,13 @@ impl HeadReader {
         }
     }
 
-    /// Whether the bytes so far cannot begin a method (RFC 9110, section 5.6.2).
+    /// Whether the first byte cannot begin a method (RFC 9110, section 5.6.2).
     pub(super) fn is_no_method(&self) -> bool {
         let first = self.head.method.first();
         first.is_some_and(|byte| !byte.is_ascii_graphic() || b"\"(),/:;<=>?@[\\]{}".contains(byte))
     }
 
-    /// Memory that the stored parts take, in bytes.
+    /// Returns the memory of all stored parts, in bytes.
     #[cfg(test)]
     pub(super) fn memory(&self) -> usize {
         let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
@@ -275,7 +278,7 @@ impl HeadReader {
             + self.line.value.capacity()
     }
 
-    /// Number of the next bytes that can be skipped, because `push` would change nothing for them. Large heads consist mostly
+    /// Returns how many of the next bytes can be skipped because `push` would ignore them. Large heads consist mostly
     /// of such bytes.
     pub(super) fn passes_by(&self, bytes: &[u8]) -> usize {
         let HeaderLine { name, what, is_in_value, is_long, .. } = &self.line;
@@ -292,7 +295,7 @@ impl HeadReader {
         bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n') || *byte == end).unwrap_or(bytes.len())
     }
 
-    /// Reads one byte; returns the head if this byte ended it.
+    /// Reads one byte. Returns the head if it is complete after this byte.
     pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
         match byte {
             b'\n' if self.is_new_line && self.part == HeadPart::Fields => {
@@ -363,7 +366,7 @@ impl HeadReader {
         }
     }
 
-    /// Whether the target so far is a scheme, a colon and the first of two slashes.
+    /// Whether the target so far ends after the scheme, the colon and the first of two slashes.
     fn is_behind_scheme(&self) -> bool {
         let path = &self.head.path;
         self.head.host.is_none() && path.ends_with(b":/") && !path[..path.len() - 1].contains(&b'/')
@@ -391,7 +394,7 @@ impl HeadReader {
         }
     }
 
-    /// Ends a header when the next line does not continue it.
+    /// Evaluates a header line. Called when the next line does not continue it.
     fn end_field(&mut self) {
         match self.line.what {
             None => {}
@@ -434,7 +437,8 @@ impl HeadReader {
         }
     }
 
-    /// Reads the length as hyper does: digits, with the same value each time. A length after a `Transfer-Encoding` is ignored.
+    /// Reads the length as hyper does: it must consist of digits, and several lengths must be equal. A length after a
+    /// `Transfer-Encoding` is ignored.
     fn content_length(&mut self) {
         if self.is_chunked.is_some() {
             return;
@@ -470,7 +474,7 @@ impl Default for BodyLength {
     }
 }
 
-/// `None` when there is no room for the byte.
+/// Stores a byte. Returns `None` when there is no room for it.
 fn keep(text: &mut Vec<u8>, byte: u8) -> Option<()> {
     (text.len() < TEXT).then(|| text.push(byte))
 }

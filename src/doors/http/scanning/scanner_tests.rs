@@ -1,10 +1,11 @@
-//! Tests of the scanner with bytes cut anywhere, and with faults of every kind.
+//! Tests of the scanner: the bytes are cut at any place and have faults of every kind.
 
 use proptest::prelude::*;
 
 use super::*;
 
-/// Everything that the scanner finds in these bytes, in pieces of this size.
+/// Returns everything that the scanner finds in these bytes, and the scanner. The bytes are read in pieces of this
+/// size.
 fn heard(bytes: &[u8], piece: usize) -> (Vec<Heard>, Scanner) {
     let (mut scanner, mut all) = (Scanner::new("hallsweep-8080"), Vec::new());
     for mut bytes in bytes.chunks(piece.max(1)) {
@@ -34,10 +35,10 @@ fn fields(head: &Head, field: Field) -> Vec<String> {
     of_it.map(|(_, value)| String::from_utf8_lossy(value).into_owned()).collect()
 }
 
-/// A request after each tested one, which shows that the scanner finds the next head.
+/// A request that follows each tested request. It shows whether the scanner finds the next head.
 const NEXT: &str = "POST /next HTTP/1.1\r\nHost: localhost\r\n\r\n";
 
-/// The paths of the requests in these bytes; the last is that of `NEXT`.
+/// Returns the paths of the requests in these bytes. The last path is that of `NEXT`.
 fn paths(request: &str) -> Vec<String> {
     let all = heads(format!("{request}{NEXT}").as_bytes());
     all.iter().map(|head| String::from_utf8_lossy(&head.path).into_owned()).collect()
@@ -84,7 +85,7 @@ fn lines_may_end_and_go_on_as_they_like() {
     }
 }
 
-/// Safety S8, A2: an absolute address names the same as its path, whatever its host contains.
+/// Safety S8, A2: an absolute address names the same route as its path alone. Its host may contain any characters.
 #[test]
 fn a_target_that_is_a_whole_address_is_taken_apart() {
     for (target, host, path) in [
@@ -131,7 +132,7 @@ fn a_head_of_any_length_is_followed_in_little_memory() {
     assert_eq!(fields(&head, Field::Host), ["localhost"]);
 }
 
-/// Safety A2: what cannot be compared is not taken for ours.
+/// Safety A2: a host or origin that was not stored does not count as ours.
 #[test]
 fn hosts_and_origins_that_are_not_kept_leave_doubt() {
     let long = "x".repeat(5000);
@@ -176,7 +177,7 @@ fn what_begins_with_no_method_is_told_at_once() {
 }
 
 proptest! {
-    /// Skipped bytes are those that would change nothing one by one.
+    /// The result is the same as if each byte were read by `push`.
     #[test]
     fn a_head_is_heard_as_if_each_of_its_bytes_were_looked_at(
         parts in proptest::collection::vec(prop_oneof![
@@ -219,7 +220,7 @@ proptest! {
     }
 }
 
-/// Safety S8: where hyper gives up, the scanner finds no end of a body either.
+/// Safety S8: if hyper rejects the size of a chunk, the scanner finds no end of the body either.
 #[test]
 fn the_size_of_a_chunk_that_is_larger_than_any_is_no_size() {
     for size in ["10000000000000000", "fffffffffffffffff", "g", "-1", ""] {

@@ -1,5 +1,5 @@
-//! The editor of halls as a page. Without scripts it is a text field with the hall file, which can be checked and used. With
-//! scripts, `editor.js` draws the same hall.
+//! The editor of halls as a page. Without scripts it is a text field with the hall file, with buttons to check and
+//! use it. With scripts, `editor.js` draws the same hall.
 
 use std::sync::Arc;
 
@@ -24,21 +24,21 @@ use crate::runtime::simulator::{HallSource, NotSimulated, OtherHall};
 struct EditorPage {
     language: Language,
     toml: String,
-    /// The halls that are always offered. The stored ones are in `kept`.
+    /// The halls that are always offered. The stored halls are in `kept`.
     halls: Vec<String>,
     kept: Vec<String>,
     name: String,
-    /// The name under which the opened hall is stored.
+    /// The name under which the opened hall is stored, if it is stored.
     opened: Option<String>,
-    /// The stored hall that would be replaced, for the confirmation.
+    /// The stored hall that would be replaced. The page asks for confirmation.
     replaces: Option<String>,
-    /// The stored hall that would be deleted, for the confirmation.
+    /// The stored hall that would be deleted. The page asks for confirmation.
     discards: Option<String>,
     bound: Option<String>,
     may_act: bool,
     done: Option<Markup>,
     why: Option<String>,
-    /// Parts that a search would not reach; `None` when the hall was not checked.
+    /// What a search would not reach in this hall. `None` when the hall was not checked.
     findings: Option<Vec<Finding>>,
 }
 
@@ -77,7 +77,7 @@ impl EditorPage {
     }
 }
 
-/// The text of a finding. The script uses the same sentences.
+/// Returns the text of a finding. The script uses the same sentences.
 pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     let phrase = language.say_of("editor-found", found.code());
     match found {
@@ -87,7 +87,7 @@ pub(super) fn in_words(language: Language, found: &Found) -> Phrase<'_> {
     }
 }
 
-/// `GET simulator/editor`: the simulated hall, or an offered one.
+/// `GET simulator/editor`: opens the simulated hall, or one of the offered halls.
 pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result<Response, Problem> {
     query.only(&["hall"])?;
     let page = match query.every("hall").first() {
@@ -107,10 +107,11 @@ pub(in crate::doors::http) async fn editor(asker: Asker, query: Query) -> Result
 #[serde(default)]
 pub(in crate::doors::http) struct Fields {
     toml: String,
-    /// The name that was typed for storing the hall, and the name under which it is stored.
+    /// The name typed for storing the hall. `opened` is the name under which it is already stored.
     name: String,
     opened: Option<String>,
-    /// The pressed button: `check`, `use` or `keep`; or the hall to replace, to delete, or to delete after confirmation.
+    /// The pressed button: `check`, `use` or `keep`. The buttons of the other three fields contain the name of a
+    /// hall: to replace it, to delete it, and to confirm the deletion.
     act: Option<String>,
     replace: Option<String>,
     discard: Option<String>,
@@ -126,9 +127,9 @@ enum Done {
     Discarded(String),
 }
 
-/// `POST simulator/editor`. The text in the field stays, even after a refusal.
+/// `POST simulator/editor`: carries out the pressed button. The text in the field stays, even after a refusal.
 pub(in crate::doors::http) async fn act(asker: Asker, HallForm(mut fields): HallForm<Fields>) -> Response {
-    // Browsers send text with CRLF line ends.
+    // Browsers send line ends as CRLF.
     fields.toml = fields.toml.replace("\r\n", "\n");
     let done = acted(&asker, &fields).await;
     let Fields { toml, name, opened, .. } = fields;

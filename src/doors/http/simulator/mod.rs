@@ -1,5 +1,5 @@
-//! The simulator's controls, if the searching robot is simulated: as JSON here, as pages in `page` and `editor`. The core and
-//! the simulator decide what may be changed; this file adds who requests it.
+//! The simulator's controls, if the searching robot is simulated. They are JSON here, and pages in `page` and
+//! `editor`. The core and the simulator decide what may be changed. This file adds who sent the request.
 
 mod editor;
 mod page;
@@ -35,10 +35,10 @@ pub(super) use page::{change_by_form, choose_by_form, page};
 
 type PageAnswer = Result<Response, Problem>;
 
-/// Code of the core's refusal to move robots to another hall during a mission.
+/// Problem code for the core's refusal to move robots to another hall during a mission.
 const NOT_IN_PHASE: &str = "notInPhase";
 
-/// Code of the refusal to replace a stored hall without confirmation.
+/// Problem code for the refusal to replace a stored hall without confirmation.
 const ANOTHER_KEPT: &str = "anotherKept";
 
 pub(super) struct Asker {
@@ -76,7 +76,7 @@ impl Asker {
         self.caller.may(Need::Act).is_ok()
     }
 
-    /// Why the robots cannot be moved to another hall now.
+    /// Returns why the robots cannot be moved to another hall now. `None` if they can.
     fn bound(&self) -> Option<Problem> {
         self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
     }
@@ -85,13 +85,13 @@ impl Asker {
         self.bound().map(|problem| self.in_words(&problem))
     }
 
-    /// The text of a problem on the pages. For a mission under way it also says what to do there.
+    /// Returns the text of a problem for the pages. If a mission is under way, it also says what to do.
     fn in_words(&self, problem: &Problem) -> String {
         let is_bound = problem.code() == NOT_IN_PHASE;
         if is_bound { in_words(self.language, "boundToHall", problem.detail()) } else { problem.in_words(self.language) }
     }
 
-    /// Makes a change in a task of its own, so that it is completed even if its sender disconnects.
+    /// Makes a change in a separate task, so that the change is completed even if its sender disconnects.
     async fn done(changing: crate::runtime::simulator::Changing) -> Result<Arc<SimulatorState>, Problem> {
         Ok(tokio::spawn(changing).await.map_err(|_| Problem::internal())??)
     }
@@ -153,7 +153,7 @@ pub(super) async fn step(asker: Asker) -> PageAnswer {
 }
 
 pub(super) async fn hall(asker: Asker) -> Response {
-    // The text is not copied: it may be large, and many may request it.
+    // The text is shared and not copied, because it may be large and many clients may request it.
     toml(axum::body::Bytes::from_owner(Shared(Arc::clone(&asker.state().hall.toml))))
 }
 
@@ -170,7 +170,7 @@ async fn offered_hall(asker: &Asker, name: &str) -> Result<Result<String, NotSim
     in_turn(&asker.door, move || simulator.hall(&name)).await
 }
 
-/// The text of a hall, which may be large. Answers share it instead of copying it.
+/// The text of a hall, which may be large. Answers share this text instead of copying it.
 struct Shared(Arc<str>);
 
 impl AsRef<[u8]> for Shared {
@@ -183,7 +183,7 @@ fn toml(text: impl IntoResponse) -> Response {
     ([(header::CONTENT_TYPE, "application/toml")], text).into_response()
 }
 
-/// `PUT simulator/halls/{name}`: a hall file, in the form that `GET` returns, replaces the stored one.
+/// `PUT simulator/halls/{name}`: replaces the stored hall by a hall file, in the format that `GET` returns.
 pub(super) async fn keep(asker: Asker, Named(name): Named, file: HallFile) -> PageAnswer {
     let unpacked = in_turn(&asker.door, move || file.unpacked().map(|toml| String::from_utf8_lossy(&toml).into_owned()));
     let toml = unpacked.await??;
@@ -205,7 +205,7 @@ pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Pa
 pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> PageAnswer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
-    // An editor checks after every keystroke. Its errors are for the person who draws, and not for the record.
+    // An editor calls this after every keystroke. Errors are useful to the person who draws, but are not recorded.
     let read = read_hall(&door, name, file).await.map_err(Problem::off_record)?;
     Ok(axum::Json(read).into_response())
 }
@@ -213,7 +213,7 @@ pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, 
 async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<ReadHall, Problem> {
     let read = in_turn(door, move || {
         let hall = hall_files::read(&name, &file.unpacked()?).map_err(|error| NotSimulated::Hall(error.to_string()))?;
-        // The size is checked before the hall is built: a small image may be a very large hall.
+        // The size is checked before the hall is built, because a small image file may describe a very large hall.
         let bounds = hall.bounds();
         match NotSimulated::too_large(bounds.width().unsigned_abs(), bounds.height().unsigned_abs()) {
             Some(not) => Err(Problem::from(not)),
@@ -223,8 +223,8 @@ async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<Read
     read.await?
 }
 
-/// Does slow work on halls on a thread that nothing else waits for. One piece of work follows the other, and each is completed
-/// even if the sender disconnects (safety S7).
+/// Does slow work on halls on a thread that no other work waits for. Only one such job runs at a time. Each is
+/// completed even if its sender disconnects (safety S7).
 async fn in_turn<T: Send + 'static>(door: &HttpDoor, act: impl FnOnce() -> T + Send + 'static) -> Result<T, Problem> {
     let turn = Arc::clone(&door.halls).acquire_owned().await.map_err(|_| Problem::closing())?;
     let acting = tokio::task::spawn_blocking(move || {

@@ -1,5 +1,5 @@
-//! The page of the simulator's controls. Every button is a form, so the page works without scripts. A refusal is shown beside
-//! its button.
+//! The page of the simulator's controls. Every button is an HTML form, so the page works without scripts. A refusal
+//! is shown beside its button.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::units::Cell;
 
-/// The offered speeds. The interface accepts any speed in between.
+/// The speeds that the page offers. The interface also accepts speeds between these.
 const SPEEDS: [&str; 8] = ["0.1", "0.5", "1", "2", "5", "10", "50", "max"];
 
 struct Fault {
@@ -93,7 +93,7 @@ pub(in crate::doors::http) async fn page(asker: Asker) -> Html<String> {
     html(&SimulatorPage::of(&asker, None))
 }
 
-/// The fields of all forms on the page, except for the form with the hall.
+/// The fields of all forms on the page, except the form with the hall.
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct Fields {
     act: String,
@@ -203,7 +203,7 @@ fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
     blocked
 }
 
-/// The cell ahead of a robot. During a step it is the cell ahead of the end of that step.
+/// Returns the cell ahead of a robot. If the robot is making a step, it is the cell ahead of the end of that step.
 fn ahead(robot: &RobotView) -> Cell {
     let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
     let (Cell { x, y }, (dx, dy)) = (robot.pose.cell, robot.pose.heading.vector());

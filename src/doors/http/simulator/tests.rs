@@ -1,4 +1,4 @@
-//! The door's own refusals, before a simulator is asked; and its pages in both languages.
+//! Tests of the refusals that come before the simulator is asked, and of the pages in both languages.
 
 use std::collections::BTreeSet;
 
@@ -216,7 +216,7 @@ async fn the_editor_and_its_script_speak_italian() {
     let discarded = app.italian("POST", "/simulator/editor", "discard_for_good=mine&opened=mine&toml=%23", &[], &names).await;
     check(&discarded, &["La sala conservata <b>mine</b> è stata eliminata.", ">#</textarea>"]);
     assert!(!discarded.contains("name=\"opened\""), "it is not opened as one that is kept");
-    // A request for one name does not replace a hall of another name.
+    // The request names another hall than the one to be replaced, so nothing is replaced.
     for body in ["act=keep&name=mine&toml=x", "replace=other&name=mine&toml=x", "act=keep&opened=other&name=mine&toml=x"] {
         let asked = app.italian("POST", "/simulator/editor", body, &[], &names).await;
         check(&asked, &["Un'altra sala è conservata come <b>mine</b>: sostituirla", "name=\"replace\" value=\"mine\""]);

@@ -1,4 +1,5 @@
-//! Finds texts that are the same on a page in both languages: words without a phrase, and names.
+//! Finds texts that are the same on the English and the Italian page. Such a text is a name, or its translation is
+//! missing.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +10,7 @@ const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=
 const NAMES: [&str; 3] = ["hallsweep", "STOP", "· Esc"];
 
 impl TestApp {
-    /// The Italian page for this request. Texts that are equal on the English page must be among `names`.
+    /// Returns the Italian page for this request. A text that is the same on the English page must be in `names`.
     pub(in crate::doors::http) async fn italian(
         &self,
         method: &str,
@@ -32,7 +33,7 @@ impl TestApp {
     }
 }
 
-/// The page without its trees and their blackboard, whose names come from files.
+/// Returns the page without its behaviour trees and their blackboard, whose names come from files.
 fn without_trees(page: &str) -> String {
     [("<section class=\"tree\"", "</section>"), ("<div id=\"blackboard\">", "</dl>")].iter().fold(
         page.to_owned(),
@@ -44,7 +45,7 @@ fn without_trees(page: &str) -> String {
     )
 }
 
-/// The texts of a page, except those for programs, and its attributes that people read or hear.
+/// Returns the texts of a page and the attributes that people read or hear. Texts for programs are left out.
 fn words(page: &str) -> BTreeSet<&str> {
     let is_for_people = |tag: &str| !["textarea", "code"].iter().any(|name| tag.starts_with(name));
     let texts = page.split('<').filter_map(|piece| piece.split_once('>')).filter(|(tag, _)| is_for_people(tag));

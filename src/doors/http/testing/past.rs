@@ -1,5 +1,5 @@
-//! Two hand-made missions for tests of this door: the first is over and left a bomb behind, the second has just begun. `testing`
-//! has the archive that finds them.
+//! Two invented missions for tests of this door. The first mission is over, and a bomb was left behind. The second
+//! mission has just begun. `testing` has the archive that returns them.
 
 use std::collections::BTreeSet;
 
@@ -20,10 +20,10 @@ use hallsweep_core::state::{PersistentState, Phase, Retrieval, RetrievalStage};
 use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::HallMap;
 
-/// A mission that cannot be read.
+/// Number of a mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
 
-/// The damage in the record of the first mission.
+/// The reported damage in the record of the first mission.
 pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a mouse was at it)";
 
 pub(super) fn missions() -> [MissionRecord; 2] {
@@ -51,7 +51,7 @@ pub(super) fn missions() -> [MissionRecord; 2] {
     [second, first]
 }
 
-/// The state when the first mission was put away: the map and the luggage of the fixture.
+/// Returns the state when the first mission was archived, with the map and the luggage of `searching()`.
 pub(super) fn state() -> PersistentState {
     let state = searching();
     PersistentState {
@@ -63,8 +63,8 @@ pub(super) fn state() -> PersistentState {
     }
 }
 
-/// The first mission at a moment: the robot was held at home, and it had become warm. All its entries were written at the same
-/// time.
+/// Returns the first mission at a moment. The robot was held at home, and the temperature rose. All its entries were
+/// written at the same time.
 pub(super) fn moment(at: At) -> Option<PastMoment> {
     let most = match at {
         At::Entry(seq) => seq,
@@ -80,8 +80,8 @@ pub(super) fn moment(at: At) -> Option<PastMoment> {
     Some(PastMoment { past: Sound { of: past, damage: Vec::new() }, wall: TEN, earlier, later })
 }
 
-/// A retrieval by the pair as in a journal: the trees after each of some ticks, from the first to the look for the parcel, and
-/// then the end.
+/// Returns the journal entries of a retrieval by the pair of robots. They contain the behaviour trees after each
+/// tick, until the robots have found the parcel. Then the retrieval ends.
 pub(super) fn retrieval() -> Vec<Happened> {
     let bag = Cell::new(3, 3);
     let (map, piece) = (HallMap::new(Cell::HOME, Revision(0)), BTreeSet::from([bag]));
@@ -122,7 +122,7 @@ pub(super) fn retrieval() -> Vec<Happened> {
     (1..).map(Seq).zip(entries).collect()
 }
 
-/// The events of the first mission, one of which cannot be read.
+/// Returns the events of the first mission. One of them cannot be read.
 pub(super) fn entries() -> Vec<Happened> {
     let command = |command, refused: Option<Refused>| {
         let issuer = Issuer { door: crate::api::door::CONSOLE, who: "anna".into(), from: "192.0.2.7".into() };

@@ -1,5 +1,5 @@
-//! Publishes each line of the log once, in order. The snapshot has only the latest lines. If lines were dropped from it before
-//! they could be published, the line numbers show the gap.
+//! Publishes each line of the log once, in order. The snapshot holds only the latest lines. If a line leaves the
+//! snapshot before it is published, subscribers see a gap in the line numbers.
 
 use std::time::Duration;
 

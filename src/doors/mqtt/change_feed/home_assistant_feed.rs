@@ -1,5 +1,5 @@
-//! The messages for Home Assistant in addition to the public topics: the description of the robot, its state in Home
-//! Assistant's terms, and the last photo. The contents of these messages are in `home_assistant`.
+//! Publishes the messages that only Home Assistant needs: the description of the robot, its state as a vacuum
+//! cleaner, and the last photo. The contents of these messages are in `home_assistant`.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use super::super::topics::Topics;
 use super::photos::Photos;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Minimum time between two states.
+/// Minimum time between two messages with the robot's state.
 const PACE: Duration = Duration::from_millis(100);
 
 pub(super) struct HomeAssistantFeed {
@@ -40,7 +40,7 @@ impl HomeAssistantFeed {
         self.photos.handle_state(older, newer);
     }
 
-    /// Home Assistant has started, so the description is published again.
+    /// Call this when Home Assistant has started. The description is then published again.
     pub(super) const fn handle_birth(&mut self) {
         self.is_introduced = false;
     }

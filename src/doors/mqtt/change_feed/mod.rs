@@ -1,6 +1,7 @@
-//! Decides what is published, and when: it compares the newest state with what was published. Whoever holds the connection
-//! polls it only when a message can be sent, so that a returned message counts as sent. Sockets, clocks and acknowledgements
-//! are not here. The last will `offline`, which a broker publishes when the connection is lost, is not here either.
+//! Decides which message is published next, and when. It compares the newest state with what was published before.
+//! The owner of the connection polls only when it can send a message, because a returned message counts as sent.
+//! Sockets, clocks and acknowledgements are elsewhere. The last will `offline`, which a broker publishes when the
+//! connection is lost, is not here either.
 
 mod events;
 mod home_assistant_feed;
@@ -31,10 +32,11 @@ use hallsweep_core::world::resource::Resource;
 /// Payload on the availability topic while the program runs.
 pub const ONLINE: &str = "online";
 
-/// Payload on the availability topic when the program does not run: the session's last will, and its last message.
+/// Payload on the availability topic while the program does not run. The session's last will and its last message
+/// have this payload.
 pub const OFFLINE: &str = "offline";
 
-/// All times passed in and returned are since the door was made.
+/// Selects the messages to publish. All times are measured from the start of the caller's clock.
 pub struct ChangeFeed {
     topics: Topics,
     snapshot: Option<Arc<Snapshot>>,
@@ -55,7 +57,7 @@ enum Source {
 }
 
 impl ChangeFeed {
-    /// Publishes nothing before the first state.
+    /// Creates a feed that publishes nothing before the first call of `handle_state`.
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
             home_assistant_feed: home_assistant.then(|| HomeAssistantFeed::new(&topics)),
@@ -68,7 +70,8 @@ impl ChangeFeed {
         }
     }
 
-    /// Takes a newer state, which replaces an unpublished one. But of luggage every changed piece is published.
+    /// Takes a newer state. An older state that was not published yet is skipped. Luggage is the exception: every
+    /// changed piece is published.
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
         self.old.handle_state(older, &snapshot);
@@ -78,8 +81,9 @@ impl ChangeFeed {
         self.snapshot = Some(snapshot);
     }
 
-    /// The next message to send, or `None` when none is due before `poll_timeout`. Among several due messages it is the one
-    /// that waited longest. A returned message counts as sent, so poll only when it can be sent.
+    /// Returns the next message to send, or `None` if no message is due at `now`. Of several due messages, the one
+    /// that has waited longest comes first. A returned message counts as sent, so call this only when a message can
+    /// be sent.
     pub fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let snapshot = Arc::clone(self.snapshot.as_ref()?);
         let (due, source) = self.soonest(&snapshot)?;
@@ -106,15 +110,17 @@ impl ChangeFeed {
         }
     }
 
-    /// When the next message is due; the time may be in the past. `None` when everything is published.
+    /// Returns when the next message is due. This time may be in the past. Returns `None` when everything is
+    /// published.
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.soonest(self.snapshot.as_ref()?).map(|(due, _)| due)
     }
 
-    /// A new connection begins. Everything that a broker retains is published again, and the newest version of each old item.
-    /// Of the old messages with a counted number (`is_numbered`), the last `unacknowledged` were not acknowledged on the
-    /// previous connection. They count as never sent: their numbers are used again, so that subscribers see no gap, and their
-    /// luggage is published again. Event lines are not repeated.
+    /// Call this when a new connection begins. Everything that a broker retains is published again, and so is the
+    /// newest version of each item for old clients. `unacknowledged` is the number of numbered messages (see
+    /// `is_numbered`) that the previous connection left unacknowledged. These messages count as never sent: their
+    /// numbers are used again, so that subscribers see no gap, and their luggage is published again. Event lines are
+    /// not repeated.
     pub fn renew(&mut self, unacknowledged: u64) {
         self.is_announced = false;
         self.states.renew();
@@ -124,32 +130,34 @@ impl ChangeFeed {
         }
     }
 
-    /// Whether this is an old message with our SEQNUM. `renew` needs the number of unacknowledged messages of this kind.
+    /// Whether this is a message for old clients with a counted SEQNUM. `renew` needs the number of unacknowledged
+    /// messages of this kind.
     pub fn is_numbered(&self, publication: &Publication) -> bool {
         publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }
 
-    /// Home Assistant has started, so the description is published again.
+    /// Call this when Home Assistant has started. The description is then published again.
     pub fn handle_birth(&mut self) {
         if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
             home_assistant_feed.handle_birth();
         }
     }
 
-    /// A photo that should be published and was not requested before. The caller reads it from the archive where blocking is
-    /// allowed, one at a time, and passes it to `handle_photo`; a photo that cannot be read is not passed. A photo is requested
-    /// once. If it was never passed, it is requested again after `renew`.
+    /// Returns a photo to publish; each photo is returned only once. The caller reads the photo from the archive,
+    /// where blocking is allowed, and passes it to `handle_photo`. A photo that cannot be read is not passed. `renew`
+    /// makes a photo that was never passed available again.
     pub fn poll_photo(&mut self) -> Option<Picture> {
         self.home_assistant_feed.as_mut()?.photos.poll()
     }
 
-    /// Takes the requested photo; returns whether it will be published. A photo is not published if there is a newer one by
-    /// now, or if it is larger than `PHOTO_MOST`.
+    /// Takes the photo that `poll_photo` returned; returns whether it will be published. It is not published if there
+    /// is a newer photo by now, or if it is larger than `PHOTO_MOST`.
     pub fn handle_photo(&mut self, picture: Picture, photo: Photo) -> bool {
         self.home_assistant_feed.as_mut().is_some_and(|home_assistant_feed| home_assistant_feed.photos.handle(picture, photo))
     }
 
-    /// The source that is due first, and when. Among equal times, the first in the order here.
+    /// Returns the source that is due first, and its time. If two times are equal, the source listed first in this
+    /// function wins.
     fn soonest(&self, snapshot: &Snapshot) -> Option<(Duration, Source)> {
         let availability = (!self.is_announced).then_some((Duration::ZERO, Source::Availability));
         let old = self.old.due(snapshot).map(|due| (due, Source::Old));

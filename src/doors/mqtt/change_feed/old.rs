@@ -1,5 +1,5 @@
-//! Messages for the original system: the newest state of robot and map, and every piece of luggage, in this order. Each message
-//! has the next number. `qak::outgoing` writes the messages.
+//! Messages for clients of the original system: the newest state of robot and map, and every piece of luggage, in
+//! this order. Messages are numbered consecutively. `qak::outgoing` writes the messages.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,12 +15,13 @@ use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// Minimum time between two rounds, and therefore between two messages about the robot: the same as over HTTP and CoAP.
+/// Minimum time between two rounds of messages, and so between two messages about the robot. HTTP and CoAP use the
+/// same interval.
 const PACE: Duration = Duration::from_millis(20);
 
-/// Maximum number of pieces waiting to be published, and of published ones remembered until they are acknowledged: more than
-/// are found during a short absence of the broker. During a longer absence the oldest are dropped; those that still matter are
-/// on the state topic.
+/// Maximum number of pieces in each of the two queues below: the pieces waiting to be published, and the published
+/// ones. This is more than are found during a short absence of the broker. During a longer absence the oldest are
+/// dropped; the state topic still has those that matter.
 const PIECES: usize = 4_096;
 
 #[derive(Default)]
@@ -33,11 +34,11 @@ pub(super) struct Old {
     /// The pieces still to be published, oldest change first.
     luggage: VecDeque<Arc<Luggage>>,
     round: VecDeque<Item>,
-    /// Earliest time of the next round, by `PACE`.
+    /// Earliest time of the next round. Two rounds begin at least `PACE` apart.
     next: Duration,
-    /// Earliest time of the next map: the map is published as a whole, and therefore less often.
+    /// Earliest time of the next map. The map is published less often, because each message contains the whole map.
     next_map: Duration,
-    /// The published pieces, each with the number of its message: `renew` queues the unacknowledged pieces again.
+    /// The last published pieces, each with the number of its message. `renew` queues the unacknowledged ones again.
     said: VecDeque<(u64, Arc<Luggage>)>,
 }
 
@@ -48,7 +49,8 @@ enum Item {
 }
 
 impl Old {
-    /// Notes the changes of the luggage. In the first state, only the piece shown to old clients counts as changed.
+    /// Notes which pieces of luggage have changed. In the first state, only the piece shown to old clients counts as
+    /// changed.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         let Some(older) = older else {
             self.luggage.extend(shown(newer).cloned());
@@ -60,7 +62,8 @@ impl Old {
         }
     }
 
-    /// When the next message is due: at once during a round, otherwise at the earliest time of the next round.
+    /// Returns when the next message is due: at once during a round, otherwise when the next round may begin. Returns
+    /// `None` when everything is published.
     pub(super) fn due(&self, snapshot: &Snapshot) -> Option<Duration> {
         if !self.round.is_empty() {
             return Some(Duration::ZERO);
@@ -98,7 +101,8 @@ impl Old {
         Some(outgoing::message(content, self.number))
     }
 
-    /// The last `unacknowledged` messages count as never sent, and the newest version of each item is published again.
+    /// Prepares for a new connection. The last `unacknowledged` messages count as never sent, and the newest version
+    /// of each item is published again.
     pub(super) fn renew(&mut self, unacknowledged: u64, snapshot: Option<&Snapshot>) {
         self.number = self.number.saturating_sub(unacknowledged);
         (self.robot, self.map) = (None, None);
@@ -143,7 +147,8 @@ fn robot_of(snapshot: &Snapshot) -> (RobotState, Pose) {
     (snapshot.robot.state, snapshot.robot.pose)
 }
 
-/// Contents of a message about the map, which shows the robot's cell as well.
+/// Contents of a message about the map. The robot's cell belongs to it, because the message shows the robot on the
+/// map.
 fn map_of(snapshot: &Snapshot) -> (Revision, Cell) {
     (snapshot.revision_of(Resource::Map), snapshot.robot.pose.cell)
 }

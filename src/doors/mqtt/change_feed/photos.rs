@@ -1,5 +1,5 @@
-//! Which photo is the last one, and whether it still has to be published. The caller reads it from the archive, because reading
-//! may need the disk.
+//! Decides which photo is the last one, and whether it still has to be published. The caller reads photos from the
+//! archive, because reading may need the disk.
 
 use bytes::Bytes;
 
@@ -9,9 +9,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum size of a published photo in bytes. With its topic it must fit into a packet of 1 MiB, the largest that a careful
-/// broker accepts.
-/// accepts.
+/// Maximum size of a published photo in bytes. With its topic a photo must fit into a packet of 1 MiB. Careful
+/// brokers accept no larger packets.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +29,8 @@ pub(super) struct Photos {
 }
 
 impl Photos {
-    /// Notes which photo is the last: that of the latest change. In the first state it is that of the last piece with a photo.
+    /// Notes which photo is the newest. Of several changed photos, the one of the piece with the highest number
+    /// counts. In the first state, it is the photo of the last piece that has one.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         let Some(older) = older else {
             self.newest = newer.luggage.iter().rev().find_map(|piece| picture(piece));

@@ -1,4 +1,4 @@
-//! The pieces of luggage that differ between two snapshots.
+//! Finds the pieces of luggage that differ between two snapshots.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
-/// The pieces of `newer`, by number, that `older` does not have or for which `differs` is true. `differs` gets the earlier
-/// version, then the later one.
+/// Returns the pieces of `newer`, by number, that are new or have changed. A piece has changed if `differs(earlier,
+/// later)` is true for its two versions.
 pub(super) fn changed<'a>(
     older: &'a Snapshot,
     newer: &'a Snapshot,

@@ -1,5 +1,5 @@
-//! The state topics: each resource in the JSON of the HTTP door, or an excerpt if that is too large. It is published after each
-//! change, at a limited rate. Only the newest state is published.
+//! Publishes the state topics: each resource in the JSON of the HTTP door, or an excerpt if that JSON is too large. A
+//! resource is published after each change, at a limited rate. Only its newest state is published.
 
 use std::convert::identity;
 use std::time::Duration;
@@ -11,8 +11,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Minimum time between two states of one resource; a large one waits longer. Ten a second are enough to watch, and do not fill
-/// a slow line.
+/// Minimum time between two messages about one resource. After a large message the pause is longer. Ten messages a
+/// second are enough to watch, and do not fill a slow line.
 const PACE: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -20,13 +20,13 @@ pub(super) struct States([Said; Resource::COUNT]);
 
 #[derive(Clone, Copy, Default)]
 struct Said {
-    /// The published revision; `None` when a broker may have none.
+    /// The published revision; `None` before the first publication and after `renew`.
     revision: Option<Revision>,
     next: Duration,
 }
 
 impl States {
-    /// When the state of a resource is due; `None` if its present state is published.
+    /// Returns when the state of a resource is due, or `None` if its present state is published.
     pub(super) fn due(&self, resource: Resource, snapshot: &Snapshot) -> Option<Duration> {
         let said = self.0[resource as usize];
         (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)
@@ -40,7 +40,7 @@ impl States {
         state
     }
 
-    /// Publishes everything again, at the same rate.
+    /// Makes every state due again. The rate limit still holds.
     pub(super) fn renew(&mut self) {
         for said in &mut self.0 {
             said.revision = None;

@@ -1,4 +1,4 @@
-//! The published messages, followed from state to state.
+//! Tests the published messages while the state changes.
 
 use serde_json::Value;
 
@@ -65,7 +65,7 @@ fn json(publications: &[Publication], topic: &str) -> Value {
     serde_json::from_str(on(publications, topic).last().expect("something on the topic")).unwrap()
 }
 
-/// A piece with this number, photographed this many seconds after ten.
+/// A piece with this number. Its photo was taken `seconds` seconds after ten o'clock.
 fn found(id: u64, seconds: i64) -> Arc<Luggage> {
     let mut luggage = Luggage::clone(&piece(id, Cell::new(1, 2), None));
     luggage.taken = WallTime { unix_ms: luggage.taken.unix_ms + seconds * 1000, ..luggage.taken };
@@ -180,8 +180,8 @@ fn a_hasty_resource_is_said_ten_times_a_second_and_the_newest_last() {
     assert_eq!(json(&all(&mut feed, ms(1100)), "hallsweep/discovery/state/temperature")["celsius"], Value::Null);
 }
 
-/// Number of bytes published about the map, each time as a whole, while a robot takes a step every 10 ms for ten seconds, in a
-/// hall with this many cells a side.
+/// Simulates a robot that takes a step every 10 ms for ten seconds, in a square hall with `side` cells a side.
+/// Returns how many bytes about the map were published; each message contains the whole map.
 fn said_of_maps(side: i32) -> usize {
     let (mut feed, mut state) = (feed(), searching());
     for cell in (0..side).flat_map(|y| (0..side).map(move |x| Cell::new(x, y))) {

@@ -1,4 +1,4 @@
-//! Bounds of commands, STOP beyond them, repeated commands, and commands without an answer.
+//! Tests of the limits of commands: STOP beyond the limits, repeated commands, and commands that get no answer.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,10 +23,10 @@ use hallsweep_core::robot::{Parts, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Maximum number of commands under way without keys.
+/// Maximum number of commands under way when no keys are used.
 const UNDER_WAY: usize = 256;
 
-/// A loop that does not get to its commands.
+/// A loop that never handles its commands.
 struct Hanging {
     handle: Handle,
     envelopes: mpsc::Receiver<Envelope>,
@@ -42,14 +42,14 @@ fn hanging() -> Hanging {
     Hanging { handle, envelopes, halter, _publish: publish }
 }
 
-/// Safety S1: the robot is halted when the call returns, whatever hangs.
+/// Safety S1: the robot has been halted when the call returns, even if the loop hangs.
 #[tokio::test]
 async fn a_stop_halts_at_the_call_although_the_loop_hangs_and_every_place_is_taken() {
     let Hanging { handle, envelopes: _envelopes, halter, _publish } = hanging();
     let (commands, _results) = commands_of(handle, false);
     let halts = halter.watch();
     for count in 1..=3 * UNDER_WAY as u64 {
-        // Beyond the rate of a sender further commands are refused.
+        // Commands above the sender's rate are refused, but no STOP is.
         let _ = say(&commands, "command/start", "", &here());
         assert_eq!(say(&commands, "command/stop", "garbage", &here()), Taken::Taken);
         assert_eq!((halts.now().count, halts.now().epoch), (count, Epoch(4 + count)));
@@ -75,7 +75,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     let Some(Envelope::Command(_, answer)) = within("a command", envelopes.recv()).await else { panic!("a command was given") };
     answer.send(Err(Refused::Moving)).unwrap();
     assert_eq!(next(&mut results).await.1["code"], "moving");
-    // The place is free in the same turn of the task that has published the result.
+    // The place becomes free after the result is published, in the same turn of the same task.
     tokio::task::yield_now().await;
     say(&commands, "command/goto", r#"{"x":1,"y":1,"id":"k2"}"#, &here());
     let came = std::iter::from_fn(|| envelopes.try_recv().ok());
@@ -86,7 +86,8 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     assert_eq!(names.collect::<Vec<_>>(), ["k2"]);
 }
 
-/// Safety S9: neither among commands under way nor among waiting answers.
+/// Safety S9: an operator's STOP gets a place among the commands under way, and one among the answers waiting to be
+/// sent.
 #[tokio::test]
 async fn an_operators_stop_has_its_result_however_many_a_viewer_and_another_operator_have_given() {
     let (handle, _script) = crate::runtime::tests::obedient::obedient(searching());
@@ -162,7 +163,7 @@ async fn commands_keep_the_order_in_which_they_came() {
     assert_eq!(names.collect::<Vec<_>>(), (0..50).map(|x| format!("k{x}")).collect::<Vec<_>>());
 }
 
-/// Stores nothing, and reports at once that it did.
+/// A store that keeps nothing, but reports at once that everything is kept.
 struct Forgetful(watch::Sender<StoreStatus>);
 
 impl Store for Forgetful {
@@ -175,7 +176,7 @@ impl Store for Forgetful {
     }
 }
 
-/// The real loop, with a robot that has just connected and does nothing.
+/// Uses the real loop. Its robot has just connected and does nothing.
 #[tokio::test]
 async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_before() {
     let halter = Halter::new(Epoch(0));

@@ -1,5 +1,5 @@
-//! Messages with commands: from topic and payload to a command, and from its result to the published answer. There are no
-//! sockets here. Retained messages and repeated packets do not reach this code.
+//! Messages with commands: turns topic and payload into a command, and the command's result into the published
+//! answer. There are no sockets here. Retained messages and repeated packets are filtered out before this code.
 
 mod nobody;
 mod parser;
@@ -37,7 +37,7 @@ pub struct IncomingMessage<'a> {
     pub topic: &'a str,
     pub payload: &'a [u8],
     pub arrived: Option<Epoch>,
-    /// The DUP flag (MQTT 5, section 3.3.1.1): the sender may have sent the message before.
+    /// The DUP flag (MQTT 5, section 3.3.1.1). If set, this may be a repetition of an earlier message.
     pub is_again: bool,
     /// Where the sender wants the answer: Response Topic and Correlation Data of MQTT 5.
     pub answer_to: Option<AnswerTo<'a>>,
@@ -48,12 +48,12 @@ const CORRELATION: usize = 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// The message asks for nothing: its topic or its words are for something else.
+    /// The message contains no command for this program.
     NotACommand,
-    /// The message asks for something. The result is published and recorded.
+    /// The message contains a command. Its result is published and recorded.
     Taken,
-    /// The sender may not publish this message here; if the message asks for something, the refusal is published and recorded.
-    /// Or the sender publishes too much at once, and the message is dropped.
+    /// The sender may not publish this message. If it contains a command, the refusal is published and recorded.
+    /// Messages above the sender's rate are dropped instead.
     Forbidden,
 }
 
@@ -68,15 +68,15 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// With `manual_driving` old clients may drive the robot.
+    /// If `manual_driving` is true, old clients may drive the robot.
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());
         Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }
     }
 
-    /// The topic requested for an answer, if the sender may publish there and it is not one of the program's own topics.
-    /// Otherwise the program would publish on the sender's behalf what the sender may not publish.
+    /// Returns the topic that the sender requested for an answer, if the sender may publish there itself. Topics of
+    /// this program are excluded. Otherwise a sender could make the program publish what the sender may not publish.
     pub fn answer_to<'a>(&self, wanted: Option<AnswerTo<'a>>, publisher: &Publisher) -> Option<AnswerTo<'a>> {
         let is_short = |wanted: &AnswerTo<'_>| wanted.correlation.is_none_or(|data| data.len() <= CORRELATION);
         let is_topic = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
@@ -90,8 +90,9 @@ impl Commands {
         self.handle.figures()
     }
 
-    /// Takes a message. Its command is sent immediately, so that commands keep their order. A STOP has halted the robot when
-    /// this returns. The result is published later. Must be called inside a runtime.
+    /// Handles a message. Its command is sent immediately, so that commands keep their order. If the message is a
+    /// STOP, the robot has been halted when this returns. The result is published later. Must be called inside a
+    /// runtime.
     pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.halts(heard.topic.as_bytes(), heard.payload, heard.answer_to, publisher) {
             return Taken::Taken;
@@ -99,7 +100,7 @@ impl Commands {
         if self.parser.is_of_others(heard) {
             return self.ignore(heard, publisher);
         }
-        // Checked before parsing: a sender with too many messages must not cost the time to parse them.
+        // The rate is checked before parsing, so that a sender with too many messages costs no time for parsing.
         if !self.rate.admits(publisher.issuer().who, publisher.is_viewer(), self.clock.now().since_start) {
             return Taken::Forbidden;
         }
@@ -112,7 +113,7 @@ impl Commands {
             return Taken::Forbidden;
         }
         if parsed.goes_on {
-            // When the robot stands before a piece whose photo has failed, going on means retaking the photo.
+            // If the robot stands before a piece whose photo has failed, "go on" means that the photo is retaken.
             let snapshot = self.handle.snapshot();
             let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending());
             let failed = piece.filter(|piece| matches!(piece.photo, PhotoState::Failed(_)));
@@ -127,8 +128,8 @@ impl Commands {
         Taken::Taken
     }
 
-    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); returns whether it names STOP.
-    /// Beyond the part that names STOP, the message need not be complete. Must be called inside a runtime.
+    /// Halts the robot if a message names STOP, whatever else is wrong with the message (safety S8). Returns whether
+    /// it names STOP. The rest of the message may be incomplete. Must be called inside a runtime.
     pub fn halts(&self, topic: &[u8], payload: &[u8], answer_to: Option<AnswerTo<'_>>, publisher: &Publisher) -> bool {
         if publisher.may(Need::Stop).is_err() {
             return false;
@@ -145,8 +146,8 @@ impl Commands {
         self.handle.epoch()
     }
 
-    /// Handles a message that asks for nothing. Old clients believe everything on the old topics, so only operators may publish
-    /// such a message there.
+    /// Handles a message without a command. On the old topics only operators may publish such messages, because old
+    /// clients trust everything there.
     fn ignore(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
         if self.parser.is_old(heard.topic) && publisher.may(Need::Act).is_err() {
             return Taken::Forbidden;
@@ -162,7 +163,7 @@ impl Commands {
         self.nobody.count()
     }
 
-    /// Sends a command if there is room for one more. A STOP is always sent.
+    /// Sends a command if there is room for one more. A STOP is sent in any case.
     fn give(
         &self,
         parsed: &ParsedCommand,

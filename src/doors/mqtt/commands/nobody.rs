@@ -1,6 +1,6 @@
-//! Unknown messages of the original system. All are counted. The first of each kind is logged with its text; after that one
-//! message a minute at most is logged, with the count, because other actors may send the same message ten times a second. Known
-//! messages are in `qak`.
+//! Unknown messages of the original system. All of them are counted. The first message of each kind is logged with
+//! its text. Later messages are logged at most once a minute, with the count, because other actors may send the same
+//! message ten times a second. Known messages are in `qak`.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -8,16 +8,16 @@ use std::time::Duration;
 
 use hallsweep_core::units::Now;
 
-/// Maximum number of kinds whose first message is logged at once.
+/// Maximum number of different kinds whose first message is logged.
 const KINDS: usize = 64;
 
-/// Maximum length of a kind in bytes: no known MSGID is nearly as long.
+/// Maximum length of a kind in bytes. Every known MSGID is much shorter.
 const LONGEST: usize = 64;
 
-/// Minimum time between a logged message and the next one of a known kind.
+/// Minimum time after a logged message before a message of a kind that was seen before is logged.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// Maximum number of characters logged of a text.
+/// Maximum number of characters of a text in the log.
 const TEXT: usize = 200;
 
 #[derive(Debug, Default)]
@@ -46,7 +46,8 @@ impl Nobody {
 }
 
 impl Counted {
-    /// The number of unknown messages, if this one is to be logged.
+    /// Counts one more unknown message. If this message should be logged, returns the number of unknown messages so
+    /// far.
     fn one_more(&mut self, id: &str, now: Duration) -> Option<u64> {
         self.count = self.count.saturating_add(1);
         let is_new = self.kinds.len() < KINDS && id.len() <= LONGEST && self.kinds.insert(id.to_owned());

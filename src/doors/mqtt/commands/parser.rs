@@ -1,5 +1,5 @@
-//! The meaning of a message, by topic and payload: a command in JSON, a command's bare name, or a message of the original
-//! system. Rights and results are handled elsewhere.
+//! Determines the meaning of a message from its topic and payload. It may be a command in JSON, the bare name of a
+//! command, or a message of the original system. Rights and results are handled elsewhere.
 
 use super::super::qak::incoming;
 use super::super::topics::{TopicKind, Topics};
@@ -29,11 +29,11 @@ pub(super) struct CommandParser {
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
     pub(super) asked: AskedCommand,
-    /// The right that the sender needs if no command can be made of the message.
+    /// The right that the sender needs if the command cannot be read.
     pub(super) need: Need,
-    /// What is recorded if no command can be made of the message.
+    /// What is recorded if the command cannot be read.
     pub(super) unread: recorded::Asked,
-    /// Whether the message means going on: retaking a failed photo, otherwise START.
+    /// Whether the message means "go on": retake a failed photo, or else START.
     pub(super) goes_on: bool,
     pub(super) reply: Reply,
 }
@@ -47,8 +47,8 @@ impl CommandParser {
         self.topics.kind_of(topic) == TopicKind::Elsewhere
     }
 
-    /// The STOP that topic and payload name, whatever other faults they have: invalid text, wildcards, additional levels or
-    /// characters (safety S8).
+    /// Returns the STOP that topic and payload name. Other faults do not matter: invalid text, wildcards, additional
+    /// levels or characters (safety S8).
     pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
         let topic = String::from_utf8_lossy(topic);
         self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
@@ -58,7 +58,7 @@ impl CommandParser {
         let reply = match self.topics.kind_of(topic) {
             TopicKind::Command(name) if is_halt(name) => self.reply(STOP),
             TopicKind::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
-            // Any characters except letters and digits may surround the word.
+            // The word may be surrounded by any characters except letters and digits.
             TopicKind::Word
                 if is_halt(String::from_utf8_lossy(payload).trim_matches(|letter: char| !letter.is_alphanumeric())) =>
             {
@@ -72,8 +72,8 @@ impl CommandParser {
         Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: unread(STOP), goes_on: false, reply })
     }
 
-    /// Whether a message is certainly not for this program, as seen without parsing it: it is on another topic, or a message
-    /// between other actors on the old topics.
+    /// Whether a message is certainly not for this program, decided without parsing it. This is so if it is on
+    /// another topic, or if other actors send it to each other on the old topics.
     pub(super) fn is_of_others(&self, heard: &IncomingMessage<'_>) -> bool {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(_) | TopicKind::Word => false,
@@ -82,7 +82,7 @@ impl CommandParser {
         }
     }
 
-    /// `None` when the message asks for nothing.
+    /// Returns the command in a message, or `None` if the message contains no command.
     pub(super) fn parse(&self, heard: &IncomingMessage<'_>) -> Option<ParsedCommand> {
         match self.topics.kind_of(heard.topic) {
             TopicKind::Command(name) => Some(self.named(name, heard.payload)),
@@ -96,7 +96,7 @@ impl CommandParser {
         self.topics.kind_of(topic) == TopicKind::Old
     }
 
-    /// The MSGID of a message on the old topics, if the program does not know it.
+    /// Returns the MSGID of a message on the old topics if the program does not know this MSGID.
     pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
         match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
             Ok(incoming::QakRequest::Unknown(id)) => Some(id),
@@ -126,8 +126,8 @@ impl CommandParser {
         }
     }
 
-    /// If a message was understood and is refused, the reason is shown where an old console shows its piece: the original
-    /// system has no other message for an answer.
+    /// Reads a message of the original system. If its command is refused, the reason is shown in place of a piece on
+    /// old consoles: the original system has no other message for an answer.
     fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
         let read = |command: Command| (Ok((command.clone(), None)), recorded::Asked::Command(command));
         let ((asked, unread), goes_on) = match incoming::asked(payload, self.manual_driving) {
@@ -151,7 +151,8 @@ impl CommandParser {
 }
 
 impl ParsedCommand {
-    /// The right that the sender needs: to stop for a STOP in any form, to act for every other command.
+    /// Returns the right that the sender needs: the right to stop for any form of STOP, the right to act for every
+    /// other command.
     pub(super) fn need(&self) -> Need {
         match &self.asked {
             Ok((Command::Stop, _)) => Need::Stop,
@@ -160,7 +161,8 @@ impl ParsedCommand {
         }
     }
 
-    /// Removes the explanation on the old topics: a sender who may not give the command gets none.
+    /// Removes the explanation on the old topics. Senders without the right to give the command get no explanation
+    /// there.
     pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
@@ -170,7 +172,7 @@ impl ParsedCommand {
     }
 }
 
-/// A topic as its sender must have meant it: without wildcards, empty levels and invisible characters. `None` if it needs no
+/// Corrects a topic: removes wildcards, empty levels and invisible characters. Returns `None` if the topic needs no
 /// correction.
 fn tidied(topic: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';

@@ -1,4 +1,4 @@
-//! The problems that only this door has. They are published in the common form.
+//! The problems that exist only at this door. They are published in the same form as all other problems.
 
 use std::time::Duration;
 

@@ -1,4 +1,5 @@
-//! The sender of a message, as far as it is known, and its rights. The gate checks the credentials of our own broker's clients.
+//! The sender of a message and the sender's rights. For clients of our own broker, the gate has checked the
+//! credentials.
 
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use crate::api::door;
 use hallsweep_core::command::Issuer;
 use hallsweep_core::refused::Refused;
 
-/// Name of a sender at another broker, as recorded.
+/// The recorded name of every sender at another broker.
 const NOBODY_KNOWN: &str = "mqtt";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,8 +18,7 @@ pub enum Publisher {
         /// The address, such as `192.0.2.7`.
         from: Arc<str>,
     },
-    /// A client of another broker. Only that broker knows who the client is, and decides by its own rights who may publish
-    /// commands.
+    /// A client of another broker. Only that broker knows the client, and decides who may publish commands.
     Unknown { broker: Arc<str> },
 }
 
@@ -34,7 +34,7 @@ impl Publisher {
         self.may(Need::Act).is_err()
     }
 
-    /// The name of the sender's key; `None` if keys do not tell senders apart.
+    /// Returns the name of the sender's key, or `None` if the sender has no key.
     pub(super) fn key(&self) -> Option<Arc<str>> {
         match self {
             Publisher::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),

@@ -1,5 +1,5 @@
-//! Parses the JSON payload of a command into the core's command and the command id. The fields are in `crate::api::command`,
-//! the table of commands is in `crate::api::commands`.
+//! Parses the JSON payload of a command into the core's command and the command id. The fields are described in
+//! `crate::api::command`, the commands in `crate::api::commands`.
 
 use super::problem::Problem;
 use crate::api::command::{id_aside, number_aside};
@@ -15,12 +15,12 @@ pub(super) const LARGEST: usize = 4 * 1024;
 pub(super) type AskedCommand = Result<(Command, Option<Epoch>), Problem>;
 
 pub(super) struct Read {
-    /// The command id, even when the rest cannot be read.
+    /// The command id, even if the other fields are invalid.
     pub(super) id: Option<CommandId>,
     pub(super) asked: AskedCommand,
 }
 
-/// A STOP is a STOP whatever its payload is (safety S8).
+/// Reads the command in a payload. A STOP is accepted whatever its payload is (safety S8).
 pub(super) fn read(row: &CommandRow, payload: &[u8]) -> Read {
     if row.kind == CommandKind::Stop || (row.kind == CommandKind::Move && says_halt(payload)) {
         return Read { id: id_in(payload), asked: Ok((Command::Stop, None)) };
@@ -44,7 +44,7 @@ pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
     Err(Problem::too_large(format!("the payload has {bytes} bytes: the maximum is {LARGEST}; a command needs a few dozen")))
 }
 
-/// A word without the blanks and the quotes round it: a sender may write it as a JSON string.
+/// Returns a word without surrounding blanks and double quotes, because a sender may write it as a JSON string.
 pub(super) fn bare(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
@@ -59,7 +59,7 @@ fn command(row: &CommandRow, fields: &mut BodyFields) -> AskedCommand {
     commands::asked(row.kind, number, &CarriedFields(fields))
 }
 
-/// The fields of a payload, without the id and the number, which were removed before.
+/// The fields of a payload. The command id and the number of the piece or alarm were removed before.
 struct CarriedFields<'a>(&'a BodyFields);
 
 impl Payload for CarriedFields<'_> {
@@ -74,7 +74,7 @@ impl Payload for CarriedFields<'_> {
     }
 }
 
-/// A command without arguments may have an empty payload.
+/// Returns the fields of a payload. For a command without arguments the payload may be empty.
 fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     match (payload.trim_ascii().is_empty(), row.is_word()) {
         (true, true) => Ok(BodyFields::default()),
@@ -83,7 +83,7 @@ fn fields_of(row: &CommandRow, payload: &[u8]) -> Result<BodyFields, Problem> {
     }
 }
 
-/// The command id in a payload of which nothing else is read, such as the payload of a STOP.
+/// Returns the command id in a payload, and ignores all other fields. This is used for a STOP, for example.
 pub(super) fn id_in(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()

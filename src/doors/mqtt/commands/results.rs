@@ -1,5 +1,6 @@
-//! Publishes the results of commands where their senders look for them: a bounded number at once, each with a time limit. When
-//! there is no room, only a result is lost, and not its command, which is sent elsewhere.
+//! Publishes the results of commands on the topics where their senders expect them. The number of awaited results is
+//! bounded, and so is the time for each. If there is no room, the result is lost, but the command is still carried
+//! out.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,19 +24,20 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use mqtt_gate::AnswerTo;
 
-/// Maximum number of awaited results: as many as the loop's queue holds. A STOP beyond it halts, but has no result.
+/// Maximum number of results awaited at once. The loop's queue has the same size. A STOP beyond this number halts,
+/// but gets no result.
 const UNDER_WAY: usize = 256;
 
-/// Maximum number of awaited results of viewers, who may only send STOP.
+/// Maximum number of results awaited for viewers, who may only send STOP.
 const VIEWERS_UNDER_WAY: usize = 64;
 
 /// Maximum number of answers waiting to be published.
 pub const ANSWERS: usize = UNDER_WAY + VIEWERS_UNDER_WAY;
 
-/// Maximum wait for a result: the same as at the CoAP door.
+/// Maximum wait for a result, as at the CoAP door.
 const PATIENCE: Duration = Duration::from_secs(93);
 
-/// Code of the refusal when there is no photo to judge by.
+/// Code of the refusal when a piece has no usable photo.
 const NO_PHOTO: &str = "noPhoto";
 
 #[derive(Clone, Debug)]
@@ -46,7 +48,7 @@ pub(super) struct Results {
     lost: Arc<LogThrottle>,
 }
 
-/// A result that waits to be published. Its place is free when it is taken.
+/// A result that waits to be published. Taking the publication out frees its place.
 #[derive(Debug)]
 pub struct ResultMessage {
     publication: Publication,
@@ -55,11 +57,12 @@ pub struct ResultMessage {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reply {
-    /// The topic; `None` for a message of the original system, whose sender is told only the reason of a refusal.
+    /// The topic of the result. `None` for a message of the original system: its sender only gets the reason of a
+    /// refusal.
     pub(super) topic: Option<String>,
     pub(super) correlation: Option<Bytes>,
     pub(super) id: Option<CommandId>,
-    /// The topic on which an old client is told the reason of a refusal.
+    /// The old topic on which an old client is told why its command is refused.
     pub(super) explained: Option<String>,
 }
 
@@ -78,10 +81,10 @@ impl Results {
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
-    /// Reserves a place for one more command of this sender.
+    /// Reserves a place for the result of one more command of this sender.
     ///
     /// # Errors
-    /// If there is no place: the number of commands under way.
+    /// If no place is free. The error is the number of commands under way.
     pub(super) fn permit(&self, publisher: &Publisher) -> Result<Permit, usize> {
         self.under_way.take(publisher.is_viewer(), publisher.key())
     }
@@ -102,7 +105,7 @@ impl Results {
         });
     }
 
-    /// Publishes a refusal. A refusal without a topic is only logged.
+    /// Publishes a refusal. If there is no topic for it, the refusal is logged.
     pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
             Some(topic) => self.publish(topic, reply, publisher, None, &problem.shape()),
@@ -142,7 +145,7 @@ impl Results {
             .waiting
             .take(publisher.is_viewer(), publisher.key())
             .map(|permit| ResultMessage { publication, _permit: permit });
-        // A closed channel means that the program is ending.
+        // A closed channel means that the program is ending, so the result does not count as lost.
         let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
         if is_lost && let Some(lost) = self.lost.one_more() {
             tracing::warn!(topic, lost, "results were not published, because too many results wait to be sent");

@@ -1,4 +1,4 @@
-//! The table of commands as this door shows it: in sentences, and in its page of the documentation.
+//! The table of commands as texts: a list of names for error messages, and the table in `docs/mqtt.md`.
 
 use crate::api::commands::COMMANDS;
 

@@ -1,4 +1,5 @@
-//! For tests of commands: commands in front of a loop that follows the test's script, senders, and the published results.
+//! Helpers for tests of commands: commands whose loop follows a script of the test, senders, and the published
+//! results.
 
 use serde_json::Value;
 use tokio::sync::mpsc;
@@ -14,7 +15,7 @@ use hallsweep_core::command::Request;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 
-/// More results than any test leaves unread.
+/// Room for results. No test leaves as many results unread.
 const ROOM: usize = 1024;
 
 const BASE: &str = "hallsweep/discovery/";
@@ -29,8 +30,8 @@ pub(super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
-/// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
-/// runtime.
+/// Starts an app in this state. Its loop accepts everything until told to refuse. Old clients may not drive. Must be
+/// called inside a runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
     driven_app(snapshot, false)
 }
@@ -66,7 +67,8 @@ fn with_key(name: &str, role: Role) -> Publisher {
     Publisher::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
 }
 
-/// Takes a message on a topic: under our own prefix, or one of the original system.
+/// Sends a message. The topic is a topic of the original system if it begins with `unibo/`; otherwise it is relative
+/// to `BASE`.
 pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, publisher: &Publisher) -> Taken {
     let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
     commands.take(
@@ -87,7 +89,7 @@ impl TestApp {
         say(&self.commands, topic, payload, &here())
     }
 
-    /// A message of the operator that is answered: returns the topic and the contents.
+    /// Sends a message of the operator and waits for its result. Returns the topic and the contents of the result.
     pub(super) async fn ask(&mut self, topic: &str, payload: impl AsRef<[u8]>) -> (String, Value) {
         assert_eq!(self.say(topic, payload), Taken::Taken, "{topic}");
         next(&mut self.results).await
@@ -116,7 +118,7 @@ impl TestApp {
         self.script.given.lock().unwrap().len()
     }
 
-    /// The last refusal that the door recorded since the last call: who, which command, and why.
+    /// Returns the last refusal recorded since the last call: the sender, the command, and the reason.
     pub(super) async fn noted(&self) -> Option<Noted> {
         self.settled().await;
         self.script.noted.lock().unwrap().pop()
@@ -126,7 +128,7 @@ impl TestApp {
         *self.script.refuse.lock().unwrap() = Some(refused);
     }
 
-    /// Lets loop and results have their turns: all tasks are on this thread, and each of them needs a few.
+    /// Gives the loop and the results time to finish. All tasks run on this thread, and each needs a few turns.
     async fn settled(&self) {
         for _ in 0..8 {
             tokio::task::yield_now().await;

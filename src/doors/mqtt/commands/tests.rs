@@ -1,4 +1,5 @@
-//! Commands by their topics: what reaches the loop, the answers, the record, and the rights. Bounds are in `bounds_tests`.
+//! Tests of commands by their topics: what reaches the loop, the answers, the records, and the rights. Tests of the
+//! limits are in `bounds_tests`.
 
 use super::table;
 use super::testing::{app, driven_app, here, say, viewer};
@@ -114,7 +115,7 @@ async fn a_bare_word_is_a_command_without_arguments() {
     assert_eq!(app.given().await, given);
 }
 
-/// Safety A6: every refusal is on record.
+/// Safety A6: every refusal is recorded.
 #[tokio::test]
 async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
     let mut app = app(searching());
@@ -266,7 +267,7 @@ async fn a_viewer_may_stop_and_nothing_else() {
     assert!(app.is_silent().await);
 }
 
-/// Safety A1: no other message of a viewer on these topics is passed on.
+/// Safety A1: of a viewer's messages on these topics, only a STOP is passed on.
 #[tokio::test]
 async fn nothing_that_a_viewer_says_where_commands_are_is_passed_on_but_a_stop() {
     let mut app = app(searching());
@@ -283,7 +284,7 @@ async fn nothing_that_a_viewer_says_where_commands_are_is_passed_on_but_a_stop()
     assert_eq!(say(&app.commands, "command/stop", "", &viewer()), Taken::Taken);
 }
 
-/// Old consoles show what is published there.
+/// Old consoles show everything that is published on the old topics.
 #[tokio::test]
 async fn a_viewer_cannot_pretend_to_be_the_robot() {
     let app = app(searching());
@@ -320,7 +321,7 @@ async fn messages_of_the_original_system_command_and_are_answered_by_none() {
     assert!(app.is_silent().await);
 }
 
-/// An old console has no other place where it could learn that its button does nothing.
+/// An old console can learn only from this message that a command was refused.
 #[tokio::test]
 async fn an_old_console_is_told_why_a_command_is_refused_and_what_goes_on() {
     let mut app = app(searching());
@@ -360,7 +361,7 @@ async fn to_go_on_is_to_take_a_photo_again_that_has_failed_and_else_to_start() {
     for (state, command) in [
         (searching(), Command::Start),
         (failed(PhaseName::Inspecting), Command::RetakePhoto(LuggageId(3))),
-        // START makes the robot drive back to it.
+        // After START the robot drives back to that piece.
         (failed(PhaseName::AtHome), Command::Start),
     ] {
         let app = app(state);
@@ -426,7 +427,8 @@ async fn whatever_is_no_command_is_left_alone() {
     assert!(app.noted().await.is_none() && app.is_silent().await);
 }
 
-/// Published results differ from commands, so that nobody at another broker takes its own answers for commands.
+/// Results are published on topics that are not command topics. So no client of another broker takes its own answers
+/// for commands.
 #[tokio::test]
 async fn no_result_is_itself_a_command() {
     let mut app = app(searching());
@@ -436,8 +438,8 @@ async fn no_result_is_itself_a_command() {
     }
 }
 
-/// Safety A4: a requested response topic makes the program publish nothing that the sender could not publish, and only on a valid
-/// topic.
+/// Safety A4: an answer is published on a requested topic only if the topic is valid and the sender may publish
+/// there.
 #[tokio::test]
 async fn an_answer_goes_where_it_is_wanted_when_its_sender_may_say_something_there() {
     let mut app = app(searching());

@@ -1,16 +1,16 @@
-//! Answers to unknown command names. Brokers never forget a topic, so only a bounded number of names get a topic of their own.
-//! Beyond that number all names are answered on one topic.
+//! Chooses the topics of answers to unknown commands. Brokers never forget a topic, so only a bounded number of
+//! unknown names get a topic of their own. All other unknown names share one topic.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-/// Maximum number of unknown names with a topic of their own: enough for typing errors.
+/// Maximum number of unknown names with a topic of their own. This is enough for typing errors.
 const NAMES: usize = 64;
 
-/// Maximum length of such a name in bytes: no command is nearly as long.
+/// Maximum length of such a name in bytes. The names of all commands are much shorter.
 const LONGEST: usize = 32;
 
-/// Name under which all other unknown commands are answered.
+/// Name in the topic that all other unknown commands share.
 pub(super) const UNKNOWN: &str = "unknown";
 
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! The description of the robot for Home Assistant, in one message for all its entities (device-based discovery,
-//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). Every entity uses the public topics, except
-//! for the vacuum's state, which has a topic of its own.
+//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>). The entities use the public topics.
+//! Only the vacuum's state has a topic of its own.
 
 use serde_json::{Map, Value, json};
 
@@ -8,7 +8,7 @@ use super::super::topics::Topics;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::world::resource::Resource;
 
-/// The payload on `homeassistant/device/ID/config`.
+/// Returns the payload for the topic `homeassistant/device/ID/config`.
 pub fn config(topics: &Topics, version: &str) -> Value {
     let name = format!("hallsweep {}", topics.id());
     json!({
@@ -41,7 +41,8 @@ fn components(topics: &Topics) -> Value {
     Value::Object(named.into_iter().collect::<Map<String, Value>>())
 }
 
-/// The vacuum's buttons send the bare names of our commands: the pause button sends STOP, and START goes on.
+/// Describes the robot as a vacuum cleaner. Its buttons send the bare names of our commands: the pause button sends
+/// STOP, the start button sends START.
 fn vacuum(topics: &Topics) -> Value {
     json!({
         "platform": "vacuum",
@@ -139,7 +140,7 @@ fn photo(topics: &Topics) -> Value {
     })
 }
 
-/// Adds the permanent id of an entity, and its initial name.
+/// Adds the permanent id of an entity and its initial name to the description.
 fn identified(topics: &Topics, name: &str, mut component: Value) -> Value {
     let id = format!("{}_{name}", unique(topics));
     let platform = component["platform"].as_str().unwrap_or_default();
@@ -149,7 +150,7 @@ fn identified(topics: &Topics, name: &str, mut component: Value) -> Value {
     component
 }
 
-/// The id of the device. The ids of its entities begin with it.
+/// Returns the id of the device. The ids of all its entities begin with this id.
 fn unique(topics: &Topics) -> String {
     format!("hallsweep_{}", topics.id())
 }

@@ -1,5 +1,6 @@
-//! The robot in the terms of Home Assistant: its description (`discovery`), and its state as that of a vacuum cleaner, which is
-//! how Home Assistant shows a robot that drives through a hall. `change_feed` decides when they are published.
+//! The robot as Home Assistant shows it: a description (`discovery`), and a state. The robot appears as a vacuum
+//! cleaner, because that is Home Assistant's kind of robot that drives through rooms. `change_feed` decides when both
+//! are published.
 
 pub mod discovery;
 #[cfg(test)]
@@ -12,7 +13,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Cell;
 
-/// Payload on `homeassistant/status` when Home Assistant has started: its birth message.
+/// Payload on `homeassistant/status` that tells that Home Assistant has started (its birth message).
 pub const BIRTH: &[u8] = b"online";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,8 +57,8 @@ pub fn state(snapshot: &Snapshot) -> State {
     State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
 }
 
-/// The activity follows from the phase. A held mission is paused, or an error if START cannot help before something is
-/// repaired.
+/// Derives the activity from the phase and the holds. A robot under way that is held is `Paused`. If START cannot
+/// help before something is repaired, the activity is `Error`.
 fn activity(snapshot: &Snapshot) -> Activity {
     let under_way = match snapshot.mission.phase {
         PhaseName::Exploring | PhaseName::Inspecting | PhaseName::Driving | PhaseName::Retrieving => Activity::Cleaning,
@@ -84,7 +85,7 @@ const fn must_be_mended(hold: Hold) -> bool {
 fn is_alarmed(snapshot: &Snapshot) -> bool {
     let is_unseen = snapshot.alarms.iter().any(|alarm| alarm.acknowledged.is_none());
     let is_secured = snapshot.mission.phase == PhaseName::BagSecured;
-    // Looks only at the sets of dangerous pieces, not at all luggage, because this is computed at every change.
+    // Searches only the sets of dangerous pieces, because searching all luggage at every change would take too long.
     let mut grave = snapshot.luggage.bombs_left().chain(snapshot.luggage.secured());
     is_unseen || (!is_secured && grave.any(|piece| piece.is_dangerous()))
 }

@@ -1,4 +1,4 @@
-//! The messages for Home Assistant, compared with golden files and with what is really published.
+//! Tests of the messages for Home Assistant. They are compared with golden files and with the published messages.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! The meaning of the original system's messages (mission §8): one table maps MSGIDs to commands, for events and dispatches
-//! alike, from any sender with any number. What is done with the command is decided elsewhere.
+//! The meaning of the original system's messages (mission §8). One table maps MSGIDs to commands. The table holds for
+//! events as well as dispatches, from any sender with any number. What is done with a command is decided elsewhere.
 
 use std::sync::LazyLock;
 
@@ -18,11 +18,11 @@ use hallsweep_core::refused::Refused;
 #[derive(Clone, Debug, PartialEq)]
 pub enum QakRequest {
     Command(Command),
-    /// Going on: retakes a failed photo, otherwise means START.
+    /// "Go on": retake a failed photo, or else START.
     GoOn,
-    /// Asks for nothing: a message that we publish ourselves, or a reply to somebody.
+    /// No command: a message that we published ourselves, or a reply to another actor.
     Nothing,
-    /// An unknown MSGID: other actors may send such messages to each other.
+    /// An unknown MSGID. Other actors may send such messages to each other.
     Unknown(String),
 }
 
@@ -31,20 +31,20 @@ pub enum QakRequest {
 pub enum Wrong {
     #[error(transparent)]
     NoMessage(#[from] NoMessage),
-    /// The MSGID is known, but the CONTENT makes no sense.
+    /// The MSGID is known, but the CONTENT has no meaning for it.
     #[error("the CONTENT of {id} is wrong: {words}")]
     Content { id: &'static str, words: String },
-    /// The message asks for driving, which old clients may not do without `manual_driving`.
+    /// The message asks to drive the robot. Old clients may do that only with `manual_driving`.
     #[error("{refused}")]
     Refused { command: Command, refused: Refused },
 }
 
-/// The meaning of a payload on one of the old topics. If the payload begins with a MSGID that is not ours, it counts as
-/// unknown, even if it is too long or no message at all: other actors may send each other what they like.
+/// Returns the meaning of a payload on one of the old topics. A payload that begins with an unknown MSGID counts as
+/// unknown, even if it is too long or not a message. Other actors may send each other such payloads.
 ///
 /// # Errors
-/// When the payload is no message, when a known message makes no sense, or when it asks for driving and `manual_driving` is
-/// false.
+/// When the payload is not a message, or when the CONTENT of a known message has no meaning. Also when a message asks
+/// to drive and `manual_driving` is false.
 pub fn asked(payload: &[u8], manual_driving: bool) -> Result<QakRequest, Wrong> {
     if is_stop(payload) {
         return Ok(QakRequest::Command(Command::Stop));
@@ -71,13 +71,14 @@ fn of_others(id: String) -> QakRequest {
     if id == MODEL_CONTENT { QakRequest::Nothing } else { QakRequest::Unknown(id) }
 }
 
-/// Whether a payload begins like a message with a MSGID that is not ours. It reads only the beginning.
+/// Whether a payload begins like a message with an unknown MSGID. Only the beginning is read.
 pub fn is_of_others(payload: &[u8]) -> bool {
     beginning(payload).is_some_and(|id| known(&id).is_none())
 }
 
-/// Whether a payload means STOP, whatever else is wrong with it: a missing number, an invalid sender, a missing end, excessive
-/// length (safety S1, S8). It reads only the beginning, except for a message such as `userCmd`, which says STOP in its CONTENT.
+/// Whether a payload means STOP. Other faults do not matter: a missing number, an invalid sender, a missing end,
+/// excessive length (safety S1, S8). Only the beginning is read, except for messages such as `userCmd`, whose CONTENT
+/// may be a STOP.
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
     match known(&id).map(|known| known.asks) {
@@ -164,7 +165,8 @@ impl Known {
     }
 }
 
-/// The parts in the parentheses after `id`, empty if there are no parentheses; `None` if the content does not begin with `id`.
+/// Returns the parts in the parentheses after `id`. Without parentheses the result is empty. Returns `None` if the
+/// content does not begin with `id`.
 fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     match content {
         Term::Compound(name, parts) if name == id => Some(parts),
@@ -173,7 +175,7 @@ fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
     }
 }
 
-/// The CONTENT without the quotes that may surround it, as in `'startTest(1,2)'`.
+/// Returns the CONTENT without surrounding quotes, as in `'startTest(1,2)'`.
 fn unquoted(content: &Term) -> Term {
     let within = match content {
         Term::Atom(text) => Term::parse(text).ok(),
@@ -182,7 +184,7 @@ fn unquoted(content: &Term) -> Term {
     within.unwrap_or_else(|| content.clone())
 }
 
-/// The MSGID at the beginning of a payload, if a comma follows it.
+/// Returns the MSGID at the beginning of a payload, if a comma follows the MSGID.
 fn beginning(payload: &[u8]) -> Option<String> {
     let id = opening(payload)?;
     (letters(payload).nth(OPENING.len() + id.len()) == Some(b',')).then_some(id)
@@ -190,10 +192,10 @@ fn beginning(payload: &[u8]) -> Option<String> {
 
 const OPENING: &[u8] = b"msg(";
 
-/// Number of bytes of a word that are compared. Every known MSGID is shorter.
+/// Number of bytes of a word that are compared. Every known MSGID is shorter than this.
 const LONGEST: usize = 64;
 
-/// The word at the beginning of a message's first part, quoted or not.
+/// Returns the word at the beginning of a message's first part, with or without quotes around it.
 fn opening(payload: &[u8]) -> Option<String> {
     if !letters(payload).take(OPENING.len()).eq(OPENING.iter().copied()) {
         return None;
@@ -202,17 +204,18 @@ fn opening(payload: &[u8]) -> Option<String> {
     Some(word.take(LONGEST).collect())
 }
 
-/// Some editors put these bytes before a text.
+/// The UTF-8 byte order mark. Some editors put it before a text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// The bytes of a payload without blanks, control characters and quotes. Terms know only single quotes.
+/// Returns the bytes of a payload without blanks, control characters and quotes. Double quotes are removed too,
+/// although terms have only single quotes.
 fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
     let text = payload.strip_prefix(BYTE_ORDER_MARK).unwrap_or(payload);
     let is_between = |letter: u8| letter.is_ascii_whitespace() || letter.is_ascii_control() || matches!(letter, b'\'' | b'"');
     text.iter().copied().filter(move |letter| !is_between(*letter))
 }
 
-/// Whether a move that means STOP follows `beginning` anywhere among the letters.
+/// Whether `beginning` occurs anywhere in `letters` with a STOP directly after it.
 fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
     let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
     starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {

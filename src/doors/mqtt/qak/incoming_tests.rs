@@ -1,4 +1,4 @@
-//! Tests of the meaning of old messages. Parsing is tested with `message`.
+//! Tests of the meaning of old messages. The tests of `message` cover parsing.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,8 @@ fn ask(text: &str) -> Result<QakRequest, Wrong> {
     asked(text.as_bytes(), true)
 }
 
-/// The command of a message both as an event and as a dispatch to the robot's mind, which must be equal.
+/// Reads a message as an event and as a dispatch to the robot's mind. Both must have the same command, which is
+/// returned.
 fn both(id: &str, content: &str) -> Command {
     let asked = both_ask(id, content);
     let QakRequest::Command(command) = asked else { panic!("{id}: {asked:?}") };
@@ -71,7 +72,7 @@ fn every_message_of_the_original_system_is_a_command_as_event_and_as_dispatch() 
     }
 }
 
-/// The message whose command depends on the state.
+/// A message whose command depends on the state.
 const GO_ON: &str = "continueExplore";
 
 #[test]
@@ -206,7 +207,7 @@ fn only_a_stop_is_one() {
     }
 }
 
-/// Safety S2: heat halts, so its message is not checked more closely than needed.
+/// Safety S2: a report of heat halts the robot, so its CONTENT is not checked.
 #[test]
 fn heat_is_believed_whatever_its_message_says() {
     for content in ["temperatureTooHigh(31)", "31", "ok"] {

@@ -1,5 +1,5 @@
-//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`. Parsing is liberal, printing is
-//! strict. The meaning of messages is in `incoming` and `outgoing`.
+//! A message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`. Parsing accepts small
+//! deviations; printing follows the exact form. The meaning of messages is in `incoming` and `outgoing`.
 
 use std::fmt;
 
@@ -15,27 +15,27 @@ pub struct Message {
     pub kind: MessageKind,
     /// The SENDER, such as `js`.
     pub sender: String,
-    /// The RECEIVER, `none` for an event.
+    /// The RECEIVER. It is `none` for an event.
     pub receiver: String,
     pub content: Term,
-    /// The SEQNUM. Old clients write 1 in all messages.
+    /// The SEQNUM. Old clients write 1 in every message.
     pub number: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageKind {
-    /// A message to everybody who listens.
+    /// A message to all actors that listen.
     Event,
     /// A message to one receiver, without an answer.
     Dispatch,
-    /// A message to one receiver, who answers.
+    /// A message to one receiver, which must answer.
     Request,
-    /// A message to one receiver, who may answer.
+    /// A message to one receiver, which may answer.
     Invitation,
     Reply,
 }
 
-/// `Display` is a sentence for the log.
+/// `Display` gives a sentence for the log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMessage {
     #[error("the payload is no message: {0}")]
@@ -52,10 +52,10 @@ pub enum NoMessage {
 }
 
 impl Message {
-    /// Parses a payload. Blanks round its parts and a line end after it are ignored.
+    /// Parses a payload. Blanks around its parts and a line end after it are ignored.
     ///
     /// # Errors
-    /// When the payload is no text, no term, or a term that is not a message.
+    /// When the payload is not text, not a term, or a term that is not a message.
     pub fn parse(payload: &[u8]) -> Result<Message, NoMessage> {
         let no_text = |error: std::str::Utf8Error| Unreadable::NotText { at: error.valid_up_to() };
         match Term::parse(std::str::from_utf8(payload).map_err(no_text)?)? {
@@ -82,7 +82,7 @@ impl Message {
 }
 
 impl fmt::Display for Message {
-    /// Prints without blanks round the commas.
+    /// Prints the message without blanks around the commas.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (id, sender, receiver) = (Printed(&self.id), Printed(&self.sender), Printed(&self.receiver));
         write!(f, "{MSG}({id},{},{sender},{receiver},{},{})", self.kind.name(), self.content, self.number)

@@ -1,5 +1,5 @@
-//! The messages of the original system's resource model (mission §8): the three contents of `modelContent`, and the message
-//! that contains them. When each is published is decided elsewhere.
+//! The messages about the original system's resource model (mission §8): the three kinds of content in
+//! `modelContent`, and the message around them. When they are published is decided elsewhere.
 
 use super::message::{Message, MessageKind};
 use super::term::Term;
@@ -9,7 +9,7 @@ use hallsweep_core::world::luggage::Luggage;
 
 pub(super) const MODEL_CONTENT: &str = "modelContent";
 
-/// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
+/// Returns a term such as `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
 pub fn robot(snapshot: &Snapshot) -> Term {
     let (robot, cell) = (&snapshot.robot, snapshot.robot.pose.cell);
     let direction = Term::atom(old_items::direction(robot.pose.heading));
@@ -21,17 +21,19 @@ pub fn robot(snapshot: &Snapshot) -> Term {
     content("robot", parts)
 }
 
-/// `content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @')))`.
+/// Returns a term such as `content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @')))`.
 pub fn room_map(snapshot: &Snapshot) -> Term {
     content("roomMap", [state(map_text::one_line(snapshot))])
 }
 
-/// `content(luggage(state('photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00')))`.
+/// Returns a term such as `content(luggage(state('photo 1, position: (0, 2), date:
+/// 2026-02-03T10:05:12.000+01:00')))`.
 pub fn luggage(luggage: &Luggage) -> Term {
     content("luggage", [state(old_items::luggage_state(luggage))])
 }
 
-/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: the reason of a refusal, shown in place of a piece.
+/// Returns the reason of a refusal as a term such as `content(luggage(state('refused: luggage #3 has no usable
+/// photo')))`. Old consoles show it in place of a piece.
 pub fn why_not(words: &str) -> Term {
     let mut text = format!("refused: {words}");
     while text.contains("))") {
@@ -40,22 +42,22 @@ pub fn why_not(words: &str) -> Term {
     content("luggage", [state(text)])
 }
 
-/// The number of a message that answers somebody. Such a message is not counted.
+/// The number of every message that answers a command. Such messages are not counted.
 pub const ANSWER: u64 = 0;
 
-/// Whether a message made by `message` has a counted number, and not `ANSWER`.
+/// Whether a message made by `message` has a counted number, which is any number except `ANSWER`.
 pub fn is_counted(message: &[u8]) -> bool {
     !message.ends_with(format!(",{ANSWER})").as_bytes())
 }
 
-/// `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
+/// Returns the text `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
 pub fn message(content: Term, number: u64) -> String {
     let (sender, receiver) = ("resourcemodel".to_owned(), "none".to_owned());
     Message { id: MODEL_CONTENT.to_owned(), kind: MessageKind::Event, sender, receiver, content, number }.to_string()
 }
 
-/// An old console searches for the word `content`, and shows the text from the first `state` to the first `))`. So no part may
-/// contain two closing parentheses in a row.
+/// Builds a content for old consoles. An old console searches for the word `content`, and shows the text from the
+/// first `state` to the first `))`. So no part may contain `))`.
 fn content(name: &str, parts: impl Into<Vec<Term>>) -> Term {
     Term::compound("content", [Term::compound(name, parts)])
 }
@@ -73,7 +75,7 @@ mod tests {
     use hallsweep_core::robot::RobotState;
     use hallsweep_core::units::{Cell, Heading, Pose, WallTime};
 
-    /// The part of a message that an old console shows.
+    /// Returns the part of a message that an old console shows.
     fn shown(text: &str) -> &str {
         assert!(text.contains("content"), "the word it looks for: {text}");
         let from = &text[text.find("state").unwrap()..];

@@ -1,22 +1,22 @@
-//! Parses a term from a text. The parser accepts or refuses every text without a panic, and is bounded in length and depth. The
-//! values are in `term`.
+//! Parses a text into a term. Any text is either accepted or refused, without a panic. Length and depth are bounded.
+//! The values are in `term`.
 
 use super::term::{Number, Term, begins_word, is_in_word};
 
-/// Maximum length of a text in bytes: that of a command at this door. Outgoing texts may be longer, such as maps.
+/// Maximum length of a text in bytes, as for commands at this door. Outgoing texts, such as maps, may be longer.
 pub const LENGTH: usize = 4096;
 
-/// Maximum depth of nested terms. Messages need five, and each level takes a little stack.
+/// Maximum depth of nested terms. Messages need a depth of five. Each level takes a little stack.
 pub const DEPTH: usize = 32;
 
-/// Why a text is no term. `Display` is a sentence for the log; `at` counts bytes from the beginning.
+/// Why a text is not a term. `Display` gives a sentence for the log. `at` is a number of bytes from the beginning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unreadable {
     #[error("the text has {0} bytes: the maximum is {LENGTH}")]
     TooLong(usize),
     #[error("the text is no UTF-8 from byte {at} on")]
     NotText {
-        /// The first byte that is not valid UTF-8.
+        /// Position of the first byte that is not valid UTF-8.
         at: usize,
     },
     #[error("at byte {at} the text is nested deeper than {DEPTH} terms")]
@@ -24,17 +24,17 @@ pub enum Unreadable {
     #[error("at byte {at}: expected {expected}, found {}", found.map_or("the end".to_owned(), |found| format!("{found:?}")))]
     Unexpected {
         at: usize,
-        /// The character at this place; `None` if it is the end of the text.
+        /// The character at `at`; `None` at the end of the text.
         found: Option<char>,
         expected: &'static str,
     },
 }
 
 impl Term {
-    /// Parses one term and nothing else. Blanks may surround each part.
+    /// Parses a text that consists of one term. Blanks may surround each part.
     ///
     /// # Errors
-    /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or no term.
+    /// When `text` is longer than `LENGTH`, nested deeper than `DEPTH`, or not a term.
     pub fn parse(text: &str) -> Result<Term, Unreadable> {
         TermReader::whole(text)
     }
@@ -90,7 +90,7 @@ impl<'a> TermReader<'a> {
         Ok(Term::Compound(name, parts))
     }
 
-    /// A text in quotes, beginning with the opening quote. A doubled quote in it stands for one.
+    /// Reads a text in quotes, from the opening quote on. Two quotes in a row stand for one quote in the text.
     fn quoted(&mut self) -> Result<String, Unreadable> {
         let mut text = String::new();
         loop {
@@ -117,7 +117,7 @@ impl<'a> TermReader<'a> {
         number.map(Term::Number).ok_or_else(|| self.unexpected("a number such as 3, -3 or 21.5"))
     }
 
-    /// The next character that is not blank. It is not consumed, but the blanks before it are.
+    /// Skips blanks, and returns the next character without consuming it.
     fn next(&mut self) -> Option<char> {
         self.taken_while(|letter| letter.is_ascii_whitespace());
         self.rest().chars().next()

@@ -1,5 +1,6 @@
-//! Prolog-like terms, in which the actors of the original system write their messages: the values, and how they are printed.
-//! Parsing is in `reader`. There are no variables, lists or operators, because no message has any.
+//! Terms like those of Prolog. The actors of the original system write their messages as such terms. The values and
+//! their printing are here; parsing is in `reader`. No message has variables, lists or operators, so they are left
+//! out.
 
 use std::fmt;
 
@@ -8,15 +9,15 @@ pub use super::reader::{DEPTH, LENGTH, Unreadable};
 /// A term, such as `startCmd`, `12`, or `content(robot(state(stopped)))`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// A word, or any text. As in Prolog, quotes belong to the notation and not to the value: `'js'` and `js` are the same
-    /// atom.
+    /// A word, or any text. As in Prolog, quotes are only notation: `'js'` and `js` are the same atom.
     Atom(String),
     Number(Number),
-    /// A word or text with terms in parentheses. `f()`, which Prolog does not have, is a compound without terms.
+    /// A word or text, followed by terms in parentheses. Unlike in Prolog, `f()` is allowed; it is a compound without
+    /// terms.
     Compound(String, Vec<Term>),
 }
 
-/// A number as it was written: between parsing and printing no digit is lost or added.
+/// A number as it was written. Parsing and printing do not change its digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Number(String);
 
@@ -42,7 +43,8 @@ impl Term {
 }
 
 impl Number {
-    /// `text` as a number: digits, with an optional minus and an optional fraction. `None` for any other text.
+    /// Returns `text` as a number: an optional minus, digits, and an optional fraction. Returns `None` for any other
+    /// text.
     pub fn new(text: &str) -> Option<Number> {
         let (whole, fraction) = text.split_once('.').map_or((text, None), |(whole, fraction)| (whole, Some(fraction)));
         let are_digits = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
@@ -63,8 +65,8 @@ pub(super) const fn is_in_word(letter: char) -> bool {
     begins_word(letter) || letter.is_ascii_digit()
 }
 
-/// A text printed as an atom: bare if it is a word (`startCmd`), otherwise in quotes, with each quote in it doubled
-/// (`'l''una'`).
+/// Prints a text as an atom. A word is printed bare (`startCmd`). Any other text is printed in quotes, and each quote
+/// in it is doubled (`'l''una'`).
 pub(super) struct Printed<'a>(pub(super) &'a str);
 
 impl fmt::Display for Printed<'_> {
@@ -77,7 +79,7 @@ impl fmt::Display for Printed<'_> {
 }
 
 impl fmt::Display for Term {
-    /// Prints without blanks outside of quotes.
+    /// Prints the term without blanks, except for those inside quotes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Term::Atom(text) => Printed(text).fmt(f),
@@ -100,7 +102,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Any term that is not too deep or too long to be parsed again.
+    /// Generates terms that are short and flat enough to be parsed again.
     pub(in super::super) fn any_term() -> impl Strategy<Value = Term> {
         let text = || prop_oneof![4 => "[a-zA-Z_][a-zA-Z0-9_]{0,8}", 1 => "['(), \\\\a-c\n]{0,6}", 1 => "\\PC{0,4}"];
         let number = "-?[0-9]{1,20}(\\.[0-9]{1,4})?".prop_map(|text| Term::Number(Number::new(&text).unwrap()));

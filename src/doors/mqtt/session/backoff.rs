@@ -1,5 +1,5 @@
-//! The pauses between attempts to connect. They grow, and are random, so that many robots do not return to a broker all at
-//! once. Nothing waits here.
+//! The pauses between attempts to connect. The pauses grow with each failure. They are random, so that many robots do
+//! not return to a broker at the same moment. Nothing waits here.
 
 use std::time::Duration;
 
@@ -21,8 +21,9 @@ impl Backoff {
         Backoff { shortest, longest, bound: shortest, chance }
     }
 
-    /// The pause after a connection, or an attempt to connect, that lasted this long. The time of an attempt counts as part of
-    /// the pause: a broker whose machine was off is then found as soon as a broker whose port was closed.
+    /// Returns the pause after a connection or a failed attempt that took `lasted`. The time of a failed attempt
+    /// counts as part of the pause. So a broker whose machine was off is found about as soon as a broker that refused
+    /// each attempt at once.
     pub(super) fn handle_ended(&mut self, lasted: Duration, was_open: bool) -> Duration {
         if was_open && lasted >= self.longest {
             self.bound = self.shortest;

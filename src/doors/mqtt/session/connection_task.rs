@@ -1,5 +1,5 @@
-//! One connection from beginning to end: passes on what is received, and sends what is new. The parent module decides when to
-//! try again. The rules of a connection are in `conversation`.
+//! One connection from beginning to end: passes on received messages, and sends new ones. The parent module decides
+//! when to connect again. The rules of a connection are in `conversation`.
 
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Publishes that the program ends, and waits for the acknowledgement for a bounded time.
+    /// Publishes that the program ends, and waits for the acknowledgement, at most `Times::farewell`.
     pub(super) async fn take_leave(mut self) {
         if self.conversation.is_open() {
             let patience = self.session.times.farewell;
@@ -72,7 +72,8 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Publishes new messages until there is no more room. The rest is polled later, and is newer then.
+    /// Publishes new messages while there is room. The remaining messages are polled later, with the newest state at
+    /// that time.
     fn speak(&mut self) {
         if self.conversation.is_open() {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
@@ -90,7 +91,8 @@ impl ConnectionTask<'_> {
         [self.conversation.poll_timeout(), news].into_iter().flatten().min()
     }
 
-    /// Passes a message to the client; false when it is too large for the broker, or the client has no room for it.
+    /// Passes a message to the MQTT client library. Returns false when the message is too large for the broker, or
+    /// when the library has no room.
     fn give(&mut self, publication: Publication) -> bool {
         let is_given = self.transport.publish(&publication);
         if is_given {
@@ -147,8 +149,8 @@ impl ConnectionTask<'_> {
         self.session.handle_open();
     }
 
-    /// Handles only new messages, each of them once: retained messages were meant for somebody earlier. A STOP is carried out
-    /// as often as it comes.
+    /// Handles a received message. Retained messages are ignored, because they were sent for an earlier moment.
+    /// Repeated messages are ignored too, except for STOP, which is carried out each time.
     fn hear(&mut self, said: &Heard) {
         let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
         let is_repeated = self.conversation.is_repeated(said.id, said.is_duplicate, (topic, payload));
@@ -170,7 +172,7 @@ impl ConnectionTask<'_> {
         let wanted = said.answer_to.as_ref().map(|(topic, correlation)| AnswerTo { topic, correlation: correlation.as_deref() });
         let answer_to = session.commands.answer_to(wanted, &session.publisher);
         let heard = IncomingMessage { topic, payload, arrived: None, is_again: false, answer_to };
-        // `commands` publishes the result itself.
+        // The return value is not needed: `commands` publishes the result itself.
         if is_repeated {
             let _ = session.commands.halts(topic.as_bytes(), payload, answer_to, &session.publisher);
         } else {
@@ -188,7 +190,7 @@ impl ConnectionTask<'_> {
             self.handle_last(event);
         }
         if !is_said {
-            // The broker publishes the last will, because we leave without a DISCONNECT.
+            // `offline` was not published. Leaving without a DISCONNECT makes the broker publish it as the last will.
             return Ok(());
         }
         self.transport.hang_up();
@@ -196,7 +198,7 @@ impl ConnectionTask<'_> {
         Ok(())
     }
 
-    /// At the end of the program no command is taken, and only acknowledgements count.
+    /// Handles an event while the program ends. Commands are ignored, and only acknowledgements count.
     fn handle_last(&mut self, event: Event) {
         if let Event::Acknowledged { id, .. } = event {
             let _ = self.conversation.inflight.handle_acknowledged(id, self.now());

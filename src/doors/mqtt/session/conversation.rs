@@ -1,5 +1,6 @@
-//! The state of one connection: whether it is greeted and subscribed, which acknowledgements are owed, which messages were
-//! received, and the deadlines. The caller reports the events and the time. Nothing is sent here.
+//! The state of one connection: whether the broker has greeted us and accepted the subscription, the missing
+//! acknowledgements, the received messages, and the deadlines. The caller reports the events and the time. Nothing is
+//! sent here.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
@@ -14,12 +15,12 @@ pub(super) struct Conversation {
     stage: ConversationStage,
     times: Times,
     pub(super) inflight: Inflight,
-    /// A mark of the last message under each packet id. Few ids are in use.
+    /// For each packet id, a hash of the last message with that id. Few ids are in use.
     heard: HashMap<u16, u64>,
     marks: RandomState,
 }
 
-/// How far the connection has come. A stage that waits has a deadline.
+/// How far the connection has come. The first two stages have a deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ConversationStage {
     Greeting(Duration),
@@ -51,7 +52,7 @@ impl Conversation {
         self.stage = ConversationStage::Subscribing(now + self.times.greeting);
     }
 
-    /// The broker has answered a subscription; returns whether an answer was expected.
+    /// Call this when the broker has answered a subscription. Returns whether an answer was expected.
     pub(super) fn handle_subscribed(&mut self) -> bool {
         let is_due = matches!(self.stage, ConversationStage::Subscribing(_));
         if is_due {
@@ -60,16 +61,16 @@ impl Conversation {
         is_due
     }
 
-    /// Whether a message was received on this connection before, and was sent again because our acknowledgement was late. The
-    /// packet id alone does not tell, because a broker reuses ids. The duplicate flag alone does not tell, because NATS sets it
-    /// when its first attempt failed. So both are checked, and the contents are compared. A message without an id (QoS 0) is
-    /// never repeated.
+    /// Whether this message was received before on this connection, and sent again because our acknowledgement was
+    /// late. The packet id does not prove it, because brokers reuse ids. The duplicate flag does not prove it,
+    /// because NATS also sets it if its first attempt failed. So both are checked, and the contents are compared. A
+    /// message without an id (QoS 0) is never repeated.
     pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool, said: (&str, &[u8])) -> bool {
         let mark = self.marks.hash_one(said);
         id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate
     }
 
-    /// Called when the time of [`Conversation::poll_timeout`] may have come.
+    /// Call this when the time returned by [`Conversation::poll_timeout`] may have come. Earlier calls do no harm.
     ///
     /// # Errors
     /// When the broker has been silent for too long.

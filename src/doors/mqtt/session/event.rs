@@ -1,16 +1,16 @@
-//! The events of a connection to a broker.
+//! The events of a connection to another broker.
 
 use bytes::Bytes;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Event {
     Greeted {
-        /// Maximum packet size of the broker in bytes, if it sends one.
+        /// Maximum packet size that the broker accepts, in bytes. `None` if the broker names no maximum.
         largest: Option<u32>,
-        /// Maximum number of messages that the broker leaves unacknowledged, if it sends one.
+        /// Maximum number of unacknowledged messages that the broker accepts. `None` if the broker names no maximum.
         receive_maximum: Option<u16>,
     },
-    /// Whether each of our filters was granted, in the order of the filters.
+    /// For each of our filters, in their order: whether the broker granted it.
     Subscribed(Vec<bool>),
     Acknowledged {
         id: u16,
@@ -27,10 +27,10 @@ pub(super) enum Event {
 pub(super) struct Heard {
     pub(super) topic: String,
     pub(super) payload: Bytes,
-    /// The packet id, 0 at QoS 0.
+    /// The packet id. It is 0 for a message with QoS 0.
     pub(super) id: u16,
     pub(super) is_duplicate: bool,
     pub(super) retain: bool,
-    /// Response topic and correlation data.
+    /// Response topic and correlation data of MQTT 5.
     pub(super) answer_to: Option<(String, Option<Bytes>)>,
 }

@@ -1,4 +1,4 @@
-//! rumqttc's MQTT 5 client, with its events in the terms of `transport`.
+//! Adapts rumqttc's MQTT 5 client to `transport`.
 
 use bytes::Bytes;
 use futures_util::stream::{Stream, unfold};
@@ -40,7 +40,7 @@ impl Five {
         times: &Times,
     ) -> (Five, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
         let (client, events) = AsyncClient::new(options(link, will, times), IN_FLIGHT + BESIDE);
-        // rumqttc's own loop must not be cancelled, as in `three`.
+        // rumqttc's own loop must not be cancelled; the reason is in `three`.
         let events = unfold(events, async |mut events| {
             let happened = events.poll().await.map(event).map_err(Lost::from);
             Some((happened, events))
@@ -50,7 +50,8 @@ impl Five {
 
     pub(super) fn subscribe(&self, filters: Vec<String>, kept: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| Filter::new(path, QoS::AtLeastOnce));
-        // The broker sends neither our own messages nor retained ones, but only messages that others publish from now on.
+        // With these options the broker sends only messages that other clients publish from now on. It sends neither
+        // our own messages nor retained ones.
         let now_and_theirs =
             |path| Filter { nolocal: true, retain_forward_rule: RetainForwardRule::Never, ..Filter::new(path, QoS::AtMostOnce) };
         self.0.try_subscribe_many(filters.chain(kept.into_iter().map(now_and_theirs))).is_ok()

@@ -1,5 +1,6 @@
-//! Publications that were passed to the client and are not acknowledged yet: the room for more, how long the broker has owed an
-//! acknowledgement, and what to publish again when the connection is lost. Nothing is sent here.
+//! Publications that were passed to the MQTT client library and are not acknowledged yet. Knows the room for more,
+//! how long an acknowledgement has been missing, and what to publish again after a lost connection. Nothing is sent
+//! here.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -9,11 +10,13 @@ use super::link::IN_FLIGHT;
 
 #[derive(Debug, Default)]
 pub(super) struct Inflight {
-    /// Publications in the order in which they were passed. Each has a packet id once it was sent.
+    /// Publications in the order in which they were passed to the library. A publication gets its packet id when it
+    /// is sent.
     open: VecDeque<(Option<u16>, Publication)>,
-    /// Time of the last acknowledgement, or when the first publication was passed.
+    /// When the present wait for an acknowledgement began: at the last acknowledgement, or when a publication was
+    /// passed while none was open.
     since: Duration,
-    /// Maximum number of publications that the broker leaves unacknowledged, if it sends one.
+    /// Maximum number of unacknowledged publications that the broker accepts. `None` if the broker names no maximum.
     most: Option<usize>,
 }
 
@@ -30,7 +33,7 @@ impl Inflight {
         self.most = receive_maximum.map(usize::from);
     }
 
-    /// A publication was passed to the client, which sends publications in the same order.
+    /// Call this when a publication was passed to the library. The library sends publications in the same order.
     pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
         if self.open.is_empty() {
             self.since = now;
@@ -44,19 +47,20 @@ impl Inflight {
         }
     }
 
-    /// The broker has accepted or refused the publication with this id, which is returned.
+    /// Call this when the broker has accepted or refused the publication with this id. Returns that publication.
     pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) -> Option<Publication> {
         let place = self.open.iter().position(|(under, _)| *under == Some(id))?;
         self.since = now;
         self.open.remove(place).map(|(_, publication)| publication)
     }
 
-    /// Since when the broker has owed an acknowledgement. `Times::acknowledgement` limits how long it may.
+    /// Returns since when an acknowledgement has been missing, or `None` if none is. `Times::acknowledgement` limits
+    /// this time.
     pub(super) fn owed_since(&self) -> Option<Duration> {
         (!self.open.is_empty()).then_some(self.since)
     }
 
-    /// Publications that may not have arrived, oldest first.
+    /// Returns the publications that may not have arrived, oldest first.
     pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
         self.open.into_iter().map(|(_, publication)| publication).collect()
     }

@@ -1,6 +1,6 @@
-//! Our retained messages at another broker, on one connection. Anybody who may publish on their topics can replace them, and so
-//! can a late last will of ours. A subscription to these topics shows when a message was replaced, and the message is published
-//! again. Nothing is sent here.
+//! Watches our retained messages at another broker, on one connection. Anybody who may publish on their topics can
+//! replace them. A last will of an earlier connection can replace them too, if it comes late. A subscription to these
+//! topics shows when a message was replaced. Then the message is published again. Nothing is sent here.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -10,13 +10,14 @@ use super::super::publication::Publication;
 use super::link::IN_FLIGHT;
 use crate::doors::update_interval;
 
-/// Minimum time between two repetitions on one topic: two programs that overwrite each other must not fill the broker.
+/// Minimum time between two repetitions on one topic. Without it, two programs that overwrite each other's messages
+/// would flood the broker.
 const AGAIN: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
 pub(super) struct Kept {
     topics: HashMap<String, Option<Topic>>,
-    /// Whether the broker sends us our own messages, as it does in MQTT 3.1.1.
+    /// Whether the broker sends us our own messages, as brokers of MQTT 3.1.1 do.
     has_echo: bool,
     marks: RandomState,
 }
@@ -24,11 +25,11 @@ pub(super) struct Kept {
 #[derive(Debug)]
 struct Topic {
     ours: Publication,
-    /// Marks of our messages that have not come back yet, newest first.
+    /// Hashes of our messages that the broker has not sent back yet, newest first.
     echoes: VecDeque<u64>,
-    /// When our message is to be published again, because a message of others has replaced it.
+    /// When to publish our message again. `None` unless others have replaced it.
     due: Option<Duration>,
-    /// Earliest time of the next repetition, by `AGAIN`.
+    /// Earliest time of the next repetition. The interval is at least `AGAIN`.
     next: Duration,
     is_told: bool,
 }
@@ -46,17 +47,17 @@ impl Kept {
         let topic = topic.get_or_insert_with(fresh);
         (topic.ours, topic.due) = (publication.clone(), None);
         if self.has_echo {
-            // More messages than this cannot be under way, so older ones do not come back any more.
+            // At most `IN_FLIGHT` messages can be under way, so the broker will not send older ones back.
             topic.echoes.truncate(IN_FLIGHT - 1);
             topic.echoes.push_front(mark);
         }
     }
 
-    /// A message was received, published by us or by others. `None` if its topic is not in `topics`; otherwise whether others
-    /// have published there for the first time.
+    /// Handles a received message of ours or of others. Returns `None` if its topic is not in `topics`. Otherwise
+    /// returns whether others have published there for the first time.
     pub(super) fn handle_heard(&mut self, topic: &str, payload: &[u8], now: Duration) -> Option<bool> {
         let topic = self.topics.get_mut(topic)?;
-        // Before our first publication there is nothing to repeat.
+        // Before our first publication on this topic there is nothing to repeat.
         let Some(topic) = topic else { return Some(false) };
         let mark = self.marks.hash_one(payload);
         let echo = topic.echoes.iter().rposition(|echo| *echo == mark);
@@ -73,7 +74,7 @@ impl Kept {
         Some(false)
     }
 
-    /// A publication due for repetition. It counts as sent when `handle_given` gets it.
+    /// Returns a publication that must be repeated now. Call `handle_given` once it is sent.
     pub(super) fn poll_publication(&mut self, now: Duration) -> Option<Publication> {
         let topic = self.topics.values_mut().flatten().find(|topic| topic.due.is_some_and(|due| due <= now))?;
         topic.due = None;

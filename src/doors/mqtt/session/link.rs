@@ -1,4 +1,4 @@
-//! The address of a broker, and how it is reached. The connection itself is in `transport`.
+//! The address of another broker, with login and encryption. The connection itself is in `transport`.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,14 +9,15 @@ use rustls::ClientConfig;
 use super::times::Times;
 use mqtt_gate::packet::Version;
 
-/// Maximum number of unacknowledged publications. Over a line of 200 ms that allows three hundred a second, more than are ever
-/// published.
+/// Maximum number of unacknowledged publications. With a round trip of 200 ms this allows three hundred publications
+/// a second, more than are ever published.
 pub(super) const IN_FLIGHT: usize = 64;
 
-/// rumqttc's own limit, which is above `IN_FLIGHT`, so that an acknowledgement out of order blocks nothing.
+/// rumqttc's own maximum of unacknowledged publications. It is above `IN_FLIGHT`, so that acknowledgements in another
+/// order do not block.
 pub(super) const IN_FLIGHT_BELOW: u16 = 128;
 
-/// Room in addition to these limits, for a subscription, a ping and two last messages.
+/// Additional room in the queue to rumqttc, for a subscription, a ping and two last messages.
 pub(super) const BESIDE: usize = 8;
 
 #[derive(Clone)]
@@ -26,7 +27,7 @@ pub struct SessionLink {
     pub port: u16,
     pub tls: Option<Arc<ClientConfig>>,
     pub login: Option<(String, String)>,
-    /// Our client id; no other client of the broker may have it.
+    /// Our client id. No other client of the broker may have the same id.
     pub client_id: String,
 }
 
@@ -40,7 +41,7 @@ impl SessionLink {
 pub(super) fn network(times: &Times) -> NetworkOptions {
     let mut network = NetworkOptions::new();
     network.set_tcp_nodelay(true);
-    // rumqttc has a time limit of its own, which is above that of the session.
+    // rumqttc's own time limit is longer than that of the session, so that the session's limit ends first.
     network.set_connection_timeout((times.greeting * 2).as_secs().max(1));
     network
 }
@@ -54,7 +55,7 @@ impl fmt::Display for SessionLink {
 }
 
 impl fmt::Debug for SessionLink {
-    /// Shows the address without the login, which must not be logged.
+    /// Shows the address without the login, because the login must not be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Link({self})")
     }

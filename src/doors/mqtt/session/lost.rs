@@ -1,4 +1,5 @@
-//! Why there is no connection, in words for the log. The reaction is always another attempt to connect.
+//! Why there is no connection to the broker, as sentences for the log. In every case the program tries to connect
+//! again.
 
 use std::time::Duration;
 
@@ -47,7 +48,7 @@ impl From<v5::ConnectionError> for Lost {
     }
 }
 
-/// The root cause of an error. The errors above it only repeat which layers it passed.
+/// Returns the root cause of an error. The errors above the root cause only name the layers that it has passed.
 fn root(error: &dyn std::error::Error) -> String {
     let mut deepest = error;
     while let Some(source) = deepest.source() {

@@ -1,6 +1,6 @@
-//! Publishes what is new: at our own broker in the same process (`own`), or at another broker as a client. At another broker it
-//! also receives commands, and reconnects whenever the connection is lost, until the program ends. Messages come from
-//! `change_feed`, commands go to `commands`.
+//! Publishes new messages: at our own broker in the same process (`own`), or at another broker as a client. At
+//! another broker it also receives commands. If the connection is lost, it connects again until the program ends.
+//! Messages come from `change_feed`, commands go to `commands`.
 
 mod backoff;
 mod connection_task;
@@ -69,9 +69,9 @@ pub struct Session {
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
-    /// Messages that were published on a lost connection, and may not have arrived.
+    /// Messages that were published on an earlier connection and may not have arrived.
     again: VecDeque<Publication>,
-    /// Number of old messages that may not have arrived.
+    /// Number of numbered messages for old clients that may not have arrived.
     unacknowledged: u64,
     backoff: Backoff,
     clock: Clock,
@@ -81,7 +81,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Does not connect before `run`.
+    /// Creates a session. It connects only when `run` is called.
     pub fn new(parts: Parts) -> Session {
         Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
@@ -103,7 +103,7 @@ impl Session {
         }
     }
 
-    /// Keeps the connection until `shutdown`. Then it disconnects within a second.
+    /// Keeps a connection to the broker until `shutdown`. Then disconnects within a second.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         loop {
@@ -125,7 +125,8 @@ impl Session {
         }
     }
 
-    /// Our message at the end of the program. As the last will, the broker publishes it when our connection is lost.
+    /// The message that the program publishes when it ends. It is also the last will, so the broker publishes it when
+    /// the connection is lost.
     fn offline(&self) -> Publication {
         Publication::kept(self.topics.availability(), OFFLINE)
     }
@@ -135,8 +136,9 @@ impl Session {
         self.topics.commands().into_iter().chain(status).collect()
     }
 
-    /// The topics of our retained messages, which others may replace. With MQTT 3.1.1 we also receive our own messages, so
-    /// large ones are left out: a STOP would wait behind them.
+    /// Returns the topics of our retained messages that are watched, because other clients may replace them. With
+    /// MQTT 3.1.1 we also receive our own messages, and a STOP would wait behind large ones. So the topics of large
+    /// messages are left out there.
     fn kept(&self) -> Vec<String> {
         let (topics, is_five) = (&self.topics, self.link.version == Version::Five);
         let is_small = |resource: &Resource| !matches!(resource, Resource::Map | Resource::Luggage | Resource::Log);
@@ -151,7 +153,8 @@ impl Session {
         self.again.pop_front().or_else(|| self.changes.poll_publication(self.clock.now().since_start))
     }
 
-    /// The broker has greeted us and answered our subscription. Everything is published again, as for a new subscriber.
+    /// Call this when the broker has greeted us and answered our subscription. Everything is published again, as for
+    /// a new subscriber.
     fn handle_open(&mut self) {
         if std::mem::take(&mut self.is_lost) {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
@@ -165,8 +168,8 @@ impl Session {
         self.changes.handle_state(state);
     }
 
-    /// Logs the loss of a connection, but not the failed attempts after it. Messages that may not have arrived are published
-    /// again: retained ones because all of them are renewed, the others unchanged.
+    /// Logs that a connection was lost. Failed attempts after that are not logged as warnings. Messages that may not
+    /// have arrived are published again: `renew` publishes all retained ones, and the other ones are sent unchanged.
     fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
         let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.changes.is_numbered(said));
         self.unacknowledged += numbered.len() as u64;

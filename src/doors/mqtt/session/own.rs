@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::Snapshot;
 use mqtt_gate::packet::properties::Property;
 use mqtt_gate::{Announcement, Broker, OwnSubscription};
 
-/// Commands are received at the broker's gate, not here.
+/// The program's own session at our own broker. Commands are not received here, but at the broker's gate.
 pub struct OwnSession {
     broker: Arc<Broker>,
     topics: Topics,
@@ -26,7 +26,7 @@ pub struct OwnSession {
     answers: mpsc::Receiver<ResultMessage>,
     archive: ArchiveReader,
     reading: PhotoReading,
-    /// The subscription to Home Assistant's status. It has no filters if Home Assistant is not served.
+    /// The subscription to Home Assistant's status. It is empty if Home Assistant is switched off.
     home_assistant_status: OwnSubscription,
     left_out: LogThrottle,
     clock: Clock,
@@ -58,7 +58,7 @@ impl OwnSession {
         }
     }
 
-    /// Publishes until `shutdown`, and then that the program has ended.
+    /// Publishes until `shutdown`. The last message says that the program has ended.
     pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
         tokio::pin!(shutdown);
         self.learn();

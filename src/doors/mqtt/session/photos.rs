@@ -1,5 +1,5 @@
-//! Reads the photo to publish, one at a time, where blocking is allowed. `change_feed` decides which photo that is, and whether
-//! it is still wanted when it has been read.
+//! Reads photos for publishing, one at a time, where blocking is allowed. `change_feed` chooses the photo. When the
+//! photo has been read, `change_feed` also decides whether it is still wanted.
 
 use std::pin::Pin;
 
@@ -21,7 +21,7 @@ impl PhotoReading {
         }
     }
 
-    /// Waits for the photo that is being read; for ever if none is. Safe to cancel.
+    /// Waits until the photo has been read. If no photo is being read, waits for ever. Safe to cancel.
     pub(super) async fn done(&mut self) -> Looked {
         let Some(reading) = &mut self.0 else { return std::future::pending().await };
         let looked = reading.await;

@@ -1,5 +1,5 @@
-//! For tests of the session: a broker that does what the test says, over loopback, and an app whose state the test sets. It
-//! routes nothing; real brokers are in the tests of the service.
+//! Helpers for tests of the session: a broker on loopback that does what the test says, and an app whose state the
+//! test sets. The broker routes nothing; the tests of the service use real brokers.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -119,7 +119,7 @@ impl Peer {
         Peer { stream, buffer: BytesMut::new() }
     }
 
-    /// Introduces a client; returns the answer, `None` when there is none.
+    /// Sends a CONNECT; returns the code of the answer, or `None` if there is no answer.
     pub(in super::super) async fn introduces(&mut self, connect: Packet) -> Option<ConnectReturnCode> {
         self.says(connect).await;
         match self.hears().await {
@@ -140,7 +140,7 @@ impl Peer {
         self.unacknowledged(|_| true).await
     }
 
-    /// The next packet; `None` when the connection has ended.
+    /// Returns the next packet, or `None` when the connection has ended.
     pub(super) async fn hears(&mut self) -> Option<Packet> {
         loop {
             match Packet::read(&mut self.buffer, LARGEST) {
@@ -154,7 +154,7 @@ impl Peer {
         }
     }
 
-    /// Sends a packet; the other side may be gone.
+    /// Sends a packet. Errors are ignored, because the other side may have left.
     pub(in super::super) async fn says(&mut self, packet: Packet) {
         let mut bytes = BytesMut::new();
         packet.write(&mut bytes, LARGEST).expect("it is a packet");
@@ -175,7 +175,7 @@ impl Peer {
         (connect, asked.filters.into_iter().map(|filter| filter.path).collect())
     }
 
-    /// Acknowledges publications until one on `topic` arrives, and returns that one.
+    /// Acknowledges publications until one on `topic` arrives. Returns that publication.
     pub(super) async fn until(&mut self, topic: &str) -> Publish {
         loop {
             let publish = self.unacknowledged(|_| true).await;
@@ -186,7 +186,7 @@ impl Peer {
         }
     }
 
-    /// The next matching publication, without acknowledging it or any before it.
+    /// Returns the next matching publication. Neither this publication nor any before it is acknowledged.
     pub(super) async fn unacknowledged(&mut self, is_it: impl Fn(&Publish) -> bool) -> Publish {
         loop {
             match self.hears().await {

@@ -1,4 +1,4 @@
-//! The session with a broker that does what the test says.
+//! Tests of the session with a broker that does what the test says.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::api::tests::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
 
-/// A time limit that is reached at once.
+/// A time limit that the test reaches at once.
 const SHORT: Duration = Duration::from_millis(50);
 
 fn others(broker: &TestBroker) -> TestApp {

@@ -1,4 +1,4 @@
-//! rumqttc's MQTT 3.1.1 client, with its events in the terms of `transport`.
+//! Adapts rumqttc's MQTT 3.1.1 client to `transport`.
 
 use futures_util::stream::{Stream, unfold};
 use rumqttc::{
@@ -35,8 +35,8 @@ impl Three {
     ) -> (Three, impl Stream<Item = Result<Event, Lost>> + Send + use<>) {
         let (client, mut events) = AsyncClient::new(options(link, will, times), IN_FLIGHT + BESIDE);
         events.set_network_options(network(times));
-        // rumqttc's own loop must not be cancelled, because it would forget what it was about to write. So it lives in this
-        // stream between polls.
+        // rumqttc's own loop must not be cancelled, because it would lose what it was about to write. This stream
+        // keeps the unfinished call between polls.
         let events = unfold(events, async |mut events| {
             let happened = events.poll().await.map(event).map_err(Lost::from);
             Some((happened, events))

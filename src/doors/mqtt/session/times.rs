@@ -4,15 +4,16 @@ use std::time::Duration;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Times {
-    /// Maximum time for connecting, TLS and the broker's greeting together. The same time applies to the answer to our
-    /// subscription.
+    /// Maximum time for connecting, TLS and the broker's greeting together. The answer to our subscription has the
+    /// same time limit.
     pub greeting: Duration,
-    /// Maximum time without an acknowledgement when the broker owes one.
+    /// Maximum time without an acknowledgement while one is missing.
     pub acknowledgement: Duration,
-    /// Silence after which the broker is pinged, and maximum time for its answer, in whole seconds.
+    /// Time of silence after which we ping the broker, in whole seconds. It is also the maximum time for the answer.
     pub keep_alive: Duration,
     pub shortest_pause: Duration,
-    /// Longest pause between two attempts. A connection that lasts for less than this counts as failed.
+    /// Longest pause between two attempts to connect. A connection that was shorter than this counts as a failed
+    /// attempt.
     pub longest_pause: Duration,
     pub farewell: Duration,
 }
@@ -20,17 +21,20 @@ pub struct Times {
 impl Default for Times {
     fn default() -> Times {
         Times {
-            // A broker answers within milliseconds. One on another continent, over TLS, answers within a second or two.
+            // A broker usually answers within milliseconds. A broker on another continent, over TLS, needs a second
+            // or two.
             greeting: Duration::from_secs(5),
-            // Longer than a busy broker needs for its disk, but shorter than anybody looks at an outdated state.
+            // A busy broker may need some seconds for its disk. Nobody should look at an outdated state for longer
+            // than 10 s.
             acknowledgement: Duration::from_secs(10),
-            // A broker waits one and a half times this, so it notices our absence within 23 s.
+            // Brokers wait 1.5 × the keep alive, so they notice our absence within 23 s.
             keep_alive: Duration::from_secs(15),
-            // A restarted broker is back within a fraction of a second.
+            // A broker that is restarted is back within a fraction of a second.
             shortest_pause: Duration::from_millis(100),
-            // After hours of absence a broker is found again within this pause and the time of a greeting, in less than 5 s.
+            // A broker that was absent for hours is found within this pause plus the time of a greeting. Together
+            // this is less than 5 s.
             longest_pause: Duration::from_secs(3),
-            // The program must end within two seconds, in which other parts disconnect too.
+            // The program must end within two seconds, and other parts disconnect during the same time.
             farewell: Duration::from_secs(1),
         }
     }

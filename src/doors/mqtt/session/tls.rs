@@ -1,4 +1,5 @@
-//! Which certificates of another broker are trusted, for `mqtts`. Our own broker is reached on loopback, without TLS.
+//! Chooses which certificates of another broker are trusted, for `mqtts`. Our own broker is reached on loopback,
+//! without TLS.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,8 +25,8 @@ pub enum TlsError {
     Rustls(#[from] rustls::Error),
 }
 
-/// TLS 1.2 or 1.3 to a broker whose chain of certificates leads to one in `file`, or to one of the system's if no file is
-/// named. Reads files.
+/// Reads the trusted certificates, and returns the settings for TLS 1.2 and 1.3. The broker's chain of certificates
+/// must lead to a certificate in `file`. Without `file`, it must lead to one of the system's certificates.
 pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     let roots = file.map_or_else(of_the_system, of_file)?;
     let provider = Arc::new(ring::default_provider());
@@ -33,7 +34,7 @@ pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     Ok(Arc::new(versions.with_root_certificates(roots).with_no_client_auth()))
 }
 
-/// All certificates of the file. A damaged one is an error, because somebody named the file on purpose.
+/// Reads all certificates of the file. A damaged certificate is an error, because the operator chose this file.
 fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     let wrong = |problem: String| TlsError::File { path: path.to_owned(), problem };
     let certificates = CertificateDer::pem_file_iter(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -45,7 +46,8 @@ fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
     if roots.is_empty() { Err(wrong("the file contains no certificate".to_owned())) } else { Ok(roots) }
 }
 
-/// The readable certificates of the system. Old certificates of a system are often damaged, and nobody misses them.
+/// Reads the certificates of the system. Damaged ones are skipped, because many systems have old damaged certificates
+/// that nobody needs.
 fn of_the_system() -> Result<RootCertStore, TlsError> {
     let found = rustls_native_certs::load_native_certs();
     let mut roots = RootCertStore::empty();

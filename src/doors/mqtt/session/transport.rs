@@ -1,5 +1,6 @@
-//! One connection to a broker. It is created anew each time, because rumqttc can stay silent for ever after a lost one. Its
-//! messages, and the reaction to its end, are not here. The versions of the protocol are in `three` and `five`.
+//! One connection to a broker. Each connection uses a new rumqttc client, because after a lost connection rumqttc can
+//! stay silent for ever. The messages, and the reaction to the end of a connection, are elsewhere. The protocol
+//! versions are in `three` and `five`.
 
 use std::pin::Pin;
 
@@ -18,7 +19,7 @@ use mqtt_gate::packet::Version;
 pub(super) struct Transport {
     client: Client,
     events: Pin<Box<dyn Stream<Item = Result<Event, Lost>> + Send>>,
-    /// Maximum packet size of the broker in bytes; `None` if the broker has not sent one.
+    /// Maximum packet size that the broker accepts, in bytes. `None` if the broker names no maximum.
     largest: Option<u32>,
     left_out: LogThrottle,
 }
@@ -29,7 +30,7 @@ enum Client {
 }
 
 impl Transport {
-    /// Prepares a connection, which is not made before the first event is awaited.
+    /// Prepares a connection. The connection is made when the first event is awaited.
     pub(super) fn new(link: &SessionLink, will: Publication, times: &Times) -> Transport {
         let (client, events): (_, Pin<Box<dyn Stream<Item = _> + Send>>) = match link.version {
             Version::Three => {
@@ -44,10 +45,10 @@ impl Transport {
         Transport { client, events, largest: None, left_out: LogThrottle::default() }
     }
 
-    /// The next event. Safe to cancel.
+    /// Waits for the next event. Safe to cancel.
     ///
     /// # Errors
-    /// When the connection has ended. Further calls are useless.
+    /// When the connection has ended. After an error, do not call this again.
     pub(super) async fn next(&mut self) -> Result<Event, Lost> {
         let Some(event) = self.events.next().await else { return Err(Lost::Broken("the connection has ended".to_owned())) };
         let event = event?;
@@ -64,7 +65,8 @@ impl Transport {
         }
     }
 
-    /// Sends a message; false when it is too large for the broker, or the client has no room for it. Such a message is logged.
+    /// Passes a message to the MQTT client library. Returns false when the message is too large for the broker, or
+    /// when the library has no room. Such a message is logged and lost.
     pub(super) fn publish(&self, publication: &Publication) -> bool {
         let fits = publication.fits(self.largest);
         let is_given = fits

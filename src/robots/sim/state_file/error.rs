@@ -1,5 +1,5 @@
-//! Why the memory of a simulated robot cannot be used, with the file and what to do. Nothing is repaired: a file that cannot be
-//! read stays as it is.
+//! Why the stored memory of a simulated robot cannot be used. Each message names the file and says what to do.
+//! Nothing is repaired: a file that cannot be read stays as it is.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub(crate) enum StateFileError {
         .path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
-    /// The memory is of a robot in another hall, or in the same hall before its file was changed.
+    /// The memory belongs to another hall, or to this hall before its hall file was changed.
     #[error("{} {}", .path.display(), other_hall(.remembered, .given))]
     OtherHall { path: PathBuf, remembered: String, given: String },
 }

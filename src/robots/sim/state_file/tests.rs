@@ -1,5 +1,5 @@
-//! Tests of the state file with real files: what is read back, what is never overwritten, and what happens when nothing can be
-//! written. The format is tested in `page`.
+//! Tests of the state file with real files: what is read again, what is never overwritten, and what happens when
+//! nothing can be written. The format is tested in `hallsweep_sim::page`.
 
 use std::fs;
 

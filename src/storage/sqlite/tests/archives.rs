@@ -1,5 +1,5 @@
-//! Archives: what is archived is complete, what stays is unchanged, nothing is deleted that was not archived, and each change is
-//! detected.
+//! Tests of archives: what is archived is complete, what stays is unchanged, nothing is deleted that was not
+//! archived, and each change is detected.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ const fn at_noon_exactly() -> WallTime {
     WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }
 }
 
-/// The core ends a mission with a state snapshot in the same page.
+/// The page that ends a mission. As in the core, it has a state snapshot.
 pub(super) fn end(mission: u64) -> Vec<Fact> {
     let mut state = PersistentState::first(Order::Snail);
     state.mission = MissionId(mission);
@@ -38,7 +38,7 @@ pub(super) fn play(scribe: &mut Scribe, mission: u64, picture: &str) {
     scribe.keep(vec![verdict(mission, Verdict::Safe), wall(2, 3)]);
 }
 
-/// Three missions that are over and a fourth that goes on; the first and the last have the same photo.
+/// Three missions that have ended and a fourth that is under way. The first and the last have the same photo.
 pub(super) fn some_missions() -> Scratch {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
@@ -58,7 +58,8 @@ fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archi
     write_out(&scratch.data(), before, LATER, &file(scratch, name))
 }
 
-/// The state afterwards must follow from what stays.
+/// The last page of mission 1 has no state snapshot. So mission 1 is archived only together with the next mission
+/// whose end has one. Otherwise the state would not follow from the entries that stay.
 #[test]
 fn a_mission_behind_which_it_was_not_said_what_stands_goes_with_the_next_that_has_it() {
     let scratch = Scratch::new();
@@ -114,7 +115,7 @@ pub(super) fn shown(
     let entries = archive.entries(id, Span::after(Seq(0)), 1000).unwrap();
     let mut moments: Vec<Vec<PastMoment>> =
         entries.iter().map(|(seq, _)| archive.moments(id, &[At::Entry(*seq)]).unwrap()).collect();
-    // The log of a moment goes back beyond the mission, as far as there are entries.
+    // The log of a moment also has entries from before the mission, if they exist.
     moments.iter_mut().flatten().for_each(|moment| moment.past.of.latest.clear());
     let photos = vec![archive.photo(LuggageId(mission)).unwrap().is_some()];
     (archive.state(id).unwrap().map(|sound| sound.of), moments, photos)

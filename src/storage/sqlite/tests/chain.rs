@@ -1,5 +1,5 @@
-//! The chain of digests: entries that are changed, removed, exchanged, added or cut off behind the store's back are reported with
-//! their place.
+//! The chain of digests. If something other than the store changes, removes, exchanges, adds or cuts off entries,
+//! this is reported with the place.
 
 use proptest::prelude::*;
 
@@ -38,7 +38,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
     let last_is_gone = |first: u64, last: u64| format!("entries {first} to {last}: the last entry is missing");
     let missing = |first: u64, last: u64| format!("entries {first} to {last} are missing");
     for (sql, finds) in [
-        // A time, a mission, a coordinate: the entries and the tables stay readable.
+        // Changes a time, a mission or a coordinate. The entries and the tables stay readable.
         ("UPDATE events SET at_ms = at_ms + 1 WHERE seq = 6".to_owned(), vec![changed(5, 6)]),
         ("UPDATE events SET offset_s = 0 WHERE seq = 10".to_owned(), vec![changed(10, 10)]),
         ("UPDATE events SET mission = NULL WHERE seq = 8".to_owned(), vec![changed(8, 9)]),
@@ -47,18 +47,18 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
         (exchange(8, 10), vec![changed(8, 9), changed(10, 10)]),
         ("DELETE FROM events WHERE seq = 8".to_owned(), vec![missing(8, 8), changed(8, 9)]),
         ("DELETE FROM events WHERE seq = 9".to_owned(), vec![missing(9, 9), last_is_gone(8, 9)]),
-        // An entry with its page: the next page does not follow then.
+        // Removes entries with their page, so that the next page does not follow.
         (
             "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9".to_owned(),
             vec![missing(8, 9), changed(8, 10)],
         ),
-        // The same with a recorded loss that would explain it.
+        // Removes the same entries, and adds a recorded loss that would explain this.
         (
             "DELETE FROM events WHERE seq IN (8, 9); DELETE FROM pages WHERE last = 9; INSERT INTO losses VALUES (7, 1)"
                 .to_owned(),
             vec![changed(8, 10)],
         ),
-        // The last entry, with its page and without.
+        // Removes the last entry, with its page and without.
         ("DELETE FROM events WHERE seq = 10".to_owned(), vec![last_is_gone(10, 10), "ends before entry 10".to_owned()]),
         (
             "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8".to_owned(),
@@ -83,7 +83,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
     }
 }
 
-/// Whoever recomputes the digests as well is detected by the file beside the journal.
+/// If somebody recomputes the digests as well, the file `journal.head` reveals it.
 #[test]
 fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     let scratch = some_journal();
@@ -92,7 +92,8 @@ fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     check_finds(&scratch, &["entry 10 of the journal"]);
 }
 
-/// Rewriting every file leaves no trace in the folder, but a head that was handed out detects it.
+/// If somebody rewrites every file, no trace is left in the folder. A head that was handed out before still reveals
+/// it.
 #[test]
 fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
     let scratch = some_journal();
@@ -136,7 +137,8 @@ fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     check_finds(&scratch, &[]);
 }
 
-/// Otherwise hallsweep itself would delete stored entries, and nobody would notice.
+/// If a mark that declares stored entries lost were believed, hallsweep itself would delete these entries, and nobody
+/// would notice.
 #[test]
 fn who_says_that_what_was_kept_was_lost_is_not_believed() {
     let scratch = some_journal();
@@ -154,7 +156,8 @@ fn who_says_that_what_was_kept_was_lost_is_not_believed() {
     assert_eq!(scratch.open().failure, None);
 }
 
-/// The chain of a migrated journal begins with all its entries, except for those deleted at that start.
+/// The chain of a migrated journal begins with all its entries, except for the entries that are deleted at this
+/// start.
 #[test]
 fn a_journal_of_before_begins_its_chain_with_all_that_it_holds() {
     for lost_after in [None, Some(3)] {
@@ -203,7 +206,7 @@ fn file() -> (Vec<u8>, Vec<u8>, Vec<String>) {
     (read("journal.db"), read("journal.head"), content(&scratch))
 }
 
-/// Whether a journal with this byte at this place is detected as changed, or still reads exactly as before.
+/// Whether the change of this byte is detected, or the journal still reads exactly as before.
 fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<String>), place: usize, byte: u8) -> bool {
     let scratch = Scratch::new();
     std::fs::create_dir(scratch.data()).unwrap();
@@ -211,7 +214,7 @@ fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<
     changed[place] = byte;
     std::fs::write(scratch.data().join("journal.db"), changed).unwrap();
     std::fs::write(scratch.data().join("journal.head"), head).unwrap();
-    // Only the photo is missing.
+    // The photos were not copied, so only missing photos are expected.
     let is_sound = |faults: &[String]| faults.iter().all(|fault| fault.starts_with("photo "));
     let checked = ReadOnlyJournal::open(&scratch.data()).and_then(|reading| reading.check());
     checked.map_or(true, |findings| !is_sound(&findings.faults) || content(&scratch) == *said)
@@ -220,7 +223,7 @@ fn is_found_out_or_says_the_same((journal, head, said): &(Vec<u8>, Vec<u8>, Vec<
 proptest! {
     #![proptest_config(ProptestConfig { cases: 192, ..ProptestConfig::default() })]
 
-    /// Bytes of the file without a meaning may change: then everything it says is unchanged.
+    /// A byte of the file that has no meaning may change. Then everything in the journal must be unchanged.
     #[test]
     fn any_byte_of_the_journal_that_means_something_is_missed(places in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..4)) {
         static FILE: std::sync::LazyLock<(Vec<u8>, Vec<u8>, Vec<String>)> = std::sync::LazyLock::new(file);
@@ -231,7 +234,8 @@ proptest! {
     }
 }
 
-/// The head file names the first page after its commit: a kill in between leaves the empty head, which fits every journal.
+/// The head file names the first page only after its commit. A kill in between leaves the empty head, which fits
+/// every journal.
 #[test]
 fn a_kill_before_the_first_page_is_named_leaves_a_journal_that_is_sound_and_written_to() {
     let scratch = Scratch::new();

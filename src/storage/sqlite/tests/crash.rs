@@ -1,5 +1,5 @@
-//! Kills while the store writes: everything reported as stored is there (safety V3, D1, D2). The child is this test program
-//! itself.
+//! Kills a program while its store writes, and checks that everything reported as stored is there (safety V3, D1,
+//! D2). The child process runs this test program.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use super::testing::*;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::Seq;
 
-/// The child's folder; without this variable the test is not the child.
+/// Environment variable with the child's folder. Without it, the test does nothing.
 const FOLDER: &str = "HALLSWEEP_CRASH_FOLDER";
 
 /// The child prints this before the number of each stored page.
@@ -27,7 +27,8 @@ fn writes_until_it_is_killed() {
     for number in scribe.until(|_| true).kept.0 + 1.. {
         let picture = (number % 5 == 0).then(|| photo(&format!("bag {number}").repeat(4000)));
         let last = scribe.hand(vec![found(number, picture), verdict(number, Verdict::Danger), wall(1, 1)]);
-        // Every third page waits to be stored, the others are gathered into one transaction.
+        // For every third page the child waits until the page is stored. The other pages are gathered into one
+        // transaction.
         if number % 3 == 0 {
             scribe.until(|word| word.kept >= last);
         }

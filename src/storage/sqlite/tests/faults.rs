@@ -1,4 +1,5 @@
-//! Failures lose exactly what was declared lost, and writing goes on (safety R3, V3). Real faults of real disks are in `mounts`.
+//! After a failure, exactly the entries are lost that were declared lost, and writing continues (safety R3, V3). Real
+//! faults of real disks are in `mounts`.
 
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -33,7 +34,7 @@ fn notes(scratch: &Scratch) -> Vec<String> {
     findings.notes
 }
 
-/// Safety D2: a page is stored whole or not at all; pages after the failure are stored again.
+/// Safety D2: a page is stored completely or not at all. Pages after the failure are stored again.
 #[test]
 fn a_page_of_which_one_entry_cannot_be_written_leaves_nothing() {
     let scratch = Scratch::new();
@@ -78,7 +79,7 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     let failed = scribe.until(|word| word.failure.is_some());
     assert_eq!((failed.kept, failed.losses), (Seq(4), 1));
     drop(hanging);
-    // The queue may still be full of lost pages: then this page is declared lost too.
+    // The queue may still be full of lost pages. Then this page is declared lost too.
     let is_kept = (0..QUEUE).any(|_| {
         let before = scribe.until(|word| word.failure.is_none()).losses;
         let last = scribe.hand(vec![wall(3, 3)]);
@@ -89,7 +90,7 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
-/// Safety R3: declared lost at once, whatever the writer is doing.
+/// Safety R3: a page that finds no room in the queue is declared lost at once, whatever the writer is doing.
 #[test]
 fn what_finds_no_place_in_the_queue_is_lost() {
     let scratch = Scratch::new();
@@ -111,7 +112,7 @@ fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     let (opened, status) = store_at(&Folder::new(&scratch.data()));
     let mut scribe = Scribe::new(opened);
     scribe.keep(begin(1));
-    // In most rounds the writer is waiting by then.
+    // In most rounds the writer is waiting at this moment.
     for losses in 1..=20 {
         status.overflow("the disk is too slow".to_owned());
         scribe.until(|word| word.losses == losses && word.failure.is_none());
@@ -119,7 +120,7 @@ fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     }
 }
 
-/// Safety R3: a sender of pages during a failure is told once, when the failure ends, that they are lost.
+/// Safety R3: pages sent during a failure are lost, and their sender is told this once, when the failure ends.
 #[test]
 fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     let scratch = Scratch::new();
@@ -142,11 +143,11 @@ fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     assert_eq!(heard(), (3, false), "nothing was dropped this time");
 }
 
-/// A watchman who gives up any batch at once. He must look only while the disk hangs: on the loaded disk of an ordinary machine
-/// an ordinary page takes longer than this, and would rightly be declared lost.
+/// A watchman who gives up any batch at once. He must look only while the disk hangs. On a busy disk an ordinary page
+/// takes longer than this, and would rightly be declared lost.
 const HURRY: Patience = Patience { looks: 3, ..HASTE };
 
-/// Safety R3: the failure is reported before the disk has answered, and ends by itself.
+/// Safety R3: the failure is reported before the disk has answered, and ends without help.
 #[test]
 fn a_disk_that_hangs_is_not_waited_for() {
     let scratch = Scratch::new();
@@ -166,7 +167,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
     assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(Seq(4)));
 }
 
-/// Safety R3: the store stores the batch after the one it gave up.
+/// Safety R3: the store gives up one batch, and stores the next one.
 #[test]
 fn what_is_handed_over_after_a_disk_hung_is_kept() {
     let scratch = Scratch::new();
@@ -194,7 +195,7 @@ fn what_is_handed_over_after_a_disk_hung_is_kept() {
     assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and the loss was reported"]);
 }
 
-/// Safety R3: reported before anything is to be written.
+/// Safety R3: the lock is reported before anything is to be written.
 #[test]
 fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     let scratch = Scratch::new();
@@ -205,7 +206,7 @@ fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     assert!(failure.as_ref().is_some_and(|words| words.contains("another program keeps the journal")), "{failure:?}");
 }
 
-/// A new store whose own watchman never gives up, and its status, for a second watchman.
+/// A new store, and its status for a second watchman. The store's own watchman never gives up.
 fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     let (hand, recalled, failure) = look(folder).unwrap();
     let status = Arc::new(WriterStatus::new(Marker::new(folder), Seq(0), None));
@@ -226,7 +227,7 @@ fn page(first: u64, facts: Vec<Fact>) -> Page {
     Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() }
 }
 
-/// Like `writer`, with five stored entries: a mission, and a piece that waits for its verdict.
+/// Like `writer`, with five stored entries: they have a mission, and a piece that waits for its verdict.
 fn asking_writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let (mut writer, status) = writer(scratch);
     let losses = status.begin();
@@ -235,7 +236,7 @@ fn asking_writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     (writer, status)
 }
 
-/// Safety V3: a verdict answered as "not kept" has no effect, although the disk had it first.
+/// Safety V3: a verdict that was answered with "not kept" has no effect, although it was on disk before.
 #[test]
 fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let scratch = Scratch::new();
@@ -279,8 +280,8 @@ fn a_mission_whose_beginning_was_lost_is_not_under_way() {
     assert_eq!(missions, [(Seq(5), None)]);
 }
 
-/// Safety V3: after a failed commit, such as a failed flush, the entry is gone before the loss is reported, without the marker
-/// file, which the same disk may refuse.
+/// Safety V3: after a failed commit, such as a failed flush, the entry is deleted before the loss is reported. This
+/// works without the marker file, which the same disk may refuse.
 #[test]
 fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
     let scratch = Scratch::new();
@@ -293,7 +294,7 @@ fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(5));
 }
 
-/// Safety R5: even after somebody puts the file back.
+/// Safety R5: the journal is not written again, even after somebody puts the file back.
 #[test]
 fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
     for fault in [Fault::TakenAway("journal.db"), Fault::Damaged("a page of it".to_owned())] {
@@ -305,7 +306,8 @@ fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
     }
 }
 
-/// Safety V3: also when the program is killed before the disk has answered. Later entries are not treated as lost.
+/// Safety V3: the entries stay lost even if the program is killed before the disk has answered. Later entries are not
+/// treated as lost.
 #[test]
 fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let scratch = Scratch::new();
@@ -313,7 +315,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let losses = status.begin();
     writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
     status.give_up(status.at_work().unwrap(), "the disk does not answer");
-    // Nobody concludes the batch, and the disk has the verdict.
+    // The batch is not concluded, and the verdict is on disk.
     drop(writer);
     for _ in 0..2 {
         let recalled = recalled(&scratch.data()).unwrap().unwrap();
@@ -343,7 +345,7 @@ fn what_is_kept_after_a_failure_outlives_a_kill() {
     scribe.until(|word| word.losses == 1 && word.failure.is_none());
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
     let last = scribe.keep(vec![found(1, None), verdict(1, Verdict::Danger)]);
-    // Nothing of the store is ended, as after a kill.
+    // The store was not ended, as after a kill.
     assert_eq!(recalled(&scratch.data()).unwrap().unwrap().written, last);
 }
 
@@ -361,7 +363,7 @@ fn a_marker_is_put_down_and_cleared() {
     assert!(matches!(damaged, Err(Fault::Unusable(crate::storage::names::LOST, _))), "{damaged:?}");
 }
 
-/// The disk came back before the commit.
+/// The disk answers again before the commit.
 #[test]
 fn what_was_given_up_before_the_last_step_is_not_written() {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! Files that cannot be opened are never overwritten (issue: a file that cannot be opened is never overwritten).
+//! Files that cannot be opened are never overwritten.
 
 use super::super::fault::{Fault, Then};
 use super::super::folder::Folder;
@@ -35,7 +35,7 @@ fn some_journal() -> Scratch {
         scribe.keep((0..100).map(|x| wall(x, 3)).collect());
     }
     drop(scribe);
-    // After a checkpoint everything is in the one file.
+    // After a checkpoint all entries are in this file.
     meddle(&scratch, "PRAGMA wal_checkpoint(TRUNCATE)");
     scratch
 }
@@ -46,13 +46,13 @@ fn a_damaged_journal_is_left_as_it_is() {
     let path = scratch.data().join("journal.db");
     let mut file = std::fs::read(&path).unwrap();
     assert!(file.len() > 8 * 4096, "{}", file.len());
-    // The inner pages of the tree, after the header, which stays valid.
+    // Overwrites the inner pages of the tree. The header before them stays valid.
     file[4096..6 * 4096].fill(0x5a);
     std::fs::write(&path, file).unwrap();
     check_untouched(&scratch, &["is damaged", "was not changed", "backup", "start hallsweep again"]);
 }
 
-/// Also in a table that no start reads.
+/// The damage is in a table that no start reads.
 #[test]
 fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
     let scratch = some_journal();
@@ -67,7 +67,7 @@ fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
     check_untouched(&scratch, &["is damaged", "was not changed"]);
 }
 
-/// SQLite reports over several lines, beginning with words that mean nothing to an operator.
+/// SQLite's report has several lines, and begins with words that mean nothing to an operator.
 #[test]
 fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     let found = "*** in database main ***\nTree 2 page 2: btreeInitPage() returns error code 11\nTree 3".to_owned();
@@ -78,13 +78,13 @@ fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     assert_eq!(words, expected);
 }
 
-/// SQLite ignores a log with such a header, and would overwrite the entries in it.
+/// SQLite ignores a log with a wrong header, and would overwrite the entries in it.
 #[test]
 fn a_log_that_does_not_begin_like_one_is_left_as_it_is() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(begin(1));
-    // Copied while they are open, as a kill would leave them.
+    // The files are copied while they are open, as a kill would leave them.
     let [journal, mut log] = ["journal.db", "journal.db-wal"].map(|name| std::fs::read(scratch.data().join(name)).unwrap());
     drop(scribe);
     log[..4].fill(0x5a);
@@ -96,13 +96,13 @@ fn a_log_that_does_not_begin_like_one_is_left_as_it_is() {
     assert_eq!(std::fs::read(scratch.data().join("journal.db-wal")).unwrap(), log, "not a byte has changed");
 }
 
-/// Somebody moved journal.db away after a kill, and left the log with the latest entries.
+/// Somebody moved journal.db away after a kill, but left the log, which has the latest entries.
 #[test]
 fn a_log_without_its_journal_is_left_as_it_is() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(begin(1));
-    // Copied while it is open, as a kill would leave it.
+    // The log is copied while it is open, as a kill would leave it.
     let log = std::fs::read(scratch.data().join("journal.db-wal")).unwrap();
     drop(scribe);
     for empty in [false, true] {
@@ -117,7 +117,7 @@ fn a_log_without_its_journal_is_left_as_it_is() {
     }
 }
 
-/// A missing journal is not silently begun anew beside the photos that belong to it.
+/// If the journal is missing, no new journal is silently begun beside the photos that belong to the old one.
 #[test]
 fn photos_without_a_journal_are_left_as_they_are() {
     let scratch = some_journal();
@@ -148,8 +148,8 @@ fn a_file_that_is_taken_away_while_it_is_used_is_noticed() {
     }
 }
 
-/// An operator who moves the folder of a running program away and begins a new one finds it as he made it: the losses of the old
-/// program do not appear there.
+/// An operator moves the folder of a running program away and begins a new folder. The losses of the old program must
+/// not appear in the new folder.
 #[cfg(unix)]
 #[test]
 fn a_folder_put_in_the_place_of_the_one_in_use_is_not_written_to() {
@@ -214,7 +214,7 @@ fn after_an_entry_that_says_nothing_nothing_is_written() {
     assert!(archive.mission(MissionId(1)).unwrap().is_some());
 }
 
-/// A kill in the very first moments leaves such files.
+/// A kill in the first moments of a journal leaves such files.
 #[test]
 fn a_journal_that_had_only_just_begun_is_begun_again() {
     let scratch = Scratch::new();
@@ -260,7 +260,7 @@ fn only_the_owner_reads_what_is_kept() {
     }
 }
 
-/// Another program wrote to the journal between reading and opening it for writing.
+/// Another program writes to the journal after it was read and before it is opened for writing.
 #[test]
 fn a_journal_that_changed_after_it_was_read_is_not_written_to() {
     use super::super::pages::Pages;

@@ -1,4 +1,4 @@
-//! Stored entries are read back: by the next start, by the archive, and by readers of the journal.
+//! Stored entries are read again: by the next start, by the archive, and by readers of the journal.
 
 use proptest::prelude::*;
 
@@ -71,7 +71,7 @@ fn what_was_kept_stands_at_the_next_start() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Safety D2, R1: the journal folds to the same state whatever happened.
+    /// Safety D2, R1: the same state follows from the journal, whatever happened.
     #[test]
     fn whatever_was_kept_folds_to_the_same(pages in prop::collection::vec(prop::collection::vec(harmless(), 1..8), 1..8)) {
         let scratch = Scratch::new();
@@ -109,7 +109,7 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     assert_eq!(state, fold(&[at_noon(wall(2, 2))]));
 }
 
-/// Otherwise a repeated command would act again after many entries.
+/// Otherwise a repeated command would have an effect again after many entries.
 #[test]
 fn the_last_ids_are_known_at_the_next_start_however_long_ago_they_came() {
     let scratch = Scratch::new();
@@ -199,7 +199,8 @@ fn damage(scratch: &Scratch, seq: Seq) {
     rewrite(scratch, &format!("UPDATE events SET body = 'mouse' WHERE seq = {seq}"));
 }
 
-/// The check names the entry, says what to do, and does not ask for rebuilt tables, which would know less.
+/// Checks that the report names the entry and says what to do. It must not ask for rebuilt tables, which would have
+/// less data.
 fn check_advises(scratch: &Scratch, damaged: Seq, words: &str) {
     let findings = ReadOnlyJournal::open(&scratch.data()).unwrap().check().unwrap();
     assert!(findings.faults[0].starts_with(&format!("entry {damaged} of the journal cannot be understood")), "{findings:?}");
@@ -234,7 +235,7 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
 
     check_advises(&scratch, lost, "hallsweep continues without these entries, so you need to do nothing");
 
-    // Reading would begin at this entry, and begins at an earlier one instead.
+    // Without damage, reading would begin at this entry. Now it begins at an earlier one.
     damage(&scratch, summed_up);
     check_advises(&scratch, lost, "copy the whole folder");
     let Sound { of, damage: said } = kept.state(MissionId(2)).unwrap().expect("there was a mission 2");
@@ -255,7 +256,8 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     assert_eq!(lines.iter().filter(|(_, is_sound)| !is_sound).count() as u64, ended.0 - lost.0 + 1);
 }
 
-/// Safety V1, A6: a safe that a danger overtook before it was durable was refused, and is shown as refused.
+/// Safety V1, A6: before the verdict "safe" was durable, a verdict "danger" came. So "safe" was refused, and is shown
+/// as refused.
 #[test]
 fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     let scratch = Scratch::new();

@@ -1,4 +1,5 @@
-//! Missions are read back, past ones and the present one: as they ended, as they stood at any moment, and their entries.
+//! Missions are read again, past ones and the present one: their state at the end, their state at any moment, and
+//! their entries.
 
 use std::sync::Arc;
 
@@ -112,7 +113,7 @@ fn a_moment_is_found_by_its_time_and_two_of_them_share_the_map_that_is_the_same(
     for (time, seq) in [(i64::MIN, begun), (first, begun), (i64::MAX, ended)] {
         assert_eq!(archive.moments(MissionId(1), &[At::Time(time)]).unwrap()[0].past.of.seq, seq);
     }
-    // In any order of the two moments.
+    // The two moments may be in any order.
     for (from, to) in [(begun.next(), ended), (ended, begun.next())] {
         let moments = archive.moments(MissionId(1), &[At::Entry(from), At::Entry(to)]).unwrap();
         assert_eq!((moments[0].past.of.seq, moments[1].past.of.seq), (from, to));
@@ -143,7 +144,8 @@ fn the_entries_of_a_mission_are_read_page_by_page() {
     assert_eq!(archive.entries(MissionId(2), Span::after(Seq(11)), 9).unwrap(), [(Seq(12), Ok(at_noon(Fact::Led(true))))]);
 }
 
-/// A reader of a moment is told what was known at that moment: a danger given a moment later does not change it.
+/// A reader who asks for a moment gets what was known at this moment. A verdict "danger" that came a moment later
+/// does not change it.
 #[test]
 fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_as_refused() {
     let is_refused = |archive: &Arc<dyn Archive>, until| {

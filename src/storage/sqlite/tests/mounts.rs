@@ -1,5 +1,5 @@
-//! Full disks, and folders that cannot be written. The test mounts small disks in memory, for which it must be root; permissions
-//! would not do, since they do not bind root.
+//! Tests with full disks and with folders that cannot be written. The tests mount small disks in memory, for which
+//! they must run as root. Permissions would not be enough, since root may ignore them.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +13,7 @@ use hallsweep_core::units::{LuggageId, Seq};
 struct Disk<'a>(&'a Path);
 
 impl Disk<'_> {
-    /// Mounts a disk of `kib` KiB; `None`, with a printed line, where that is not allowed.
+    /// Mounts a disk of `kib` KiB. Prints a line and returns `None` where mounting is not allowed.
     fn mount(path: &Path, kib: u32) -> Option<Disk<'_>> {
         std::fs::create_dir_all(path).expect("a folder to mount at");
         if mount(&["-t", "tmpfs", "-o", &format!("size={kib}k,mode=700"), "tmpfs"], path) {
@@ -58,7 +58,7 @@ fn a_full_disk_is_said_and_work_resumes_when_there_is_room() {
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep([begin(1), vec![found(1, Some(photo("bag"))), verdict(1, Verdict::Danger)]].concat());
     let filler = data.join("filler");
-    // This write fails in the end, on purpose: the disk is full then.
+    // This write fails on purpose when the disk is full.
     let _ = std::fs::write(&filler, vec![0; 2 * 1024 * 1024]);
     scribe.hand(vec![found(2, Some(photo(&"another bag".repeat(20_000))))]);
     let failed = scribe.until(|word| word.failure.is_some());
@@ -74,7 +74,7 @@ fn a_full_disk_is_said_and_work_resumes_when_there_is_room() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
-/// Safety R3: also when there was no room from the start.
+/// Safety R3: writing starts later if there is no room at the start.
 #[test]
 fn a_disk_that_is_full_at_the_start_is_gone_on_with_later() {
     let scratch = Scratch::new();
@@ -92,7 +92,7 @@ fn a_disk_that_is_full_at_the_start_is_gone_on_with_later() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
-/// Safety R3: also where the write-ahead log itself takes most of the room.
+/// Safety R3: writing also resumes where the write-ahead log itself takes most of the room.
 #[test]
 fn a_tiny_disk_that_the_log_has_filled_is_gone_on_with_when_there_is_room() {
     let scratch = Scratch::new();
@@ -114,7 +114,7 @@ fn a_tiny_disk_that_the_log_has_filled_is_gone_on_with_when_there_is_room() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
-/// A disk with room for entries, but not for the photo that failed, still counts as failing.
+/// A disk that has room for entries, but not for the photo that failed, still counts as failing.
 #[test]
 fn a_disk_that_is_all_but_full_is_not_tried_over_and_over() {
     let scratch = Scratch::new();
@@ -138,7 +138,7 @@ fn a_disk_that_is_all_but_full_is_not_tried_over_and_over() {
     scribe.keep(vec![found(1, Some(photo("a small bag")))]);
 }
 
-/// Safety R3: a folder that cannot be created is created as soon as it can be.
+/// Safety R3: a folder that cannot be created now is created as soon as this is possible.
 #[test]
 fn a_folder_that_cannot_be_made_is_made_later() {
     let scratch = Scratch::new();
@@ -156,7 +156,7 @@ fn a_folder_that_cannot_be_made_is_made_later() {
     assert_eq!(scribe.opened.archive.missions(None, 5).map(|missions| missions.len()), Ok(1));
 }
 
-/// Safety R3: everything is recalled and can be read, nothing moves; work resumes when the folder can be written.
+/// Safety R3: everything is recalled and can be read, but nothing moves. Work resumes when the folder can be written.
 #[test]
 fn a_read_only_folder_is_read_and_written_to_once_it_can_be() {
     let scratch = Scratch::new();
@@ -184,7 +184,8 @@ fn a_read_only_folder_is_read_and_written_to_once_it_can_be() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
-/// A kill leaves part of the journal in the write-ahead log; a folder that is read-only then must not hide that part.
+/// A kill leaves part of the journal in the write-ahead log. If the folder is read-only after this, this part must
+/// not be hidden.
 #[test]
 fn a_read_only_folder_with_an_unfinished_log_is_read_whole_or_not_at_all() {
     let scratch = Scratch::new();
@@ -192,7 +193,7 @@ fn a_read_only_folder_with_an_unfinished_log_is_read_whole_or_not_at_all() {
     let Some(disk) = Disk::mount(&data, 4096) else { return };
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep([begin(1), vec![found(1, None), verdict(1, Verdict::Danger)]].concat());
-    // Copied while they are open, as a kill would leave them.
+    // The files are copied while they are open, as a kill would leave them.
     let killed = scratch.data().join("killed");
     std::fs::create_dir(&killed).unwrap();
     for name in ["journal.db", "journal.db-wal", "journal.db-shm"] {

@@ -8,7 +8,8 @@ use crate::runtime::archive::{Archive, NoTake, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::LuggageId;
 
-/// An older version recorded only the newest photo of each piece, without notes, but its folder has the files of all of them.
+/// An older version recorded only the newest photo of each piece, and no notes. Its folder still has the files of all
+/// photos.
 #[test]
 fn every_photo_of_a_piece_is_found_also_in_a_journal_that_did_not_list_them() {
     let scratch = Scratch::new();

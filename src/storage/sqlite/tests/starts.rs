@@ -1,4 +1,5 @@
-//! Archiving at a start: as much as a start can wait for, once, even after an interruption between the file and the journal.
+//! Archiving at a start: as much as a start can wait for, and only once, even after an interruption between writing
+//! the file and changing the journal.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +31,8 @@ fn missions(archived: Option<Archived>) -> (MissionId, MissionId) {
     archived.expect("one is over").what.missions
 }
 
-/// Mission 1 is over and its archive is written; another program locks the journal, as if this one was killed at that point.
+/// Mission 1 has ended and its archive is written. Then another program locks the journal, which has the same effect
+/// as a kill at this point.
 fn one_written_and_not_on_record() -> Scratch {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
@@ -50,7 +52,7 @@ fn one_written_and_not_on_record() -> Scratch {
 fn a_whole_file_that_the_journal_does_not_name_is_found_again_and_not_written_a_second_time() {
     let scratch = one_written_and_not_on_record();
     let written = archives(&scratch);
-    // Meanwhile one more mission has become old.
+    // Meanwhile one more mission is old enough.
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(end(2));
     drop(scribe);
@@ -64,7 +66,7 @@ fn a_whole_file_that_the_journal_does_not_name_is_found_again_and_not_written_a_
     assert_eq!(held(&scratch, &archives(&scratch)), Vec::<String>::new());
 }
 
-/// A start waits for what leaves the journal, not for all the photos that stay in it.
+/// A start waits for what leaves the journal, but not for the photos that stay in it.
 #[test]
 fn photos_that_stay_are_not_looked_at_when_others_leave() {
     let scratch = some_missions();
@@ -115,7 +117,7 @@ fn content(scratch: &Scratch) -> Vec<String> {
     super::archives::lines(&scratch.data())
 }
 
-/// A mission of these tests has 12 entries and a photo of 3 bytes; the last one has a photo of 5.
+/// A mission of these tests has 12 entries and a photo of 3 bytes. The photo of the last mission has 5 bytes.
 #[test]
 fn no_more_is_written_out_at_once_than_is_waited_for() {
     let some = |scratch: &Scratch, entries, photo_bytes| {
@@ -144,7 +146,7 @@ fn no_more_is_written_out_at_once_than_is_waited_for() {
     }
 }
 
-/// An archive with more missions than are due would not match its record.
+/// An archive with more missions than are due does not match its record.
 #[test]
 fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     let (one, other) = (some_missions(), some_missions());
@@ -162,7 +164,7 @@ fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     assert!(words.contains("differs from the journal"), "{words}");
 }
 
-/// Otherwise a power cut could leave a journal that names an archive whose folder is missing.
+/// Without this, a power cut could leave a journal that names an archive whose folder is missing.
 #[test]
 fn where_archives_cannot_be_kept_nothing_is_written_out() {
     let scratch = some_missions();

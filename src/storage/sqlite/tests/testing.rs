@@ -1,4 +1,4 @@
-//! What the tests of the store share: a temporary folder, pages of a small mission, and waiting for a status.
+//! Shared by the tests of the store: a temporary folder, pages of a small mission, and waiting for a status.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,13 +19,13 @@ use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Waits only for the disk, and for that as long as it takes.
+/// Waits only for the disk, and never gives a batch up.
 pub(super) const HASTE: Patience =
     Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
 
 pub(super) struct Scratch(scratch::Scratch);
 
-/// Number of attempts to open a folder in use: with the pause between them, a minute in all.
+/// Number of attempts to open a folder in use. With the pauses between them, they take a minute.
 const LOOKS: u32 = 12_000;
 const GLANCE: std::time::Duration = std::time::Duration::from_millis(5);
 
@@ -39,8 +39,9 @@ impl Scratch {
         self.0.0.join("data")
     }
 
-    /// Opens the store. A child that another test is just starting holds every open file of this process until it executes its
-    /// own program, and with them the lock of a store that was closed a moment ago; so opening is retried.
+    /// Opens the store, and retries while it is locked. Another test may be starting a child process at the same
+    /// moment. The child holds every open file of this process until it runs its own program. So it also holds the
+    /// lock of a store that was just closed.
     pub(super) fn open(&self) -> Opened {
         self.open_with(HASTE)
     }
@@ -69,7 +70,7 @@ impl Scribe {
         Scribe { opened, written, word }
     }
 
-    /// Hands a page over, with all losses known.
+    /// Hands a page over, as a sender who knows all losses.
     pub(super) fn hand(&mut self, facts: Vec<Fact>) -> Seq {
         let losses = self.word.borrow().losses;
         self.hand_knowing(facts, losses)
@@ -86,7 +87,7 @@ impl Scribe {
         self.written
     }
 
-    /// Waits until the status is as wanted.
+    /// Waits until the status is as `wanted` says.
     pub(super) fn until(&mut self, wanted: impl FnMut(&StoreStatus) -> bool) -> StoreStatus {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
         let heard = self.word.clone();
@@ -110,7 +111,7 @@ impl Scribe {
     }
 }
 
-/// Waits until `is_so`; `what` completes the message "waited in vain for".
+/// Waits until `is_so` returns true. `what` is the end of the error message when that takes too long.
 pub(super) fn eventually(what: &str, is_so: impl Fn() -> bool) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
     runtime.block_on(within(what, async {
@@ -136,12 +137,12 @@ pub(super) fn command(id: Option<&str>) -> Fact {
     }
 }
 
-/// The core records the phase before a mission's beginning.
+/// The page that begins a mission. As in the core, the phase is recorded before the beginning.
 pub(super) fn begin(mission: u64) -> Vec<Fact> {
     vec![command(None), Fact::Phase(Phase::Exploring), Fact::MissionBegan(MissionId(mission), Strategy::Snail), Fact::Led(true)]
 }
 
-/// The core records the phase before a mission's end.
+/// The page that ends a mission. As in the core, the phase is recorded before the end.
 pub(super) fn archive(mission: u64) -> Vec<Fact> {
     vec![command(None), Fact::Phase(Phase::Idle), Fact::MissionArchived(MissionId(mission), vec![LuggageId(9)])]
 }
@@ -186,7 +187,7 @@ pub(super) fn wall(x: i32, y: i32) -> Fact {
     Fact::Mark(Cell::new(x, y), Mark::Wall)
 }
 
-/// Every file below a folder, with its bytes, without those that SQLite keeps beside an open journal.
+/// Every file below a folder, with its bytes, except for the files that SQLite keeps beside an open journal.
 pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path()) {
@@ -214,7 +215,7 @@ pub(super) fn check_finds(scratch: &Scratch, words: &[&str]) {
     }
 }
 
-/// Changes an entry, against the triggers that forbid it, and leaves no other trace.
+/// Changes an entry in spite of the triggers that forbid this, and leaves no other trace.
 pub(super) fn rewrite(scratch: &Scratch, sql: &str) {
     let connection = connect::writer(&Folder::new(&scratch.data())).unwrap();
     let mut triggers = connection.prepare("SELECT name, sql FROM sqlite_schema WHERE type = 'trigger'").unwrap();
@@ -225,7 +226,7 @@ pub(super) fn rewrite(scratch: &Scratch, sql: &str) {
     connection.execute_batch(&format!("{dropped}{sql};{made}")).unwrap();
 }
 
-/// Changes the file behind the store's back.
+/// Changes the file without using the store.
 pub(super) fn meddle(scratch: &Scratch, sql: &str) {
     connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();
 }

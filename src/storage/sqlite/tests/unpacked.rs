@@ -1,4 +1,5 @@
-//! Data folders made from archives: whole or not at all, sound, and with their beginning on record.
+//! Tests of data folders made from archives: they are complete or missing, they are sound, and they record where they
+//! begin.
 
 use std::path::PathBuf;
 
@@ -106,7 +107,8 @@ fn what_an_unpacked_folder_writes_out_itself_follows_on_the_archive_that_it_was(
     assert!(found.iter().any(|fault| fault.contains("an archive between the two is missing")), "{found:?}");
 }
 
-/// What somebody may do to a folder of the second archive, and what a check against the archive reports.
+/// What somebody may change in a folder unpacked from the second archive. For each change there is the report of a
+/// check against the archive.
 fn tampered(folder: &Scratch) -> [(String, &'static str); 3] {
     let connection = connect::writer(&Folder::new(&folder.data())).unwrap();
     let page = |seq| chain::page_of(&connection, Seq(seq)).unwrap().unwrap().hex();
@@ -126,7 +128,7 @@ fn tampered(folder: &Scratch) -> [(String, &'static str); 3] {
     ]
 }
 
-/// Somebody who recomputes all digests, so that the folder itself does not show it.
+/// Somebody changes the beginning and recomputes all digests, so that the folder itself does not show it.
 #[test]
 fn who_moves_the_beginning_of_an_unpacked_folder_is_found_out_by_the_archive() {
     for which in 0..3 {
@@ -172,7 +174,8 @@ fn what_a_kill_left_of_an_unpacking_is_begun_anew_and_an_empty_folder_is_taken()
     assert!(!left.exists() && !elsewhere.data().join("photos/ab").exists());
 }
 
-/// The folder may be a mounted volume or the target of a link; files of others in it are left alone.
+/// The folder may be a mounted volume or the target of a link. Files in it that hallsweep did not write are left
+/// alone.
 #[test]
 fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     let (_scratch, [_, second]) = two_in_a_row();
@@ -181,7 +184,7 @@ fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     std::fs::create_dir_all(place.join("lost+found")).unwrap();
     std::os::unix::fs::symlink(&place, &link).unwrap();
     let before = std::fs::metadata(&place).unwrap().ino();
-    // A kill came between the parts: the journal, which is moved last, is not there.
+    // A kill came between the parts: the journal, which is moved last, is missing.
     std::fs::create_dir_all(place.join("hallsweep-unpack")).unwrap();
     std::fs::create_dir_all(place.join("photos/ab")).unwrap();
     unpack(&second, &link, LATER).unwrap();
@@ -198,7 +201,7 @@ fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     assert_eq!(std::fs::read_dir(&foreign).unwrap().count(), 1);
 }
 
-/// Otherwise whoever may write beside the folder could plant keys or a STOP.
+/// Otherwise everybody who may write beside the folder could plant keys or a STOP in it.
 #[test]
 fn what_lies_where_a_folder_is_built_is_not_taken_into_it() {
     let (_scratch, [_, second]) = two_in_a_row();

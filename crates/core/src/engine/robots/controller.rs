@@ -8,22 +8,24 @@ use crate::event::Capabilities;
 use crate::robot::RobotState;
 use crate::units::{Epoch, OrderId};
 
-/// Time to wait for an answer after the robot's own deadline, for the way of the messages to the robot and back.
+/// Time to wait for an answer after the robot's own deadline. It covers the transfer of the messages to the robot and
+/// back.
 const GRACE: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RobotController {
-    /// `None` before its link is up.
+    /// What the robot can do; `None` while its link is not up.
     pub(crate) capabilities: Option<Capabilities>,
     open: Option<Open>,
-    /// An order that was given up: its answer may still come.
+    /// An order that was given up. Its answer may still arrive.
     overdue: Option<Order>,
     last: OrderId,
-    /// Whether the robot was told to halt, or cannot be reached, and has not reported since that it stands.
+    /// True after the robot was told to halt or could not be reached, until it reports that it stands.
     halting: bool,
-    /// Whether the robot's time stands still, so that nothing it does is overdue.
+    /// Whether the robot's time is paused. Nothing that the robot does is then overdue.
     is_paused: bool,
-    /// The state that the robot will show when it recentres: the opposite of the move that took it off centre.
+    /// The state that the robot will show while it recentres. It is the opposite of the move that took the robot off
+    /// centre.
     way_back: Option<RobotState>,
 }
 
@@ -47,7 +49,7 @@ impl RobotController {
         self.open.is_some_and(|open| open.order.action.is_motion())
     }
 
-    /// Whether the robot may still be moving although it was told to halt, or its link was lost (safety S8).
+    /// Whether the robot may still be moving after a halt or after the loss of its link (safety S8).
     pub(crate) const fn is_halting(&self) -> bool {
         self.halting
     }
@@ -56,8 +58,8 @@ impl RobotController {
         self.halting |= self.may_be_moving();
     }
 
-    /// The robot's link is lost; true when the robot was on the move. The robot halts by itself, and reports that when
-    /// it is back.
+    /// Handles the loss of the link. Returns true if an open order was a motion. The robot halts by itself, and
+    /// reports that when its link is up again.
     pub(crate) fn lose(&mut self) -> bool {
         self.capabilities = None;
         let halting = self.halting || self.may_be_moving();
@@ -66,8 +68,8 @@ impl RobotController {
         was_moving
     }
 
-    /// The robot's link is up: the robot stands, unless it has an order. The deadline of this order starts again, by
-    /// this robot's times.
+    /// Handles a link that is up. The robot stands, unless it has an order. The deadline of this order starts again,
+    /// with the times that this robot states.
     pub(crate) fn link_up(&mut self, can: Capabilities, since_start: Duration) {
         (self.capabilities, self.is_paused) = (Some(can), false);
         self.halting &= self.is_moving();
@@ -77,7 +79,7 @@ impl RobotController {
         }
     }
 
-    /// The robot's time stands still until its link is up anew.
+    /// Pauses the robot's time until its link is up again.
     pub(crate) const fn pause(&mut self) {
         self.is_paused = true;
     }
@@ -87,8 +89,8 @@ impl RobotController {
         self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
     }
 
-    /// A new open order, which ends the wait for a halt. The robot begins the order after everything that it was told
-    /// before; after a fault, somebody has looked after the robot.
+    /// Makes a new open order, and ends the wait for a halt. The robot begins the order after all earlier messages.
+    /// After a fault, a person has looked after the robot.
     pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
@@ -97,7 +99,7 @@ impl RobotController {
         order
     }
 
-    /// Closes the order with this id, if it is the open order or the one that was given up. An answer to any other
+    /// Closes the order with this id, if it is the open order or the order that was given up. An answer to any other
     /// order is out of date.
     pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
         let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
@@ -118,7 +120,7 @@ impl RobotController {
         self.open.and_then(|open| self.close(open.order.id))
     }
 
-    /// Gives the open order up; its answer may still come late.
+    /// Gives up the open order. Its answer may still arrive late.
     pub(crate) fn give_up(&mut self) -> Option<Order> {
         self.overdue = self.drop_open();
         self.overdue
@@ -141,7 +143,7 @@ impl RobotController {
         }
     }
 
-    /// Three times the time that the robot states for the action, and a second for its start.
+    /// Returns 3 × t + 1 s, where t is the time that the robot states for the action.
     fn deadline(&self, action: Action) -> Duration {
         let nominal = self.capabilities.map_or(Duration::ZERO, |can| match action {
             Action::Move(step) => can.time(step),

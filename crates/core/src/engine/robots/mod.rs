@@ -1,5 +1,5 @@
-//! The robots by their ids: capabilities, open orders, holds of their own. One of them searches. The places of all
-//! robots are part of `state`. What a mission wants of the robots is not decided here.
+//! The robots by their ids, with their capabilities, open orders and own holds. One of them searches. `state` has the
+//! places of all robots. Other modules decide what the robots are to do.
 
 mod controller;
 
@@ -17,21 +17,21 @@ use crate::units::WallTime;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Robot {
     pub(crate) controller: RobotController,
-    /// Whether the robot stands away from where its last completed order left it.
+    /// Whether the robot is away from the place where its last completed order ended.
     pub(crate) off_centre: bool,
-    /// `None` beyond the sonar's range, or before the first reading.
+    /// The last reading of the sonar, in centimetres. `None` if nothing was in range, or before the first reading.
     pub(crate) sonar_cm: Option<u16>,
-    /// What will be ahead of the robot once the order under way is done.
+    /// What will be ahead of the robot at the end of the current order.
     pub(crate) ahead: Option<Ahead>,
     /// The holds of this robot alone. The holds of the robot that searches are among the holds of the mission.
     pub(crate) holds: Holds,
-    /// The arm as last reported; the default for a robot without an arm.
+    /// The last reported state of the arm; the default for a robot without an arm.
     pub(crate) arm: ArmState,
-    /// Whether the robot has reported its arm since the program began or the link was lost.
+    /// Whether the robot has reported its arm since the start of the program and since the last loss of its link.
     pub(crate) arm_is_heard: bool,
     /// Number of consecutive orders that the robot failed to carry out.
     pub(crate) failures: u32,
-    /// Why the robot cannot be reached, while that is so and a reason is known.
+    /// The reason why the robot cannot be reached, if known; `None` while it can be reached.
     pub(crate) unreached: Option<Arc<str>>,
     pub(crate) unreached_since: Option<WallTime>,
 }
@@ -47,7 +47,7 @@ impl Robots {
         Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
-    /// Adds a robot, which counts as unreached at first. If `is_awaited`, the robot also waits for a START.
+    /// Adds a robot. It counts as unreached at first. If `is_awaited`, the robot also waits for a START.
     pub(crate) fn add(&mut self, id: RobotId, is_awaited: bool) {
         if id != self.searching.0 {
             let holds = std::iter::once(Hold::RobotLink).chain(is_awaited.then_some(Hold::AwaitingStart)).collect();
@@ -75,18 +75,18 @@ impl Robots {
         if *id == self.searching.0 { Some(&mut self.searching.1) } else { self.others.get_mut(id) }
     }
 
-    /// The robot that searches, then the other robots by their names.
+    /// Returns the robot that searches, then the other robots by their names.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&RobotId, &Robot)> {
         std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }
 
-    /// Makes the other robots wait for START, so that none of them moves when a hold of all robots ends. Called when
-    /// such a hold begins during a mission. Returns whether the wait is new to any robot.
+    /// Makes the other robots wait for START. This is called when a hold of all robots begins during a mission, so
+    /// that no robot moves when that hold ends. Returns whether at least one robot did not wait before.
     pub(crate) fn others_wait(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
-    /// A START was accepted: robots that waited for it may move. Returns whether any robot waited.
+    /// Handles an accepted START. Robots that waited for it may move. Returns whether any robot waited.
     pub(crate) fn release(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.release())
     }
@@ -104,7 +104,7 @@ impl Robots {
         self.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
     }
 
-    /// The next time at which a robot's open order counts as unanswered.
+    /// Returns the next time at which a robot's open order counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
         self.iter().filter_map(|(_, robot)| robot.controller.due()).min()
     }

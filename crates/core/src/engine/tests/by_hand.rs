@@ -1,11 +1,11 @@
-//! Every phase × every command and event, with the outcome written out by hand from mission §4, independently of the
-//! code's table. Each mission-wide rule that is not a cell (what clears which hold, what blinks, what is on record) is
-//! a sentence below.
+//! Tests every phase with every command and event. The outcomes are written by hand from mission §4, independently of
+//! the table in the code. Rules of the whole mission are sentences below (what clears which hold, what blinks, what
+//! is recorded).
 
 use super::*;
 use crate::world::hall_map::Mark;
 
-/// The commands whose cells are written out. The others are accepted in every phase and leave it as it is: OK, a
+/// The commands whose cells are written below. The others are accepted in every phase and do not change it: OK, a
 /// reading, a sensor's reading and the acknowledgement of an alarm.
 const COLUMNS: [Input; 12] = [
     Input::Start,
@@ -22,8 +22,9 @@ const COLUMNS: [Input; 12] = [
     Input::Strategy,
 ];
 
-/// With a piece whose verdict is pending and that has a usable photo. `.` leaves the phase, a short name is the new
-/// phase once all is on record, `!` a refusal; `a/b` is `a` while nothing holds and `b` after STOP.
+/// The outcomes while a piece with a usable photo waits for its verdict. `.` means that the phase stays, a short name
+/// is the new phase once all is recorded, and `!` is a refusal. `a/b` means `a` while nothing holds, and `b` after
+/// STOP.
 const PENDING: &str = "
     id  ex  .  !np .  .  .  !np !vp      dr      dr      !np .
     ex  !vp .  rh  .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
@@ -39,7 +40,7 @@ const PENDING: &str = "
     fa  !vp .  !np .  .  .  !np !vp      !np     !np     !np !np
 ";
 
-/// As `PENDING`, with that piece decided as safe.
+/// Like `PENDING`, but the verdict on this piece is safe.
 const DECIDED: &str = "
     id  ex  .  !np .  !de .  !np .       dr      dr      !np .
     ex  .   .  rh  .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
@@ -55,7 +56,7 @@ const DECIDED: &str = "
     fa  ex  .  !np .  !de .  !np id      !np     !np     !np !np
 ";
 
-/// The events that lead from one phase to another; elsewhere they change nothing.
+/// The events that lead from one phase to another. In all other phases they change nothing.
 const EVENTS: &[(Input, &str)] = &[
     (Input::Blocked, "ex>in"),
     (Input::AtPiece, "ex>in"),
@@ -123,7 +124,7 @@ fn code(short: &str) -> &'static str {
     }
 }
 
-/// The cell of a table, while nothing holds or after STOP.
+/// Returns the cell of a table, while nothing holds or after STOP.
 fn cell(table: &'static str, phase: PhaseName, input: Input, stopped: bool) -> &'static str {
     let Some(column) = COLUMNS.into_iter().position(|known| known == input) else { return "." };
     let line = table.lines().find(|line| line.split_whitespace().next().is_some_and(|short| named(short) == phase));
@@ -132,7 +133,7 @@ fn cell(table: &'static str, phase: PhaseName, input: Input, stopped: bool) -> &
     if stopped { held } else { free }
 }
 
-/// The meaning of a cell: the new phase, or the refusal's code.
+/// Returns the meaning of a cell: the new phase, or the code of the refusal.
 fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str> {
     match (cell, cell.strip_prefix('!')) {
         (_, Some(refusal)) => Err(code(refusal)),
@@ -141,8 +142,8 @@ fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str
     }
 }
 
-/// Mission §4: a movement command is refused with the reasons while a hold stands that it does not clear, unless the
-/// phase refuses it anyhow; under `store`, commands that would go on record are refused too.
+/// Mission §4: a movement command is refused while a hold stands that it does not clear, unless the phase refuses it
+/// already. The refusal names the reasons. Under `store`, commands that need a record are refused too.
 fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
     let stopped = meant(cell(table, phase, input, true), phase);
     let moves = [Input::Start, Input::BackHome, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
@@ -159,9 +160,9 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     }
 }
 
-/// The engine of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on
-/// record, a sensor is configured, the piece is decided or not, and an obstacle stands at (1, 1) that nobody has looked
-/// at.
+/// Returns the engine in this phase. In phases where the robot waits, the robot is at home; otherwise it is one cell
+/// to the south. One alarm is recorded, and a sensor is configured. The table tells whether the piece is decided. At
+/// (1, 1) is an obstacle that was not inspected.
 fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     let mut engine = sweep_in(name, &[]);
     let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
@@ -208,7 +209,7 @@ const HOLDS: [&[Hold]; 5] = [
     &[Hold::Store, Hold::AwaitingStart],
 ];
 
-/// Mission §4, every cell of the commands; safety S5: nothing moves past the gate while anything holds.
+/// Mission §4: every cell of the commands. Safety S5: nothing moves past the gate while anything holds.
 #[test]
 fn every_command_in_every_phase_does_what_the_mission_says() {
     for table in [PENDING, DECIDED] {
@@ -248,7 +249,7 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     }
 }
 
-/// The sentences of mission §4 on what an accepted command does, beside the phase.
+/// Checks what an accepted command does in addition to the change of the phase (mission §4).
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever has no sentence of its own does nothing beside the phase")]
 fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pair: &str) {
     let (was, is) = (&before.state.holds, &after.state.holds);
@@ -291,7 +292,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
     assert_eq!(after.state.led_blinking, !ends, "{pair}: the LED");
 }
 
-/// Mission §4, every cell of the events: where they lead, what they raise and end, and what danger does.
+/// Mission §4: every cell of the events. It checks the new phase, the holds that begin and end, and what danger does.
 #[test]
 fn every_event_in_every_phase_does_what_the_mission_says() {
     for name in PhaseName::ALL {
@@ -333,7 +334,7 @@ fn check_event(name: PhaseName, input: Input) {
     assert_eq!(alarms, usize::from(input == Input::DangerRecorded), "{pair}: danger alarms");
 }
 
-/// Mission §4, rule 4: in a fault, and while it is driven, verdicts act on the interrupted phase.
+/// Mission §4, rule 4: in a fault, and during a drive by hand, verdicts act on the interrupted phase.
 #[test]
 fn a_verdict_acts_on_the_phase_that_was_interrupted() {
     for name in [PhaseName::Driving, PhaseName::Fault] {
@@ -344,7 +345,7 @@ fn a_verdict_acts_on_the_phase_that_was_interrupted() {
     }
 }
 
-/// Mission §4, rule 6: the end of a drive from idle leaves idle as it was, and no hold waits for START.
+/// Mission §4, rule 6: after a drive from idle, the phase is idle as before, and no hold waits for START.
 #[test]
 fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
     for (end, hold) in

@@ -1,4 +1,4 @@
-//! The machine's clock is set while the program runs, or while it is off.
+//! Tests of a machine's clock that is set while the program runs, or while it is off.
 
 use super::*;
 use crate::engine::recall::{Recalled, RememberedLine};

@@ -1,4 +1,5 @@
-//! A robot that meets nothing, as a broken bumper makes of any hall: its reach ends, and the core goes on.
+//! Tests a robot that never meets an obstacle, for example because its bumper is broken. It comes to the end of its
+//! reach, and the core continues.
 
 use super::*;
 use crate::command::Strategy;
@@ -19,7 +20,7 @@ fn give(engine: &mut Engine, command: Command) -> Result<(), Refused> {
     engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1)).map(drop)
 }
 
-/// The next order, with records performed at once.
+/// Returns the next order. Records are stored at once.
 fn next_order(engine: &mut Engine) -> Option<OrderId> {
     let mut ordered = None;
     while let Some(effect) = engine.poll_effect() {
@@ -57,7 +58,7 @@ fn a_hall_without_walls_is_searched_up_to_the_reach_of_the_robot() {
     }
 }
 
-/// An engine whose robot stands at the edge of its reach, and the robot's pose.
+/// Returns an engine whose robot stands at the edge of its reach, and the robot's pose.
 fn at_the_edge() -> (Engine, Pose) {
     let mut engine = linked(Strategy::Snail);
     let pose = Pose { cell: Cell::new(0, REACH), heading: Heading::South };

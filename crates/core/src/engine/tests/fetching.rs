@@ -1,5 +1,5 @@
-//! Late or unrelated reports of arms from robots that fetch: nothing is concluded before a report, or from one that
-//! does not concern the piece.
+//! Tests of late or unrelated arm reports from robots that fetch. The engine must conclude nothing before a report
+//! arrives, or from a report about another piece.
 
 use std::collections::BTreeSet;
 
@@ -12,8 +12,8 @@ use crate::state::{Retrieval, RetrievalStage};
 use crate::units::Piece;
 use crate::world::hall_map::Mark;
 
-/// Started again with the piece off the floor: the record has the robot's place, but only the robot can report what it
-/// holds.
+/// Returns an engine after a restart with the piece off the floor. The record has the robot's place, but only the
+/// robot can report what it holds.
 fn fetching(stage: RetrievalStage, pose: Pose) -> Engine {
     let mut engine = sweep_in(PhaseName::Retrieving, &[]);
     engine.settings.fetcher = Fetcher::Discovery;
@@ -88,13 +88,13 @@ fn whoever_has_taken_another_piece_is_at_fault() {
     assert_eq!(engine.state.phase.name(), PhaseName::Fault);
 }
 
-/// The camera could tell that the piece is number 7.
+/// Records that the camera recognised the piece as number 7.
 fn identify(engine: &mut Engine) {
     let luggage = Luggage { piece: Some(Piece(7)), ..Luggage::clone(&engine.state.luggage[0]) };
     engine.state.luggage.insert(Arc::new(luggage));
 }
 
-/// An engine with a pair whose piece stands in these cells.
+/// Returns an engine with a pair whose piece stands in these cells.
 fn paired(piece: &[Cell]) -> Engine {
     let mut engine = fetching(RetrievalStage::Fetching, Pose::START);
     engine.settings.fetcher = Fetcher::Pair;

@@ -1,4 +1,4 @@
-//! STOPs without end: what they leave on record, and what not.
+//! Tests of endless STOPs: what is recorded, and what is not.
 
 use super::*;
 use crate::asked::Asked;
@@ -26,12 +26,12 @@ impl Recorder {
         Now { since_start: Duration::from_millis(self.millis), wall: WallTime::default() }
     }
 
-    /// Handles a STOP as the loop does: it halts first, and its sender follows.
+    /// Handles a STOP like the main loop: the halt comes first, and the command with its sender follows.
     fn stop(&mut self, who: &str, from: &str) {
         self.press(Issuer { door: Door("http"), who: who.into(), from: from.into() }, None);
     }
 
-    /// A STOP with an id for the press.
+    /// Handles a STOP that carries an id of the press.
     fn stop_named(&mut self, who: &str, name: &str) {
         let issuer = Issuer { door: Door("http"), who: who.into(), from: "192.0.2.7".into() };
         self.press(issuer, CommandId::new(name));
@@ -73,7 +73,7 @@ impl Recorder {
         self.entries.iter().filter_map(|entry| by(entry, name)).collect()
     }
 
-    /// The epoch of a start from what is on record.
+    /// Returns the epoch after a restart from the recorded entries.
     fn epoch_on_record(&self) -> Epoch {
         let mut state = PersistentState::first(Strategy::Snail);
         self.entries.iter().for_each(|entry| state.apply(entry));
@@ -81,7 +81,7 @@ impl Recorder {
     }
 }
 
-/// The command of this entry, if it is this sender's.
+/// Returns the command of this entry, if it is from this sender.
 fn by(entry: &Entry, name: &str) -> Option<String> {
     let Fact::Command { issuer, asked, .. } = &entry.fact else { return None };
     (*issuer.who == *name || *issuer.from == *name).then(|| asked.to_string())
@@ -113,7 +113,7 @@ fn a_flood_of_stops_shares_an_entry_a_second_and_those_of_others_have_their_own(
     assert_eq!(recorder.by("lobby").last().map(String::as_str), Some("STOP"), "after a while each has its own entry again");
 }
 
-/// Safety S4: its entry waits for others, and the epoch for no more than a second.
+/// Safety S4: the entry of a flood waits for others, but its epoch waits for no more than a second.
 #[test]
 fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     let mut recorder = Recorder::new();
@@ -137,7 +137,7 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     assert_eq!(recorder.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
 }
 
-/// Safety S1, A6: a sender that gets no answer presses again and again, by hand or as a page does by itself.
+/// Safety S1, A6: a sender that gets no answer sends STOP again and again. A person or a web page may do this.
 #[test]
 fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     let mut recorder = Recorder::new();
@@ -165,7 +165,7 @@ fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     assert_eq!(all, (Epoch(8), 9), "each has halted and is answered, as the START is");
 }
 
-/// Safety A5, A6: 128 ids are remembered, and stops that come together are all counted.
+/// Safety A5, A6: 128 ids are remembered, and stops that arrive together are all counted.
 #[test]
 fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     let mut recorder = Recorder::new();
@@ -183,7 +183,7 @@ fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     assert_eq!(recorder.entries.iter().filter(is_named).count(), 20, "what stands for many has no name");
 }
 
-/// Safety A6: refusals by doors are on record at the end of the program at the latest.
+/// Safety A6: refusals by interfaces are recorded at the end of the program at the latest.
 #[test]
 fn all_that_doors_refuse_is_on_record() {
     let mut recorder = Recorder::new();
@@ -201,7 +201,7 @@ fn all_that_doors_refuse_is_on_record() {
     assert_eq!(recorder.by("lobby")[120..], ["RESET, and 39 more that were refused"; 2]);
 }
 
-/// A stop whose sender is never known.
+/// Tests a stop whose sender is never known.
 #[test]
 fn an_epoch_goes_on_record_although_no_command_follows() {
     let mut recorder = Recorder::new();
@@ -213,7 +213,7 @@ fn an_epoch_goes_on_record_although_no_command_follows() {
     assert_eq!(recorder.engine.poll_timeout(), None, "nothing is left to be done");
 }
 
-/// Without authentication all have one name.
+/// Without authentication, all senders have the same name.
 #[test]
 fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_names() {
     let mut recorder = Recorder::new();

@@ -1,5 +1,5 @@
-//! What is shown while the store lags (safety R4): bounded, never early, and never in contradiction to what a button
-//! does.
+//! Tests of what is shown while the store is slow (safety R4). Few views wait, nothing is shown early, and nothing
+//! contradicts what a button does.
 
 use super::*;
 use crate::rng::RandomStream;
@@ -35,7 +35,7 @@ fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
     assert_eq!((state.mission.id, state.mission.phase), (begun[59].1, PhaseName::Idle), "and the latest is shown in the end");
 }
 
-/// Safety R4: a button that is shown as enabled is not refused, and once everything is on record a refusal has exactly
+/// Safety R4: a button that is shown as enabled is not refused. Once everything is recorded, a refusal has exactly
 /// the words that are shown.
 #[test]
 fn nothing_that_is_shown_contradicts_a_button() {

@@ -1,4 +1,4 @@
-//! The core's part in the control of a simulator: time that stands still, and another hall.
+//! Tests of the core under the control of a simulator: paused time, and another hall.
 
 use super::*;
 use crate::simulated::{Change, Simulated};

@@ -1,4 +1,4 @@
-//! Past temperatures, as the journal has them later.
+//! Tests of past temperatures that are read from the journal.
 
 use super::*;
 use crate::command::OPERATOR;
@@ -35,7 +35,7 @@ impl Kept {
         self.check(second);
     }
 
-    /// A moment that is looked at later shows what was shown then.
+    /// Checks that a later view of this moment shows the same as the view at that time.
     fn check(&mut self, second: i64) {
         self.keep(second);
         let past = Past {

@@ -1,4 +1,5 @@
-//! The table's cells after a verdict of danger, and in fault. The search itself stands in `search`.
+//! The cells of the table for the phases after a verdict of danger, and for the phase fault. `search` has the cells
+//! for the search.
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{

@@ -1,5 +1,5 @@
-//! The inputs that mean the same in every phase, each with its cell, and the inputs that are left to the phases
-//! (`search`, `alarm`).
+//! The inputs that have the same rules in every phase, with these rules. The other inputs are named here too;
+//! `search` and `alarm` define them for each phase.
 
 use crate::hold::Hold;
 use crate::mission::Input;
@@ -15,7 +15,7 @@ use crate::phase::PhaseName;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mission) enum InputRow {
     Everywhere(&'static [Rule]),
-    /// Inputs that halt the robot: the same in every phase, except that a drive by hand ends with them.
+    /// Inputs that halt the robot. They have the same rules in every phase, but they also end a drive by hand.
     Halting {
         elsewhere: &'static [Rule],
         driving: &'static [Rule],
@@ -23,7 +23,7 @@ pub(in crate::mission) enum InputRow {
     ByPhase(PhaseInput),
 }
 
-/// The inputs whose meaning depends on the phase: the phases match these one by one.
+/// The inputs whose rules depend on the phase. Each phase must define all of them, one by one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mission) enum PhaseInput {
     Start,
@@ -81,14 +81,14 @@ const RESET: &[Rule] = &[
     When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release, EmptyMap]),
     Go(Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release]),
 ];
-/// TOO HIGH and readings make the hall safer, so they take effect although they cannot be put on record. The sender is
-/// told that they are not on record.
+/// TOO HIGH and readings make the hall safer, so they take effect even if they cannot be recorded. The sender is told
+/// that they are not recorded.
 const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
-/// The cells of an input that raises a hold. If the input ends a drive by hand during a mission, it raises the hold of
-/// the operator as well.
+/// The rules of an input that raises a hold. If the input ends a drive by hand during a mission, it raises the hold
+/// of the operator as well.
 macro_rules! raised {
     ($hold:expr) => {
         raised!($hold, &[Go(Stay, &[Raise($hold)])])

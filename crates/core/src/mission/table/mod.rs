@@ -1,6 +1,6 @@
-//! The transition table: the rules for every input in every phase, read from the top; the first rule that applies
-//! decides (mission §4). The table is total and has no wildcard. A new input compiles only once it stands in
-//! `everywhere` or in each phase; a new phase compiles only once it defines each input that does not stand in
+//! The transition table: the rules for every input in every phase (mission §4). Rules are read from the top, and the
+//! first rule that applies decides. The table is complete and has no wildcard. A new input compiles only after it is
+//! in `everywhere` or in each phase. A new phase compiles only after it defines each input that is not in
 //! `everywhere`. `docs/mission-table.md` prints the table, and a test compares the two.
 
 mod alarm;
@@ -13,7 +13,7 @@ use super::Input;
 use super::rule::Rule;
 use crate::phase::PhaseName;
 
-/// The rules for `input` in `phase`: at least one rule, and the last rule always applies.
+/// Returns the rules for `input` in `phase`. There is at least one rule, and the last rule always applies.
 pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
     let input = match row(input) {
         InputRow::Everywhere(rules) => return rules,
@@ -70,7 +70,7 @@ mod tests {
         }
     }
 
-    /// Safety S1: a repeated STOP may be ignored only while no such command was given.
+    /// Safety S1: a repeated STOP may be ignored only if no command has released the robot in between.
     #[test]
     fn what_lets_a_halted_robot_go_is_a_command_that_is_known_to() {
         let commands = [

@@ -1,5 +1,5 @@
-//! The table's cells for the search: from idle to explored, the ways home and driving by hand. Danger and fault stand
-//! in `alarm`.
+//! The cells of the table for the search: from idle to explored, the ways home, and driving by hand. `alarm` has the
+//! cells for danger and fault.
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
@@ -79,7 +79,7 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
     }
 }
 
-/// Driven by hand: every hold also ends the drive.
+/// The rules while the robot is driven by hand. Every hold also ends the drive.
 pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto => &[Never(Guard::Driving)],

@@ -1,5 +1,5 @@
-//! Cells that several phases share, by name. `search` and `alarm` assign them to phases; cells that all phases share
-//! stand in `everywhere`.
+//! Named cells of the table that several phases share. `search` and `alarm` assign them to phases. `everywhere` has
+//! the cells that all phases share.
 
 use super::everywhere::PhaseEvent;
 use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
@@ -44,7 +44,7 @@ pub(super) const DANGER_AT_HOME: &[Rule] = &[
 ];
 pub(super) const INTO_FAULT: &[Rule] = &[Go(Phase(PhaseName::Fault), &[])];
 
-/// The events while the robot that searches has nothing to do.
+/// The rules for events while the robot that searches has nothing to do.
 pub(super) const fn waiting(event: PhaseEvent, danger: &'static [Rule]) -> &'static [Rule] {
     match event {
         PhaseEvent::Done

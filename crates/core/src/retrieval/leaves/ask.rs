@@ -1,5 +1,5 @@
-//! Leaves that look, calculate and speak: where the pallet and the parcel are, whether both robots are where they
-//! should be, and what is said.
+//! The leaves of the behaviour trees that look, calculate and send messages. They find the pallet and the parcel, and
+//! check whether both robots are where they should be.
 
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
 use crate::arm::{ArmAction, ArmState, Parcel};
@@ -8,20 +8,20 @@ use crate::pair::{RetrievalFault, Saying, Which};
 use crate::place::Place;
 use behaviour_trees::{Leaf, Status, Value};
 
-/// Greatest error of the bases' distance when a parcel is put down, in micrometres: about the room that a box has on a
-/// shelf.
+/// Maximum error of the distance between the bases when a parcel is put down, in micrometres. A box has about this
+/// much room on a shelf.
 const DROP_GAP_UM: i32 = 2500;
 
-/// The camera's answer when it has recognised nothing.
+/// The camera's answer if it has recognised nothing.
 const NONE: &str = "none";
 
-/// The camera's answer in the form of the entry `SEEN`.
+/// Returns the camera's answer in the form of the blackboard entry `SEEN`.
 pub(in crate::retrieval) fn seen(found: Option<Parcel>) -> (&'static str, Value) {
     (SEEN, found.map_or_else(|| Value::text(NONE), |parcel| written(parcel.place)))
 }
 
 impl Performer<'_> {
-    /// Finds the pallet at its known place, and a parcel with the camera of SRM1.
+    /// Finds the pallet at its known place, or a parcel with the camera of SRM1.
     pub(super) fn find(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let (seen, found) = (1, 2);
         let is_pallet = leaf.text(0) == Some("pallet");
@@ -51,8 +51,8 @@ impl Performer<'_> {
         Status::Success
     }
 
-    /// The known place of the piece. A piece without a known cell lies between the two robots: it fell on the way out,
-    /// or it fell while the program was not running.
+    /// Returns the known place of the piece. A piece without a known cell lies between the two robots. It fell on the
+    /// way out, or while the program was not running.
     fn parcel_known(&self) -> Option<Place> {
         let [one, two] = self.places();
         let between = |place: &Place| one != two && place.is_beside(one) && place.is_beside(two);
@@ -61,8 +61,8 @@ impl Performer<'_> {
         self.view.piece.first().copied().map(Place::Cell).or_else(fallen)
     }
 
-    /// The parcel's place, if both robots can reach it and carry the parcel off. A parcel that was not recognised is
-    /// taken to be at its known place, because the operator has looked.
+    /// Calculates the parcel's place, if both robots can reach it and carry the parcel away. If the parcel was not
+    /// recognised, its known place is used, because the operator has looked.
     pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let Some(place) = place_in(leaf, 1).or_else(|| self.parcel_known()) else {
             return self.fails(RetrievalFault::NothingToFetch);
@@ -92,7 +92,8 @@ impl Performer<'_> {
         beside && !base.off_centre && base.open.is_none()
     }
 
-    /// A message to the other robot is done at once; a message to the operator is done once it is acknowledged.
+    /// Sends a message. A message to the other robot is complete at once. A message to the operator is complete when
+    /// it is acknowledged.
     pub(super) fn say(&mut self, leaf: &mut Leaf<'_>) -> Status {
         if leaf.text(0) == Some(Which::Srm2.name()) {
             let Some(message) = leaf.read(1).cloned() else { return self.fails(RetrievalFault::Tree) };
@@ -131,13 +132,14 @@ impl Performer<'_> {
         exact && still && self.load().is_some()
     }
 
-    /// The place by which the two can grip the piece from where they stand, and then carry it off.
+    /// Returns the place at which the two robots can grip the piece from their present places and then carry it away.
     pub(super) fn grip_place(&mut self, place: Place) -> Option<Place> {
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
         still.then(|| self.grip_between(place))?
     }
 
-    /// The place by which the two grip the piece once both have gone back to the centres of their places.
+    /// Returns the place at which the two robots grip the piece, once both have gone back to the centres of their
+    /// places.
     pub(super) fn grip_between(&mut self, place: Place) -> Option<Place> {
         let [one, two] = self.places();
         let piece = self.piece(place);

@@ -1,4 +1,4 @@
-//! Leaves that drive: each base by itself to its place, both with the parcel between them, and the last few
+//! The leaves that drive: each base alone to its place, both bases with the parcel between them, and the last few
 //! centimetres. `way` finds the ways, and `steer` turns the bases.
 
 use std::collections::BTreeSet;
@@ -16,7 +16,7 @@ use crate::units::Cell;
 use crate::world::hall_map::Mark;
 use behaviour_trees::{Leaf, Status};
 
-/// Longest time for the last few centimetres: dozens of tries.
+/// Maximum time for the last few centimetres. It is enough for dozens of attempts.
 const ADJUSTING: Duration = Duration::from_secs(600);
 
 enum Going {
@@ -41,7 +41,7 @@ impl Performer<'_> {
         match self.go_near(which, place) {
             Going::There => Status::Success,
             Going::OnTheWay => Status::Running,
-            // The other base is in the way, so both go to where they can grip.
+            // The other base is in the way, so both bases go to the places where they can grip.
             Going::NoWay => match self.correct_bases(place) {
                 Status::Failure => Status::Failure,
                 Status::Idle | Status::Running | Status::Success | Status::Skipped => Status::Running,
@@ -62,8 +62,8 @@ impl Performer<'_> {
         }
     }
 
-    /// The places from which the piece is lifted, as last planned, or planned anew. SRM1 goes there first, or SRM2 if
-    /// SRM1 would be in its way.
+    /// Returns the places from which the piece is lifted, from the last plan or from a new one. SRM1 goes there
+    /// first, or SRM2 if SRM1 would be in its way.
     pub(super) fn stands(&mut self, place: Place) -> Option<Plan> {
         let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
         let usable = |(at, plan): &(Place, Plan)| *at == place && !plan.stands.bases.iter().any(is_closed);
@@ -85,8 +85,8 @@ impl Performer<'_> {
         Some(Plan { stands: Stands { grip, bases: [second, first] }, order: [Which::Srm2, Which::Srm1] })
     }
 
-    /// Whether the piece can be lifted and carried off, either from where the two stand now or after they have been
-    /// outside.
+    /// Whether the piece can be lifted and carried away. The two robots may do this from their present places, or
+    /// after they have been outside.
     pub(super) fn can_fetch(&mut self, place: Place) -> bool {
         self.grip_between(place).is_some() || self.stands(place).is_some() || self.can_fetch_from_outside(place)
     }
@@ -95,8 +95,8 @@ impl Performer<'_> {
         self.view.way_out && self.plan(place, [Place::ENTRANCE; 2]).is_some()
     }
 
-    /// Drives both bases to where they can grip. If the two block each other for good, they go outside first and come
-    /// in again in another order.
+    /// Drives both bases to the places where they can grip. If the two block each other for good, they first go
+    /// outside and come in again in another order.
     fn correct_bases(&mut self, place: Place) -> Status {
         if self.is_anybody_busy() {
             return Status::Running;
@@ -116,7 +116,7 @@ impl Performer<'_> {
                 Going::NoWay => self.routes.stands = None,
             }
             if self.stands(place).is_some() {
-                // The plan has just been made with what is known by now.
+                // The plan has just been made with the present knowledge.
                 return Status::Running;
             }
         }
@@ -135,8 +135,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Drives back to the pallet for the next parcel. If nothing is left to fetch, a pair that has a way out stays
-    /// where it is.
+    /// Drives back to the pallet for the next parcel. If nothing is left to fetch and the pair has a way out, it
+    /// stays where it is.
     fn return_to(&mut self, pallet: Place) -> Status {
         if self.view.piece.is_empty() && self.view.way_out {
             return Status::Success;
@@ -150,8 +150,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Drives one base after the other, so that neither blocks the other's route unseen. If the first finds no way, the
-    /// second tries.
+    /// Drives one base after the other, so that neither base enters the other's route unnoticed. If the first base
+    /// finds no way, the second base tries.
     fn one_after_the_other(&mut self, order: [Which; 2], mut go: impl FnMut(&mut Self, Which) -> Going) -> Going {
         let mut all = Going::There;
         for which in order {
@@ -164,7 +164,8 @@ impl Performer<'_> {
         all
     }
 
-    /// Drives beside the piece at this place: to where the piece is lifted from, or to a free place beside it.
+    /// Drives a base to its place beside the piece: the place from which the piece is lifted, or a free place beside
+    /// it.
     fn go_near(&mut self, which: Which, place: Place) -> Going {
         if self.base(which).open.is_some() {
             return Going::OnTheWay;
@@ -217,13 +218,14 @@ impl Performer<'_> {
         Going::OnTheWay
     }
 
-    /// Allows driving backwards only into cells that are known to be free, because the camera looks ahead.
+    /// Returns the allowed direction. The camera looks ahead, so a base may drive backwards only into cells that are
+    /// known to be free.
     fn gear(&self, next: Place) -> Gear {
         let is_known = next.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);
         if is_known { Gear::Either } else { Gear::Forwards }
     }
 
-    /// Moves both bases back to the centres of their places; `None` when they are there.
+    /// Moves both bases back to the centres of their places. Returns `None` when both are there.
     fn recentre_both(&mut self) -> Option<Status> {
         let mut all_centred = true;
         for which in Which::ALL {
@@ -241,7 +243,7 @@ impl Performer<'_> {
         (!all_centred).then_some(Status::Running)
     }
 
-    /// Carries the parcel to its destination; fails when the parcel is no longer in both grippers.
+    /// Carries the parcel to its destination. Fails if the parcel is no longer in both grippers.
     fn carry(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
         if let Some(status) = self.recentre_both() {
@@ -253,7 +255,7 @@ impl Performer<'_> {
         }
         let train = self.train(parcel.place);
         if !train.bases.iter().all(|base| base.is_beside(parcel.place)) {
-            // One of the two has reported the end of the step; the other has not yet.
+            // If only one robot has reported the end of the step, wait for the other one.
             return if is_still { self.fails(RetrievalFault::NoWayToTarget) } else { Status::Running };
         }
         let floor = self.floor(self.view.piece, self.view.others);
@@ -281,11 +283,11 @@ impl Performer<'_> {
         Status::Running
     }
 
-    /// Drives off the place and onto it again until the gap is right, because the wheels' controllers correct the gap
-    /// only while they drive.
+    /// Drives away from the place and back until the gap between the bases is right. The wheels' controllers correct
+    /// the gap only while they drive.
     fn adjust(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
-        // While one of the two has not reported the end of the step, their places form no train.
+        // Until both robots have reported the end of the step, their places form no train.
         if self.is_anybody_busy() {
             return Status::Running;
         }
@@ -305,7 +307,7 @@ impl Performer<'_> {
         }
     }
 
-    /// One step away from the train's place, over visited cells.
+    /// Returns a train one step away from this one, over visited cells.
     fn step_aside(&self, train: Train) -> Option<Train> {
         let is_free = |place: &Place| {
             let known = place.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);

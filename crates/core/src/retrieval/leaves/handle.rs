@@ -1,5 +1,5 @@
-//! Leaves of the arms: align with the parcel, close, start the controllers, lift, lower, open. Each leaf is done when
-//! both arms report it, so a restart in between makes no difference.
+//! The leaves of the arms: align with the parcel, close, start the controllers, lift, lower and open. Each leaf is
+//! done when both arms report it, so a restart in between makes no difference.
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
@@ -8,7 +8,7 @@ use crate::pair::{RetrievalFault, Which};
 use behaviour_trees::{Leaf, Status};
 
 impl Performer<'_> {
-    /// Both arms do this until each reports that it is done.
+    /// Makes both arms do this action until each reports that it is done.
     fn both(&mut self, action: ArmAction, is_done: impl Fn(&ArmState) -> bool) -> Status {
         let mut all_done = true;
         for which in Which::ALL {
@@ -37,8 +37,8 @@ impl Performer<'_> {
         self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
     }
 
-    /// Closes the grippers. If they have closed without a common parcel, a person must help, once both robots have had
-    /// time to report what they hold.
+    /// Closes the grippers. If they have closed without a common parcel, a person must help. Before that, both robots
+    /// get time to report what they hold.
     pub(super) fn close_grippers(&mut self, leaf: &Leaf<'_>) -> Status {
         let held = self.arms().iter().all(|arm| arm.holds.is_some());
         if held {
@@ -62,7 +62,7 @@ impl Performer<'_> {
         }
     }
 
-    /// Starting takes no time, and without a parcel there is nothing to start.
+    /// Starts a controller. This takes no time, and without a parcel there is nothing to start.
     pub(super) fn start_controller(&mut self, leaf: &Leaf<'_>) -> Status {
         let (action, is_at_work): (_, fn(&ArmState) -> bool) = match leaf.text(0) {
             Some("ForceControllerInit") => (ArmAction::HoldForce, |arm| arm.controllers.force),
@@ -73,7 +73,7 @@ impl Performer<'_> {
         if self.load().is_none() { Status::Failure } else { self.both(action, is_at_work) }
     }
 
-    /// Fails if the parcel is not, or no longer, in both grippers.
+    /// Lifts the parcel. Fails if the parcel is not in both grippers, or no longer.
     pub(super) fn lift(&mut self) -> Status {
         if self.load().is_none() {
             return Status::Failure;

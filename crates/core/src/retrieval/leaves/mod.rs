@@ -1,8 +1,9 @@
-//! The leaves of the three trees, as pure functions: they read a view, return statuses, proposals and sayings, and move
-//! nothing. This file has the names and ports of the leaves, and the dispatch; `ask`, `drive` and `handle` have their
-//! work.
+//! The leaves of the three behaviour trees, as pure functions. They read a view and return statuses, proposals and
+//! sayings. They move nothing. This file has the names and ports of the leaves, and calls their code in `ask`,
+//! `drive` and `handle`.
 //!
-//! State that must outlive the program is on the blackboard. Routes are not on it: they are planned anew from the map.
+//! State that must be kept when the program ends is on the blackboard. Routes are not on the blackboard, because they
+//! are planned again from the map.
 
 mod ask;
 mod drive;
@@ -24,22 +25,23 @@ use crate::units::Cell;
 use behaviour_trees::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use routes::Routes;
 
-/// Consecutive failed orders of a robot before the leaf gives up: one may be chance, three are not.
+/// Number of consecutive failed orders of a robot before the leaf gives up. One failure may be chance, three are not.
 pub(crate) const MOST_FAILURES: u32 = 3;
 
-/// Time within which the reports of the two must agree whether both hold something. They report one after the other:
-/// the gripper that closes first reports what it holds only when the second is closed, too.
+/// Maximum time until the two robots' reports must agree whether both hold something. They report one after the
+/// other. The gripper that closes first reports what it holds only when the second gripper is closed too.
 pub(super) const REPORTING: Duration = Duration::from_secs(30);
 
-/// Longest run of a leaf: a train needs about an hour for the way through the largest hall.
+/// Maximum time of one run of a leaf. Two bases with a parcel need about an hour for the way through the largest
+/// hall.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// The entry for the camera's answer until the leaf has read it.
+/// The blackboard entry with the camera's answer. It is kept until the leaf has read it.
 pub(super) const SEEN: &str = "parcel_seen";
 
 named! {
     ALL by id;
-    /// The leaves, by the seed's names.
+    /// The leaves, with their names from the original specification.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     enum SeedLeaf {
         FindObj = "FindObj",
@@ -94,7 +96,7 @@ impl SeedLeaf {
     }
 }
 
-/// The leaves that the trees of the pair may name.
+/// Returns the leaves that the trees of the pair may name.
 #[must_use]
 pub fn catalogue() -> Catalogue {
     Catalogue::new(SeedLeaf::ALL.into_iter().map(SeedLeaf::described).collect())
@@ -102,12 +104,12 @@ pub fn catalogue() -> Catalogue {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Output {
-    /// The action of each robot. If several leaves of a tick want something of a robot, the first decides.
+    /// The action of each robot. If several leaves of a tick propose actions for one robot, the first one counts.
     pub(super) proposals: [Option<Action>; 2],
     pub(super) sayings: Vec<Saying>,
-    /// The fault for which the last leaf failed, if only a person can mend it.
+    /// The fault for which the last leaf failed, if only a person can correct it.
     pub(super) fault: Option<RetrievalFault>,
-    /// A parcel that stands at its destination, still in the grippers.
+    /// A parcel that stands at its destination and is still in the grippers.
     pub(super) dropped: Option<Parcel>,
     pub(super) released: bool,
 }
@@ -144,12 +146,12 @@ impl Leaves for Performer<'_> {
         }
     }
 
-    /// A robot ends its step by itself, or somebody halts it, so the leaf has nothing to end.
+    /// Does nothing, because a robot ends its step by itself, or somebody halts the robot.
     fn halt(&mut self, _: &mut Leaf<'_>) {}
 }
 
 impl<'a> Performer<'a> {
-    /// Ends the run of the pair with this fault, which only a person can mend.
+    /// Ends the run of the pair with this fault. Only a person can correct it.
     fn fails(&mut self, fault: RetrievalFault) -> Status {
         self.output.fault = Some(fault);
         Status::Failure
@@ -175,14 +177,14 @@ impl<'a> Performer<'a> {
         Which::ALL.map(|which| self.base(which).stands.place)
     }
 
-    /// The parcel that both arms hold. They report its place one after the other, before they report the end of a step.
-    /// While one of them is busy, SRM1's report counts.
+    /// Returns the parcel that both arms hold. The arms report its place one after the other, before they report the
+    /// end of a step. While one of them is busy, SRM1's report counts.
     fn load(&self) -> Option<Parcel> {
         let [one, two] = self.arms().map(|arm| arm.holds);
         one.filter(|one| two.is_some_and(|two| one.piece == two.piece))
     }
 
-    /// The known cells of the piece at this place, or this cell alone if none is known.
+    /// Returns the known cells of the piece at this place, or only the cell of this place if none is known.
     fn piece(&self, at: Place) -> BTreeSet<Cell> {
         match at {
             Place::Cell(cell) if self.view.piece.contains(&cell) => self.view.piece.clone(),
@@ -198,7 +200,7 @@ impl<'a> Performer<'a> {
         Floor { map: self.view.map, way_out: self.view.way_out, freed, taken }
     }
 
-    /// The train that the two would form if they gripped from where they stand.
+    /// Returns the train that the two bases would form if they gripped the parcel from their present places.
     fn train(&self, parcel: Place) -> Train {
         Train { bases: self.places(), parcel }
     }
@@ -208,7 +210,7 @@ const fn answer(truth: bool) -> Status {
     if truth { Status::Success } else { Status::Failure }
 }
 
-/// A place in the form of an entry: `3;4` in the hall, `outside;1` before its entrance.
+/// Writes a place in the form of a blackboard entry: `3;4` in the hall, `outside;1` outside the entrance.
 pub(super) fn written(place: Place) -> Value {
     Value::text(&match place {
         Place::Cell(Cell { x, y }) => format!("{x};{y}"),

@@ -1,5 +1,6 @@
-//! Remembered routes, so that a way is not searched for at every step: the routes of each base and of the train, and
-//! the places from which a piece is lifted. A route that no longer fits is dropped; no route outlives the program.
+//! Remembered routes, so that a way is not searched for at every step. They are the routes of each base and of the
+//! train, and the places from which a piece is lifted. A route that no longer fits is dropped. No route is kept when
+//! the program ends.
 
 use std::collections::VecDeque;
 
@@ -16,7 +17,7 @@ pub(super) struct Plan {
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::retrieval) struct Routes {
-    /// The plan, with the place of the piece for which it was made.
+    /// The plan for lifting the piece, with the place of the piece for which it was made.
     pub(super) stands: Option<(Place, Plan)>,
     alone: [VecDeque<Place>; 2],
     train: VecDeque<Train>,
@@ -27,8 +28,8 @@ impl Routes {
         *self = Routes::default();
     }
 
-    /// The next place on the way. The present way is kept while it still leads from `from` to `to` and nothing blocks
-    /// it.
+    /// Returns the next place on the way. The present way is kept while it still leads from `from` to `to` and
+    /// nothing blocks it.
     pub(super) fn next_place(&mut self, index: usize, floor: &Floor<'_>, from: Place, to: Place) -> Option<Place> {
         let way = &mut self.alone[index];
         if way.front() == Some(&from) {
@@ -41,8 +42,8 @@ impl Routes {
         way.front().copied()
     }
 
-    /// The next train on the way. The present way is kept while nothing blocks it and it still leads to a train whose
-    /// parcel is at `drop`.
+    /// Returns the next train on the way. The present way is kept while nothing blocks it and it still leads to a
+    /// train whose parcel is at `drop`.
     pub(super) fn next_train(&mut self, floor: &Floor<'_>, from: Train, drop: Place) -> Option<Train> {
         let way = &mut self.train;
         if way.front() == Some(&from) {

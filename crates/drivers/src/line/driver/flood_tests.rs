@@ -1,4 +1,4 @@
-//! Tests of what a flood of STOPs, of changes of the LED, or of photos writes on the wire.
+//! Tests of the number of lines on the wire when very many STOPs, changes of the LED or photos come.
 
 use std::collections::BTreeMap;
 
@@ -51,7 +51,7 @@ impl Flooded {
                     self.test.passes(10);
                     self.write();
                 }
-                // The robot is present, and answers a halt before the driver gives it up.
+                // The robot is present and answers each halt before the driver closes the connection.
                 self.test.hears("sonar 50");
                 let soon = self.test.now.since_start + Duration::from_millis(200);
                 if self.test.driver.open.as_ref().is_some_and(|open| open.is_halted && open.until < soon) {
@@ -85,7 +85,7 @@ impl Flooded {
         counts
     }
 
-    /// Whether the last halt is recent, voids every motion that was written, and no order was written after it.
+    /// Whether the last halt is recent and voids every written motion, and no order was written after the halt.
     fn is_halted(&self) -> bool {
         let is_halt = |(_, line): &(Duration, ToRobot)| matches!(line, ToRobot::Halt(_));
         let Some(place) = self.written.iter().rposition(is_halt) else { return false };
@@ -98,7 +98,7 @@ impl Flooded {
 }
 
 proptest! {
-    /// Safety S1, S6.
+    /// Tests safety S1, S6 (docs/safety.md).
     #[test]
     fn every_stop_of_a_flood_is_served_by_a_halt_that_is_young_and_behind_every_order(
         steps in prop::collection::vec(step(), 1..200),
@@ -112,7 +112,7 @@ proptest! {
                 prop_assert!(flooded.is_halted(), "{:?}", flooded.written);
                 motion_allowed = false;
             }
-            // A motion that a STOP has cut short is not written again: only a new order lets the robot move.
+            // After a STOP, a motion is not written again. Only a new order lets the robot move.
             let is_motion = |(_, line): &(Duration, ToRobot)| matches!(line, ToRobot::Order(task, ..) if task.is_motion());
             prop_assert!(motion_allowed || !flooded.written[checked..].iter().any(is_motion), "{:?}", flooded.written);
             checked = flooded.written.len();
@@ -123,7 +123,8 @@ proptest! {
     }
 }
 
-/// Safety S1: these lines come on top of the usual ones. A wire of 9600 baud carries 960 bytes a second.
+/// Safety S1: counts the lines that are written in addition to the usual ones. A wire of 9600 baud carries 960 bytes
+/// a second.
 #[test]
 fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behind_them() {
     for moves in [false, true] {
@@ -144,7 +145,7 @@ fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behin
     }
 }
 
-/// Safety S1: what was written on a lost connection may not have arrived.
+/// Safety S1: a halt that was written on a lost connection may not have arrived.
 #[test]
 fn a_halt_of_the_connection_before_serves_no_stop() {
     let mut test = Test::up(&ADA.replace("at=2,3", "at=0,0"));

@@ -1,4 +1,4 @@
-//! A driver under test, and what it sends to a scripted robot.
+//! A driver under test, which talks to a scripted robot.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ impl Test {
         test
     }
 
-    /// A driver whose robot has introduced itself, and knows that orders begin above 42.
+    /// A driver after its robot has introduced itself. Both know that orders begin above 42.
     pub(crate) fn up(hello: &str) -> Test {
         let mut test = Test::connected();
         test.hears(&format!("{hello}41"));
@@ -61,7 +61,8 @@ impl Test {
         std::iter::from_fn(|| self.driver.poll_output()).collect()
     }
 
-    /// The texts that it has sent since the last call; it must have asked for nothing else.
+    /// The texts of all lines that the driver has sent since the last call. It fails if the driver requested anything
+    /// else.
     pub(crate) fn said(&mut self) -> Vec<String> {
         let text = |output: Output| match output {
             Output::Send(bytes) => String::from_utf8(bytes).unwrap().trim_end().split('*').next().unwrap().to_owned(),
@@ -88,7 +89,7 @@ pub(crate) fn photograph() -> Action {
     Action::Photograph(Stamp { pose: Pose::START, wall: WallTime::default() })
 }
 
-/// Why the connection is given up, which must be its last output.
+/// The reason for which the driver closes the connection. This must be the driver's last output.
 pub(crate) fn given_up(test: &mut Test) -> String {
     let outputs = test.outputs();
     let Some(Output::GiveUp(words)) = outputs.last() else {

@@ -1,4 +1,4 @@
-//! Tests of the driver: orders, their answers, photos.
+//! Tests of the driver: orders, their answers, and photos.
 
 use super::testing::{ADA, BLIND, FORWARD, Test, lost, photograph};
 use super::*;
@@ -150,7 +150,7 @@ fn a_motion_never_begins_after_its_deadline() {
     let mut test = Test::up(ADA);
     test.order_within(FORWARD, 300);
     test.passes(200);
-    // Any answer of the robot to that is the answer of the order.
+    // After the deadline, only the halt is sent. The robot's answer to the halt is also the answer to the order.
     test.hears("sonar 10");
     test.said();
     test.passes(200);
@@ -207,7 +207,7 @@ fn the_led_is_told_at_once_and_again_with_every_hello() {
     assert_eq!(test.said(), ["led blink", "hello", "led blink"]);
 }
 
-/// Safety R2.
+/// Tests safety R2 (docs/safety.md).
 #[test]
 fn an_order_under_way_when_the_link_is_lost_is_not_answered_and_leaves_it_off_centre() {
     let mut test = Test::up(ADA);

@@ -1,4 +1,5 @@
-//! Tests of what the robot says: every line is read back, and any text is a line or none.
+//! Tests of the robot's lines. Every written line can be read again. Any other text is either a line or refused,
+//! without a panic.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Tests of how driver and robot begin a link, and of what breaks it.
+//! Tests of how driver and robot begin a link, and of what ends it.
 
 use super::*;
 use crate::line::driver::testing::{ADA, BLIND, FORWARD, Test, given_up, lost};
@@ -124,7 +124,7 @@ fn a_robot_that_takes_the_place_of_another_is_a_lost_link() {
     assert!(test.driver.is_off_centre());
 }
 
-/// Somebody has carried it away, or it has lost count: its next reports would be about another place.
+/// Somebody has carried the robot away, or it has counted wrongly. Its next reports would be about wrong cells.
 #[test]
 fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() {
     let at = |place: &str, last: u32| ADA.replace("2,3,west", place) + &last.to_string();
@@ -149,7 +149,7 @@ fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() 
     assert_eq!(given_up(&mut test), "ada says that it is at (0, 3), west, but was at (1, 3), west: check its place");
 }
 
-/// This holds whatever else it says, even that it has begun nothing yet.
+/// This holds whatever else the robot reports, even if it reports that no order has begun yet.
 #[test]
 fn one_that_stands_elsewhere_in_the_middle_of_an_order_is_a_lost_link_too() {
     for (is_ordered, at, last) in [(true, "1,4,west", 43), (true, "3,3,west", 42), (false, "1,3,west", 42)] {
@@ -164,7 +164,7 @@ fn one_that_stands_elsewhere_in_the_middle_of_an_order_is_a_lost_link_too() {
 
 #[test]
 fn a_robot_that_never_takes_a_number_is_not_asked_in_a_hurry_and_given_up_after_a_minute() {
-    // It never confirms the number, or always knows of orders above it.
+    // This robot either never confirms the number, or always knows of orders above it.
     for more in [0, 2] {
         let (mut test, mut last, mut said) = (Test::connected(), 41, 0);
         for _ in 0..6100 {
@@ -206,7 +206,7 @@ fn another_program_that_has_given_it_orders_is_a_lost_link() {
     assert_eq!(given_up(&mut test), "another program has given the robot orders: let only one program drive the robot");
 }
 
-/// Safety S3: it may still be carrying out an earlier order.
+/// Safety S3: the robot may still be carrying out an earlier order.
 #[test]
 fn a_halt_goes_out_to_a_robot_that_is_being_greeted_with_a_number_that_it_obeys() {
     let mut test = Test::connected();

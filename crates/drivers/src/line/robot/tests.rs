@@ -1,4 +1,4 @@
-//! Tests of the robot's end: which orders begin, what is answered again, and when it halts by itself.
+//! Tests of the robot's end: which orders begin, which answers are repeated, and when it halts by itself.
 
 use super::*;
 use hallsweep_core::event::Obstacle;
@@ -41,7 +41,7 @@ impl Test {
         std::iter::from_fn(|| self.robot.poll_asked()).collect()
     }
 
-    /// The action that it was asked to begin, which must be all that it was asked.
+    /// The action that the body was requested to begin. It fails if there was any other request.
     fn begun(&mut self) -> Option<Action> {
         match self.asked()[..] {
             [] => None,
@@ -111,7 +111,7 @@ fn a_halt_is_passed_on_once_and_answered_when_it_stands() {
     assert!(test.said()[0].contains("at=0,0,south off last=6"));
 }
 
-/// Safety S5.
+/// Tests safety S5 (docs/safety.md).
 #[test]
 fn one_that_moves_and_hears_nothing_good_halts_by_itself() {
     let mut test = Test::ready();
@@ -132,7 +132,7 @@ fn one_that_moves_and_hears_nothing_good_halts_by_itself() {
     assert_eq!((test.said(), test.robot.poll_timeout()), (vec!["halted 6 off".to_owned()], None));
 }
 
-/// Safety S5.
+/// Tests safety S5 (docs/safety.md).
 #[test]
 fn one_whose_program_is_gone_halts_at_once_and_says_nothing_of_it_to_the_next() {
     let mut test = Test::ready();

@@ -1,5 +1,5 @@
-//! Contacts of the virtual robot: how far it had driven before, what the contact shows about its position, and what is
-//! reported to the core.
+//! Contacts of the virtual robot: how far it had driven before a contact, what the contact shows about its position,
+//! what is reported to the core.
 
 use std::time::Duration;
 
@@ -10,36 +10,38 @@ use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// Longest way in cells after which a contact while feeling is with a thing that the robot touched before.
+/// A contact within this distance, in cells, is with a thing that the robot touched before. It matters while the
+/// robot feels ahead.
 const TOUCHED: f64 = 0.12;
 
-/// Time after the end of a step in which a contact is taken to belong to that step, if nothing was met since.
+/// A contact counts as part of the last step if it is reported within this time after the step. No other contact may
+/// have come since.
 const LATE: Duration = Duration::from_secs(3);
 
-/// Number of contacts allowed on the way back to the centre.
+/// Maximum number of contacts on the way back to the centre.
 const HINDERED: u8 = 2;
 
-/// Limit of the counter of corrections. After more than four corrections in a row, the scene file is taken to be of
-/// another room. A completed step or turn makes good a third of a correction.
+/// Limit of the counter of corrections. After more than four corrections in a row, the scene file counts as that of
+/// another room. Each completed step or turn makes up for a third of a correction.
 const ASTRAY: u8 = 4 * FOUND;
-/// The amount that one correction of the position adds to that counter; each completed step or turn subtracts 1.
+/// One correction of the position adds this number to the counter. Each completed step or turn subtracts 1.
 const FOUND: u8 = 3;
 
-/// Corrections of the position allowed before the robot enters a new cell. Without this limit it could wander between
-/// two places for ever.
+/// Maximum number of corrections before the robot enters a new cell. Without this limit, the robot could wander
+/// between two places forever.
 const WANDERED: u8 = 12;
 
-/// Largest change of the time of a step by one measurement, as a share.
+/// Largest change of the time of a step after one contact, as a share.
 const STEP_CHANGE: f64 = 0.2;
 
-/// Way that the robot drives beyond a thing's known place to meet it again, in cells.
+/// How far the robot drives beyond the known place of a thing to meet the thing again, in cells.
 const FURTHER: f64 = 0.4;
 
 impl VirtualRobot {
     pub(in super::super) fn contact(&mut self, name: Option<String>) {
         let Some(leg) = self.leg().copied().filter(Leg::is_sent) else { return self.contact_at_rest() };
         let (Way::Straight { towards, cells, before, .. }, Some(aim)) = (leg.way, self.task.as_ref().map(|task| task.aim)) else {
-            // The robot meets nothing in a turn.
+            // Contacts do not happen in a turn.
             return self.contact_at_rest();
         };
         let since_sent = match leg.stage {
@@ -67,7 +69,7 @@ impl VirtualRobot {
             return self.gauge_ends(driven);
         }
         if aim == Aim::Gauged && is_known {
-            // The way back to the start was longer than counted.
+            // The robot met a known thing, so the way back to the start was longer than counted.
             let _ = self.reckoning.meet(name.as_deref(), towards);
         }
         if !self.is_gauging() && !self.set_right(name.as_deref(), towards) {
@@ -85,7 +87,7 @@ impl VirtualRobot {
             Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
-            // For these aims the contact was handled above, or nothing moves.
+            // For the first two aims, the contact was handled above. For the last one, the robot does not move.
             Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
         }
     }
@@ -111,14 +113,13 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
     }
 
-    /// Whether a step into a cell where the robot has stood before was stopped near the cell's centre by a thing whose
-    /// place is unknown. Nothing new is there. The robot has come further than counted, and is taken to stand in the
-    /// centre.
+    /// Whether the robot has come further than counted in this step. It was stopped near the centre of a cell where
+    /// it has stood before, so nothing new can be there. If so, its position is set to the centre.
     fn has_drifted_into(&mut self, to: Pose, towards: Heading) -> bool {
         let left = self.reckoning.way_to(to.cell, towards);
         let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
         if has {
-            // The place of a thing that was just met for the first time is corrected by the same way.
+            // If the thing was met for the first time just now, its place is corrected by the same distance.
             let name = self.met.clone();
             self.reckoning.correct(name.as_deref(), towards, left);
             self.off_centre = false;
@@ -126,8 +127,8 @@ impl VirtualRobot {
         has
     }
 
-    /// Begins the measurement of the latency, once, at the first contact. The robot drives back for as long as it
-    /// drove, and then against the same thing again.
+    /// Begins the measurement of the latency, at the first contact only. The robot drives back for as long as it
+    /// drove before, and then to the same thing again.
     pub(in super::super) fn retreat(&mut self, driven: Duration, then: Then) {
         self.first_contact = Some(driven);
         self.aim(Aim::Retreat(then));
@@ -138,19 +139,19 @@ impl VirtualRobot {
     pub(super) fn measure(&mut self, then: Then) {
         let Some(driven) = self.first_contact else { return self.go_back() };
         self.aim(Aim::Measure(then));
-        // The leg that has ended was the way back.
+        // The leg that just ended was the way back.
         let (towards, backward) = (self.moves_towards().opposite(), !self.moves_backward());
         self.drive(towards, driven.div_duration_f64(self.step) + FURTHER, backward);
     }
 
-    /// Measures the latency at the second contact with the same thing: the time by which its message comes later than
-    /// the end of the way.
+    /// Measures the latency at the second contact with the same thing. It is the time from the end of the driving to
+    /// the message of the contact.
     fn measured(&mut self, before: Duration, since_sent: Duration, towards: Heading, then: Then) {
         let Some(driven) = self.first_contact.take() else { return self.go_back() };
         let latency = (before + since_sent).saturating_sub(driven).min(SLOWEST);
         self.latency = Some(latency);
         self.reckoning.advance(towards, driven.saturating_sub(before).div_duration_f64(self.step));
-        // The way counted at the first contact, with the assumed latency, was wrong by this difference.
+        // At the first contact, the position was computed with the assumed latency. It was wrong by this distance.
         let by = (LATENCY.as_secs_f64() - latency.as_secs_f64()) / self.step.as_secs_f64();
         match then {
             Then::Met(to) => {
@@ -182,12 +183,12 @@ impl VirtualRobot {
         self.go_back();
     }
 
-    /// Corrects the reckoning after a contact; `false` if the error was so great that the task has ended.
+    /// Corrects the position after a contact. Returns `false` if the error was so great that the order has ended.
     fn set_right(&mut self, name: Option<&str>, towards: Heading) -> bool {
         match self.reckoning.meet(name, towards) {
             Ok(ratio) => {
                 if let Some(ratio) = ratio {
-                    // Only half of the change is made, since the page may have been busy during a single way.
+                    // Only half of the change is applied, since the page may have been busy during this one drive.
                     let change = 1.0 + (ratio - 1.0).clamp(-STEP_CHANGE, STEP_CHANGE) / 2.0;
                     self.step = self.step.mul_f64(change).clamp(STEPS[0], STEPS[1]);
                 }
@@ -209,7 +210,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a drift while nothing wrong was reported: the scene file shows where the robot stands.
+    /// Finds the robot's real cell by the scene file, after a drift that caused no wrong report.
     fn stand_where_room_says(&mut self, towards: Heading) {
         let met = self.met.clone();
         match self.truly_in(met.as_deref(), towards) {
@@ -218,7 +219,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Takes the robot to stand in a column beside the counted one, since it has passed a thing that bars the latter.
+    /// Sets the position to a neighbouring column. The robot has passed a thing that blocks the column where it was
+    /// believed to be.
     fn stand_beside(&mut self, towards: Heading) {
         match self.column_beside(towards) {
             Some(cell) => self.stand_elsewhere(cell),
@@ -226,8 +228,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Sets the position to the cell after a large drift. The map stays, because the robot reported nothing wrong
-    /// meanwhile. If this happens too often, the position is given up as lost.
+    /// Sets the position to this cell after a large drift. The map is kept, because nothing wrong was reported. If
+    /// this happens too often, the position is given up as lost.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
@@ -241,15 +243,16 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Halted(order, true));
     }
 
-    /// Handles a contact while feeling: the step was not complete, or ends where the robot stands.
+    /// Handles a contact while the robot feels ahead. Either the last step was not complete, or it ended where the
+    /// robot stands.
     fn felt_contact(&mut self, name: Option<&str>, towards: Heading, way: f64) {
         let has_moved = self.unheard.as_ref().is_some_and(|unheard| unheard.felt > 0.0);
         if way > TOUCHED || has_moved {
             self.felt(way);
         } else if self.reckoning.knows(name, towards) {
-            // The robot was touching this thing, wherever the reckoning placed it.
+            // The robot was already touching this thing, wherever it was believed to stand.
             self.unheard = None;
-            // Corrects the reckoning, however wrong it was.
+            // Corrects the position, even if it was very wrong.
             let _ = self.reckoning.meet(name, towards);
         } else {
             let what = name.unwrap_or("something");
@@ -260,7 +263,7 @@ impl VirtualRobot {
         }
     }
 
-    /// Counts the step whose end was not observed as complete, and adds this way beyond it, in cells.
+    /// Counts the step with the unobserved end as complete, and adds `way` cells beyond it.
     pub(super) fn felt(&mut self, way: f64) {
         if let Some(Unheard { towards, cells, felt }) = self.unheard.take() {
             self.reckoning.advance(towards, cells);
@@ -268,8 +271,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a contact without a motion: a moving thing has touched the robot, or the message came after a step had
-    /// been taken to be complete.
+    /// Handles a contact when the robot is not moving. A moving thing has touched the robot, or the message came
+    /// after the step had been counted as complete.
     fn contact_at_rest(&mut self) {
         if self.stepped.take().is_some_and(|stepped| self.now.saturating_sub(stepped) < LATE) {
             self.lose(LATE_WORD);
@@ -282,7 +285,7 @@ fn obstacle(name: Option<&str>) -> Obstacle {
         None => Obstacle::Unknown,
         Some(name) if name.starts_with("wall") || name == BORDER => Obstacle::Wall { left: 0, right: 0 },
         Some(name) => {
-            // FNV-1a, the same hash in every run.
+            // The FNV-1a hash is used because it is the same in every run.
             let number = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
             Obstacle::Luggage(Piece(number))
         }

@@ -1,6 +1,6 @@
-//! How the virtual robot's motions begin and end, the way back to the centre of its cell, and the robot's position
-//! after a motion whose end was not observed, because the link was lost or the program has ended. `contacts` handles
-//! contacts.
+//! How the virtual robot's motions begin and end, and how it goes back to the centre of its cell. After a lost link
+//! or a restart, the end of a motion was not observed. This file then finds the position. Contacts are handled in
+//! `contacts`.
 
 use std::time::Duration;
 
@@ -12,77 +12,79 @@ use hallsweep_core::units::{Heading, Pose};
 
 mod contacts;
 
-/// Assumed delay of the message of a contact until it is measured: a frame of the page, and the way of the message to
-/// this program.
+/// Assumed delay of the message about a contact, until it is measured. It covers a frame of the page and the
+/// transport of the message to this program.
 const LATENCY: Duration = Duration::from_millis(30);
 
-/// Distance from the centre of the cell within which the robot counts as centred, in cells: less than it moves in one
+/// The robot counts as centred within this distance of the centre of its cell, in cells. It moves further in one
 /// frame of the page.
 const CENTRED: f64 = 0.04;
 
-/// Distance that the robot drives ahead to feel whether a step is complete, in cells.
+/// How far the robot drives ahead to feel whether its last step is complete, in cells.
 const FEELS: f64 = 0.3;
 
-/// Upper bound of the measured latency. If it is longer, the page has hung.
+/// Upper limit of the measured latency. A longer delay means that the page did not respond for a while.
 pub(super) const SLOWEST: Duration = Duration::from_millis(500);
 
 const LATE_WORD: &str = "its message about a contact came too late";
 
-/// Bounds of the measured time of a step.
+/// Shortest and longest accepted time of a step, when it is measured.
 pub(super) const STEPS: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(10)];
 
-/// Wait after the end of a move for the message of a contact at its very end, in addition to twice the latency.
+/// Wait after the end of a move, in addition to twice the latency. A contact at the very end of the move is reported
+/// within this time.
 const MARGIN: Duration = Duration::from_millis(60);
 
-/// Additional wait after a turn, for a page that is busy. A command that arrives before the end of a turn is lost.
+/// Additional wait after a turn, in case the page is busy. A command that arrives before the end of a turn is lost.
 pub(super) const TURNS_LATE: Duration = Duration::from_millis(120);
 
-/// Wait after the end of a move before the latency is measured: the message of the first contact may take this long.
+/// Wait after the end of a move before the latency is measured. The message about the first contact may take this
+/// long.
 const FIRST_MARGIN: Duration = Duration::from_millis(400);
 
-/// Longest leg, so that the robot stops within half a second if its program has died (safety S5). A longer way is
-/// driven in several legs.
+/// Longest duration of one leg (a motion by one command). So the robot stops within half a second if the program has
+/// died (safety S5). A longer way is divided into several legs.
 const LONGEST: Duration = Duration::from_millis(450);
 
-/// Longest way that the robot drives at once, in cells. It may take several legs.
+/// Longest distance that the robot drives for one purpose, in cells. It may need several legs.
 const FURTHEST: f64 = 1.5;
 
-/// Delay before a motion is tried again that the server refused because another one was under way.
+/// Delay before a refused motion is tried again. The server refuses a motion while another one is running.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// Time after the first refusal, after which no motion of ours can be under way any more. Then an alarm ends the motion
-/// that the server believes to be under way.
+/// This long after the first refusal, no motion of this program can be running any more. Then an alarm is sent, to
+/// end the motion that the server believes to be running.
 const FREED: Duration = Duration::from_millis(700);
 
-/// Longest time in which a server may refuse a move, including the time after the alarm.
+/// How long the server may refuse a move before the order fails. The time after the alarm is included.
 const REFUSED: Duration = Duration::from_millis(1500);
 
-/// Time for which one alarm serves every STOP, unless something was sent after it.
+/// For this time, one alarm counts for every STOP, unless something was sent after it.
 const ALARM_SERVES: Duration = Duration::from_millis(100);
 
-/// Time after the end of a move within which its acknowledgement must arrive. Without one the move was never made.
+/// An acknowledgement must arrive within this time after the end of a move. Without it, the move was never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
-/// Distance beside the centre of the cell that is not corrected, in cells. Within this distance the robot meets only
-/// things that are in its way.
+/// A sideways distance from the centre of the cell up to this one is not corrected, in cells. It does not make the
+/// robot touch things beside its way.
 const BESIDE: f64 = 0.15;
 
-/// Time after sending a move in which the link may have been lost before the robot received the move. The time is
-/// longer for a slow server.
+/// If the link is lost within this time after sending a move, the robot may not have received the move. A slow server
+/// adds to this time.
 const BEGUN: Duration = Duration::from_millis(10);
 
-/// Advice when only the position is lost, but the map is right.
+/// Advice to the user when only the position is lost, and the map is right.
 const PUT_HOME: &str = "Reload its page, so that the robot is at its start, and press START";
 
-/// Advice when the map may be wrong as well.
+/// Advice to the user when the map may be wrong too.
 const BEGIN_ANEW: &str =
     "The map may be wrong. Reload its page, so that the robot is at its start; RESET begins with an empty map";
 
-/// Advice added where a scene file would have helped.
+/// Additional advice if there is no scene file.
 const WITH_SCENE: &str = ". With its scene file (robot.scene) the program corrects a drift";
 
-/// A step whose end was not observed: its direction, its length in cells, and how far the robot has felt ahead since,
-/// in cells.
+/// A step whose end was not observed: its direction and its length in cells. `felt` is how far the robot has driven
+/// ahead since then to find out, in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unheard {
     pub(super) towards: Heading,
@@ -134,7 +136,7 @@ impl VirtualRobot {
         self.is_changed = true;
     }
 
-    /// When the leg ends, or its next action is due, if nothing is received before.
+    /// When the leg ends or needs its next action, if nothing is received before.
     pub(super) fn leg_due(&self) -> Option<Duration> {
         let leg = self.leg()?;
         match leg.stage {
@@ -201,13 +203,13 @@ impl VirtualRobot {
         self.outputs.retain(|output| !matches!(output, Output::Send(bytes) if *bytes != alarm));
     }
 
-    /// Whether the leg was handed over for sending, but is not confirmed as sent.
+    /// Whether the leg was handed over for sending, but is not confirmed as sent yet.
     fn is_on_its_way(&self) -> bool {
         let is_queued = self.leg().is_some_and(|leg| leg.stage == LegStage::Queued);
         is_queued && !self.outputs.iter().any(|output| matches!(output, Output::Send(_)))
     }
 
-    /// Handles the end of a leg during which nothing was met.
+    /// Handles the end of a leg without a contact.
     fn ended(&mut self, leg: Leg) {
         let Some(aim) = self.task.as_ref().map(|task| task.aim) else { return };
         self.is_changed = true;
@@ -250,8 +252,8 @@ impl VirtualRobot {
                 self.go_back();
             }
             Aim::Measure(Then::Met(_)) if self.room.is_some() => self.stands_before_it(),
-            // A thing that was met from here is not met again. So the robot stands elsewhere, or met the thing from
-            // elsewhere.
+            // The thing that was met from here was not met again. So the robot does not stand where it was believed
+            // to be.
             Aim::Measure(Then::Met(_)) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
@@ -273,14 +275,14 @@ impl VirtualRobot {
     pub(super) fn acknowledged(&mut self, name: Option<&str>) {
         let Some(leg) = self.leg_mut().filter(|leg| leg.is_sent()) else { return };
         let word = leg.command().word();
-        // A contact may have cut an earlier move short. The acknowledgement of that move comes late, under its own
-        // name.
+        // A contact may have cut an earlier move short. The acknowledgement of that move comes late and has that
+        // move's name.
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    /// Handles a refusal. Every client receives all refusals: this one is ours if it names our command and comes soon
-    /// after the command. The move that the server believes to be under way ends soon, or by an alarm; otherwise the
-    /// order fails.
+    /// Handles a refusal. Every client gets all refusals. It is about this program's command only if it has the same
+    /// name and comes soon after the command. The motion is then tried again. If it is still refused after an alarm,
+    /// the order fails.
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
@@ -315,9 +317,9 @@ impl VirtualRobot {
         }
     }
 
-    /// Sends an alarm whatever the robot is thought to do, except in a turn. In some versions of the page no alarm
-    /// halts a turn, and in others an alarm leaves the robot askew. So the alarm is sent after the turn. A drawing is
-    /// no motion.
+    /// Handles a STOP. An alarm is sent, whatever the robot is believed to do. Only during a turn does it wait for
+    /// the end of the turn. In some versions of the page an alarm does not halt a turn, and in others it leaves the
+    /// robot at a wrong angle. A drawing is not a motion and goes on.
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
@@ -325,7 +327,7 @@ impl VirtualRobot {
             (LegStage::Sent(sent), Way::Straight { .. }) => {
                 let (lasted, until) = (self.now.saturating_sub(sent), self.now + self.margin());
                 self.alarm();
-                // This changes the memory for the next program.
+                // The stored state for the next run of the program changes here.
                 self.is_changed = true;
                 if let Some(leg) = self.leg_mut() {
                     leg.stage = LegStage::Halting { lasted, until };
@@ -360,8 +362,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Adds this way, in cells, to the reckoning. If the end of the last step was not observed, adds it to the way that
-    /// was felt ahead.
+    /// Adds this distance to the position, in cells. If the end of the last step was not observed, it is added to
+    /// `felt` instead.
     pub(super) fn moved(&mut self, towards: Heading, cells: f64) {
         self.first_contact = None;
         match &mut self.unheard {
@@ -403,8 +405,8 @@ impl VirtualRobot {
         if ahead > 0.0 { self.drive(heading, cells, false) } else { self.drive(heading.opposite(), cells, true) }
     }
 
-    /// A scene file may show that the robot also stands to the side of the centre. The robot must not meet things
-    /// there, so it turns towards the centre, and keeps that heading.
+    /// By the scene file, the robot may also stand to the side of its cell's centre. There it could touch things
+    /// beside its way. So it turns towards the centre, and keeps the new heading.
     fn turn_aside(&mut self) {
         let Pose { cell, heading } = self.reckoning.pose();
         let right = self.reckoning.way_to(cell, heading.right());
@@ -437,20 +439,20 @@ impl VirtualRobot {
         self.answer(RobotEvent::Done);
     }
 
-    /// Gives up the position and the map: things may have been reported for the wrong cells.
+    /// Gives up position and map, because things may have been reported in wrong cells.
     pub(super) fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
         let advice = if self.room.is_none() { WITH_SCENE } else { "" };
         self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
     }
 
-    /// Gives up only the position: the map is right.
+    /// Gives up only the position, because the map is right.
     pub(super) fn lose_sight(&mut self, words: &str) {
         self.fail_lost(format!("{words}. {PUT_HOME}"));
     }
 
     pub(super) fn fail_lost(&mut self, words: String) {
-        // Nothing may be sent any more. Without an open order, the next order is answered with this failure.
+        // Nothing more may be sent. If no order is open, the next order is answered with this failure.
         self.forget_unsent();
         (self.off_centre, self.is_told_lost, self.is_changed) = (true, self.task.is_some(), true);
         self.fail(&words);
@@ -463,8 +465,8 @@ impl VirtualRobot {
         self.lost = Some(format!("its connection was lost just when it got a move. {PUT_HOME}"));
     }
 
-    /// Handles a motion against a thing when its end was not observed. A robot that drove forward stops at that thing,
-    /// whose place is known. The space behind the robot is unknown.
+    /// Handles a motion towards a known thing when its end was not observed. A robot that drove forward stops at that
+    /// thing, so its position is known. If it drove backwards, the position is unknown.
     fn left_against_something(&mut self, backward: bool) {
         let heading = self.reckoning.pose().heading;
         match self.reckoning.contact_ahead() {
@@ -473,8 +475,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a motion under way when the link is lost or the program has ended. The motion ends by itself,
-    /// unobserved. On the way back and in a turn nothing is met.
+    /// Handles a running motion when the link is lost or the program has ended. The motion ends by itself and is not
+    /// observed. On the way back and in a turn, no contact is expected.
     pub(super) fn leave_unheard(&mut self) {
         let is_on_its_way = self.is_on_its_way();
         self.forget_unsent();

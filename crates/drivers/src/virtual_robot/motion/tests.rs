@@ -1,4 +1,5 @@
-//! Tests of the virtual robot's motions: what is not sent, what nobody observes, and messages that are late or refuse a move.
+//! Tests of the virtual robot's motions: commands that must not be sent, motions that are not observed, and messages
+//! that come late or refuse a move.
 
 use super::super::OrderTask;
 use super::*;
@@ -24,7 +25,7 @@ impl Test {
         test
     }
 
-    /// Connects, and greets as the first server does.
+    /// Connects, and sends the greeting of the first server version.
     fn connect(&mut self) {
         self.robot.handle_connected(self.now);
         if self.robot.dialect == Dialect::Semicolons {
@@ -37,7 +38,7 @@ impl Test {
         self.robot.handle_order(order, self.now);
     }
 
-    /// All outputs so far, each confirmed as done.
+    /// Returns all outputs so far, and confirms each as done.
     fn sent(&mut self) -> Vec<Output> {
         let mut all = Vec::new();
         while let Some(output) = self.robot.poll_output() {
@@ -72,7 +73,7 @@ impl Test {
     }
 }
 
-/// Safety S6: another client's turn was under way, so ours was not begun.
+/// Safety S6: this turn did not begin because another client's turn was running.
 #[test]
 fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
     let mut test = Test::connected();
@@ -85,7 +86,7 @@ fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
     assert_eq!(test.last_event(), Some(RobotEvent::Halted(OrderId(1), false)));
 }
 
-/// Safety S1: each STOP that changes the memory would write a file.
+/// Safety S1: each STOP that changes the stored state would write a file.
 #[test]
 fn a_flood_of_stops_sends_one_alarm_and_is_remembered_once() {
     for (action, alarms) in [(Action::Move(Move::Forward), 1), (Action::Move(Move::TurnLeft), 0)] {
@@ -103,7 +104,7 @@ fn a_flood_of_stops_sends_one_alarm_and_is_remembered_once() {
     }
 }
 
-/// Safety S1: the file was still being written when the STOP came.
+/// Safety S1: the STOP came while the file was still being written.
 #[test]
 fn a_stop_does_not_take_back_the_alarm_of_an_order_that_is_late() {
     let mut test = Test::connected();
@@ -117,7 +118,7 @@ fn a_stop_does_not_take_back_the_alarm_of_an_order_that_is_late() {
     assert_eq!(test.robot.poll_output(), Some(Output::Send(Command::Alarm.as_message())));
 }
 
-/// Safety S6: the robot feels whether its step is complete and is halted, and the message of a contact comes then.
+/// Safety S6: the robot is halted while it feels whether its step is complete, and then a contact is reported.
 #[test]
 fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
     let mut test = Test::connected();
@@ -133,7 +134,7 @@ fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
     assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(2), true))));
 }
 
-/// Safety S6: the file was still being written when the link was lost, and STOP came when the link was back.
+/// Safety S6: the link was lost while the file was still being written, and a STOP came after the link was back.
 #[test]
 fn what_has_not_gone_out_when_the_link_is_lost_never_goes_out() {
     let mut test = Test::connected();
@@ -158,7 +159,7 @@ fn what_was_going_out_when_the_link_was_lost_may_have_come() {
 
 const FORWARD: Action = Action::Move(Move::Forward);
 
-/// Safety S1: a STOP works in every state.
+/// Safety S1: a STOP must work in every state.
 #[test]
 fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
     let refuse = |test: &mut Test| {
@@ -212,7 +213,7 @@ fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
             test.sent();
             test.robot.handle_halt(test.now);
             let now = test.alarms();
-            // While a new connection is being made, the alarm goes out as soon as the connection is up.
+            // If a new connection is being made, the alarm is sent as soon as the connection is up.
             test.connect();
             assert_eq!(now + test.alarms(), 1, "{dialect:?}: {what}");
             test.robot.handle_halt(test.now);
@@ -221,7 +222,7 @@ fn every_stop_sends_an_alarm_whatever_the_robot_does_or_waits_for() {
     }
 }
 
-/// Safety S1: a STOP comes while there is no link, or the link is lost with it.
+/// Safety S1: a STOP comes while there is no link, or the link is lost at the same time.
 #[test]
 fn a_stop_that_cannot_go_out_goes_out_with_the_next_connection() {
     for is_lost_before in [true, false] {
@@ -241,7 +242,7 @@ fn a_stop_that_cannot_go_out_goes_out_with_the_next_connection() {
     }
 }
 
-/// Safety S1: in later versions of the page an alarm during a turn leaves the robot askew.
+/// Safety S1: in later versions of the page, an alarm during a turn leaves the robot at a wrong angle.
 #[test]
 fn a_stop_in_a_turn_sends_its_alarm_when_the_turn_is_over() {
     let mut test = Test::connected();
@@ -256,7 +257,7 @@ fn a_stop_in_a_turn_sends_its_alarm_when_the_turn_is_over() {
     assert_eq!(test.alarms(), 1, "though the server has not said that it is over");
 }
 
-/// The order fails however much of its deadline is left.
+/// The order must fail even if much of its deadline is left.
 #[test]
 fn a_server_that_refuses_for_ever_is_sent_an_alarm_and_then_the_order_fails_in_words() {
     let mut test = Test::connected();
@@ -282,7 +283,7 @@ fn a_server_that_refuses_for_ever_is_sent_an_alarm_and_then_the_order_fails_in_w
     assert!(test.now.since_start < Duration::from_secs(30), "the order was not overdue");
 }
 
-/// Every client receives all refusals.
+/// Every client gets the refusals of all moves.
 #[test]
 fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
     for (name, late) in [("moveBackward", 10), ("moveForward", 500)] {
@@ -296,7 +297,8 @@ fn a_refusal_of_another_programs_move_is_not_taken_for_ours() {
     }
 }
 
-/// While a new connection is being made the old one may still greet, since the server greets all clients whenever one connects.
+/// While a new connection is being made, a greeting may still come over the old one. The server greets all clients
+/// whenever one connects.
 #[test]
 fn a_greeting_over_a_connection_that_is_given_up_begins_nothing() {
     let mut test = Test { robot: VirtualRobot::new(Dialect::Semicolons, Duration::from_millis(330)), now: Now::default() };
@@ -315,7 +317,7 @@ fn a_greeting_over_a_connection_that_is_given_up_begins_nothing() {
 
 const CONTACT: &[u8] = br#"{"collision":"moveForward","target":"wallDown"}"#;
 
-/// A robot after a step that is complete by the clock and acknowledged.
+/// A robot after a step that has ended by its time and was acknowledged.
 fn stepped() -> Test {
     let mut test = Test::connected();
     test.robot.latency = Some(Duration::ZERO);
@@ -338,7 +340,7 @@ fn of_a_word_that_came_too_late_whoever_orders_next_is_told() {
     assert_eq!(test.robot.poll_output(), None);
 }
 
-/// The file was still being written when the contact was reported.
+/// The contact was reported while the file was still being written.
 #[test]
 fn what_has_not_gone_out_when_the_robot_is_lost_never_goes_out() {
     let mut test = stepped();

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation evaluate`: compares strategies on the same halls. `hallsweep_evaluation::compare` makes the
-//! walks; this file reads the flags, shows the progress and writes the results.
+//! `hallsweep-evaluation evaluate`: compares strategies on the same halls. The searches are made by
+//! `hallsweep_evaluation::compare`. This file reads the flags, shows the progress and writes the results.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -31,8 +31,8 @@ mod written;
     luggage-10:50x50.\n\
     The same flags give the same halls and the same moves; only the decision times differ.")]
 pub(crate) struct Evaluate {
-    /// Halls, separated by commas: a family of random halls with its size, the name of a built-in hall, or a hall file.
-    /// Default: the comparisons of the table in docs/search.md.
+    /// Halls, separated by commas: a family of random halls with its size, the name of a built-in hall, or a hall
+    /// file. Default: the comparisons of the table in docs/search.md.
     #[arg(long, value_name = "HALLS", value_delimiter = ',')]
     halls: Vec<String>,
     /// Number of halls of each family.
@@ -59,8 +59,8 @@ pub(crate) struct Evaluate {
     /// Costs of a step, a turn and a bump.
     #[arg(long, value_name = "STEP,TURN,BUMP", default_value = "1,1,1", value_parser = costs, requires = "halls")]
     costs: Costs,
-    /// Measure instead how often the remaining time on the console is correct, in each family of halls, throughout each
-    /// search.
+    /// Instead of comparing, measure how often the console's estimate of the remaining time is correct. The
+    /// measurement covers each family of halls and the whole of each search.
     #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "json", "csv", "plot"])]
     time_left: bool,
     /// Print one JSON object instead of the tables.
@@ -88,7 +88,7 @@ struct Answer {
 }
 
 impl Answer {
-    /// Number of reachable cells and of free cells in all halls together.
+    /// Total number of reachable cells in all halls, and total number of free cells.
     fn reach(&self) -> [usize; 2] {
         let mine = self.trials.first().into_iter().flatten();
         mine.fold([0, 0], |[cells, free], trial| [cells + trial.cells, free + trial.free_cells])
@@ -207,17 +207,18 @@ impl Evaluate {
         let all = questions.iter().flat_map(|question| entrants.iter().map(move |entrant| (question, entrant)));
         let opened = |(question, entrant): (&'a Question, &'a Entrant)| {
             let name = format!("{}-{}", entrant.name(), question.contest.halls);
-            // Only these characters are allowed in file names on every system.
+            // Other characters are not allowed in file names on every system.
             let plain = name.replace(|letter: char| !letter.is_ascii_alphanumeric() && letter != '.', "-");
             let named = |n: usize| if n == 1 { format!("{plain}.svg") } else { format!("{plain}-{n}.svg") };
-            // Two halls may have the same name.
+            // Two halls may have the same name, so the file names are numbered.
             let name = (1..).map(named).find(|name| taken.insert(name.clone())).expect("there is always another number");
             Ok((OutputFile::open(&folder.join(name))?, question, entrant))
         };
         all.map(opened).collect()
     }
 
-    /// A text that begins with the name of a family is never tried as a name or file of a hall.
+    /// Reads one value of `--halls`. If it begins with the name of a family, it is never taken for the name or the
+    /// file of a hall.
     fn halls(&self, written: &str) -> Result<Halls, Failure> {
         match written.parse::<Kind>() {
             Ok(kind) => Ok(Halls::Random { kind, count: self.count as usize, seed: self.seed }),
@@ -252,7 +253,7 @@ fn strategy(written: &str) -> Result<Strategy, String> {
     Strategy::named(written).ok_or_else(|| format!("write one of: {}", Strategy::ALL.map(Strategy::name).join(", ")))
 }
 
-/// A progress bar on standard error, shown only on a terminal.
+/// Makes a progress bar on standard error. It is shown only on a terminal.
 fn progress_bar(searches: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("evaluating {wide_bar} {pos} of {len} searches · {elapsed} · {msg}");
     ProgressBar::new(searches).with_style(style.expect("the template is a constant and names only existing fields"))

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation`: compares strategies of search over many halls, and finds weights for the search. The library
-//! walks and counts; this program reads flags, prints results and writes files.
+//! `hallsweep-evaluation`: compares search strategies in many halls, and finds weights for the search. The library
+//! makes the searches. This program reads flags, prints results and writes files.
 
 mod evaluate;
 mod output_file;
@@ -28,10 +28,10 @@ enum Task {
 
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    /// Flags that do not fit together: exit code 2, as for a mistyped flag.
+    /// Flags that contradict each other. The exit code is 2, as for a mistyped flag.
     #[error("{0}")]
     Usage(String),
-    /// Exit code 1.
+    /// Any other failure. The exit code is 1.
     #[error("{0}")]
     Run(String),
 }
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
         Task::Tune(flags) => tune::run(&flags),
     };
     let Err(failure) = ended else { return ExitCode::SUCCESS };
-    // Nobody can be told when standard error is closed too.
+    // If standard error is closed too, the message cannot be shown anywhere.
     let _told = writeln!(io::stderr(), "hallsweep-evaluation: {failure}");
     ExitCode::from(if matches!(failure, Failure::Usage(_)) { 2 } else { 1 })
 }

@@ -1,6 +1,6 @@
-//! A file for a result that takes long to compute. The file is opened before the work, so that a place that cannot be
-//! written is reported at once. It replaces an older file when the result is complete and flushed. After any failure
-//! before that, the older file is unchanged.
+//! An output file for a result that takes long to compute. The file is opened before the work, so that a path that
+//! cannot be written is reported at once. When the result is complete and flushed to disk, it replaces an older file.
+//! If anything fails before that, the older file is unchanged.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
@@ -18,22 +18,22 @@ pub(crate) struct OutputFile {
 
 enum To {
     StandardOutput,
-    /// A pipe or a terminal: here no file is replaced.
+    /// A pipe or a terminal, to which the text is written directly.
     Through(File),
-    /// A temporary file in the folder of the result, so that a rename can put it in place.
+    /// A temporary file in the folder of the result. At the end, it is renamed to the result's name.
     Beside(NamedTempFile),
 }
 
 impl OutputFile {
-    /// Leaves an older file unchanged until `write`.
+    /// Checks that the path can be written. An older file stays unchanged until `write`.
     pub(crate) fn open(path: &Path) -> Result<OutputFile, Failure> {
-        // A link is not replaced, but leads to the new file.
+        // If the path is a link, the file that it leads to is replaced, not the link.
         let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let to = if is_standard_output(path) { Ok(To::StandardOutput) } else { open(&place) };
         to.map(|to| OutputFile { path: place, to }).map_err(|error| unwritable(path, &error))
     }
 
-    /// Also flushes file and folder to disk, so that the result survives a crash.
+    /// Writes the text. File and folder are also flushed to disk, so that the result survives a crash.
     pub(crate) fn write(self, text: &str) -> Result<(), Failure> {
         let written = match self.to {
             To::StandardOutput => io::stdout().write_all(text.as_bytes()),
@@ -47,7 +47,7 @@ impl OutputFile {
 fn open(place: &Path) -> io::Result<To> {
     let there = fs::metadata(place).ok();
     if there.is_some() {
-        // A file without permission to write is not replaced either.
+        // A file without write permission is not replaced, although renaming could do it.
         let through = OpenOptions::new().append(true).open(place)?;
         if !place.is_file() {
             return Ok(To::Through(through));
@@ -76,7 +76,7 @@ pub(crate) fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Refuses a file that is both read and written, or written twice.
+/// Checks that no file is written twice, and that no file is both read and written.
 pub(crate) fn distinct<'a>(
     read: impl IntoIterator<Item = &'a Path>,
     written: impl IntoIterator<Item = &'a Path>,
@@ -85,7 +85,7 @@ pub(crate) fn distinct<'a>(
     let mut taken: Vec<PathBuf> = read.into_iter().map(place).collect();
     for path in written {
         let place = place(path);
-        // Pipes and terminals may be named twice.
+        // Pipes and terminals may be given twice.
         if taken.contains(&place) && (place.is_file() || !place.exists()) {
             return Err(Failure::Usage(format!("the file {} is given twice: give another file", path.display())));
         }

@@ -1,5 +1,5 @@
-//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file.
-//! `hallsweep_evaluation::tune` finds them; this file reads the flags and shows the progress.
+//! `hallsweep-evaluation tune`: finds weights for the score of unknown cells, and writes them to a file. The weights
+//! are found by `hallsweep_evaluation::tune`. This file reads the flags and shows the progress.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -61,21 +61,21 @@ pub(crate) struct Tune {
     out: PathBuf,
 }
 
-/// Strength of the regression's ridge: the best of the values that were tried.
+/// Strength of the ridge regression's penalty. Of the values that were tried, this one is the best.
 const RIDGE: f64 = 1500.0;
-/// Share of decisions for which another choice is tried: the best of the values that were tried.
+/// Share of the decisions at which another choice is tried. Of the values that were tried, this one is the best.
 const TRIED: f64 = 0.4;
 
-/// Maximum size of a file of weights, in bytes.
+/// Maximum size of a weights file, in bytes.
 const MOST_BYTES: u64 = 4 * 1024 * 1024;
 
-/// Smallest weight that is written, in thousandths of a step.
+/// Smallest weight that is written to the file, in thousandths of a step.
 const SMALLEST: i16 = 20;
 
 pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     let terms = Terms { objective: flags.goal, sonar_cells: flags.sonar, costs: flags.costs };
     let task = Task { terms, sides: flags.sides, families: flags.halls_of.clone(), seed: flags.seed };
-    // On standard error, and only on a terminal.
+    // The progress bar is on standard error, and is shown only on a terminal.
     let style = ProgressStyle::with_template("tuning {wide_bar} {pos} of {len} · {elapsed} · {msg}")
         .expect("the template is a constant and names only existing fields");
     let parts = if flags.from.is_some() { 0 } else { flags.generations } + flags.rounds;
@@ -93,7 +93,7 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     };
     let mut lessons = Lessons::new(&task, &weights, halls);
     for number in 0..flags.rounds {
-        // The first fit is far from the initial weights; later fits only correct it.
+        // The first result is far from the initial weights. Later results only correct the weights a little.
         let taken = if number == 0 { 0.9 } else { 0.7 };
         let round = Round { number, halls, horizon: f64::from(flags.horizon), tried: TRIED, ridge: RIDGE, taken };
         let learnt = lessons.learn(&weights, &round);
@@ -148,7 +148,7 @@ fn family(written: &str) -> Result<Family, String> {
         .map_err(|()| "write one of: empty, luggage-1 to luggage-30, walls, islands, pockets, corridors, maze".to_owned())
 }
 
-/// Two side lengths from 5 to 200, the first not larger than the second.
+/// Reads two side lengths from 5 to 200. The first must not be larger than the second.
 fn sides(written: &str) -> Result<(usize, usize), String> {
     let read = || {
         let (least, most) = written.split_once(',')?;

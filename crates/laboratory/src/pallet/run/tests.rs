@@ -1,5 +1,5 @@
-//! Tests of the pallet scenario: all parcels arrive, every branch of the three trees is reached, no fault is taken for success,
-//! and no STOP and no kill changes the result.
+//! Tests of the pallet scenario. All parcels arrive, and every branch of the three trees is reached. No failed run is
+//! reported as a success. No STOP and no kill changes the result.
 
 mod halls;
 
@@ -46,7 +46,7 @@ fn said(run: &PalletRun) -> Vec<Saying> {
     run.entries().iter().filter_map(|entry| if let News::Said(saying) = entry.news { Some(saying) } else { None }).collect()
 }
 
-/// Each tree, node and status that has occurred.
+/// The statuses that each node of each tree has returned.
 type Coverage = BTreeSet<(usize, String, &'static str)>;
 
 fn cover(run: &mut PalletRun, seen: &mut Coverage) {
@@ -144,7 +144,8 @@ fn what_cannot_be_done_ends_in_a_fault_with_a_name() {
     }
 }
 
-/// A run that ended with a jammed gripper, which somebody has repaired: new trees find the grippers at the parcel.
+/// A run that continues after it ended with a jammed gripper, which was then repaired. The trees are new, and the
+/// grippers are already at the parcel.
 fn mended() -> PalletRun {
     let mut run = run(1, 4, jammed(1));
     assert_eq!(run.finish().fault, Some(PalletFault::Pair(RetrievalFault::RobotFails)));
@@ -168,7 +169,7 @@ fn every_branch_of_the_three_trees_is_reached() {
         cover(&mut run(2, 2, asked), &mut seen);
     }
     cover(&mut run(2, 2, Asked { blocked: vec![1], ..Asked::default() }), &mut seen);
-    // SRM2 need not come when it stands beside the pallet already.
+    // SRM2 stands beside the pallet already, so it does not have to come.
     let beside = BasePose { place: Place::Cell(Cell::new(1, 1)), ..Yard::new(1, 2).unwrap().starts[0] };
     let hall = Hall::from_rows("beside", &["ST...", ".....", "....."]).unwrap();
     let starts = [Yard::new(1, 2).unwrap().starts[0], beside];
@@ -190,7 +191,8 @@ fn every_branch_of_the_three_trees_is_reached() {
         }
     }
     assert!(missing.is_empty(), "{:?}", missing.keys());
-    // Every node that can fail has failed, and every node that takes time has been running.
+    // These nodes must have failed at least once (`supervisor_fails`) or have been running at least once
+    // (`supervisor_runs`).
     let supervisor_fails = [
         "Supervisor",
         "FindParcel",
@@ -245,7 +247,7 @@ fn srm2_waits_until_srm1_has_spoken_and_the_barrier_stays_open_for_every_parcel(
             |tree: usize, name: &str| team.trees()[tree].nodes().find(|node| node.name == name).and_then(|node| node.returned);
         let spoken = team.blackboard().get("data").is_some();
         if let Some(status) = said(1, "PalletReceived") {
-            // SRM1 is ticked before SRM2, which therefore receives its message in the same tick.
+            // SRM1 is ticked before SRM2. So SRM2 receives SRM1's message in the same tick.
             assert_eq!(status == Status::Success, spoken, "tick {ticks}");
             if status == Status::Success {
                 heard_first.get_or_insert(ticks);
@@ -278,7 +280,7 @@ fn nothing_moves_while_somebody_has_stopped_it_and_it_goes_on_after_start() {
     assert_eq!(run.finish().fault, None);
 }
 
-/// Whatever happens in between, the trees count as delivered what the target area holds.
+/// Checks that the trees count as delivered exactly the parcels that are really in the target area.
 fn sound(run: &PalletRun, figures: &Figures, seed: u64) {
     assert_eq!(run.team.delivered(), run.pair.taken_in(), "seed {seed}");
     let all = figures.delivered == figures.parcels as usize;

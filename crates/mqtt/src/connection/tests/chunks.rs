@@ -1,4 +1,4 @@
-//! A client's bytes may come in pieces of any size: the outcome is the same.
+//! Tests that the outcome is the same, whatever pieces a client's bytes arrive in.
 
 use bytes::BytesMut;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ struct Outcome {
     ended: Option<Ended>,
     heard: Vec<String>,
     to_others: Vec<String>,
-    /// Messages and answers, each in their order; which of them comes first is open.
+    /// Messages and answers, each in their order. The order of a message and an answer does not matter.
     to_client: (Vec<String>, Vec<String>),
 }
 

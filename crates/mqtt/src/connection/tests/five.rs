@@ -1,4 +1,4 @@
-//! Clients of MQTT 5: what they send, what others receive of it in either version, and what they are answered.
+//! Tests clients of MQTT 5: what they send, what others receive in either version, and the answers.
 
 use std::time::Duration;
 
@@ -31,7 +31,7 @@ fn properties_go_on_to_those_of_mqtt_5_and_leave_others_alone() {
     assert_eq!(writer.told(), ["Puback 3"]);
 }
 
-/// Section 3.4.2.1.
+/// Tests MQTT 5, section 3.4.2.1.
 #[test]
 fn whoever_publishes_is_told_what_became_of_it() {
     let broker = broker();
@@ -56,7 +56,7 @@ fn whoever_publishes_is_told_what_became_of_it() {
     }
 }
 
-/// Section 4.3.3: what was refused need not be released, and its id is free.
+/// Tests MQTT 5, section 4.3.3: a refused message need not be released, and its id is free.
 #[test]
 fn a_message_of_qos_2_that_is_refused_is_over() {
     let broker = broker();
@@ -74,7 +74,7 @@ fn a_message_of_qos_2_that_is_refused_is_over() {
     assert_eq!(reader.read(), ["a=x q2", "a=y q2"], "another one of its id was refused, and it is known still");
 }
 
-/// Section 3.3.2.3.4, from a client.
+/// Tests MQTT 5, section 3.3.2.3.4, for aliases that a client sets.
 #[test]
 fn a_number_stands_for_a_topic_and_one_that_does_not_ends_the_connection() {
     let broker = broker();
@@ -92,7 +92,7 @@ fn a_number_stands_for_a_topic_and_one_that_does_not_ends_the_connection() {
     assert_eq!(ends(&[alias("a", 1), long, alias("", 1)].concat()), Ended::Malformed(Malformed::NoTopic), "it is not a any more");
 }
 
-/// The search for urgent messages has the same rule.
+/// The properties are too long, so the message sets no alias. The search for urgent messages has the same rule.
 #[test]
 fn a_message_with_too_many_properties_names_no_topic() {
     let (long, mut scene) = ("x".repeat(PROPERTIES), scene(&broker(), |_| {}));
@@ -101,7 +101,8 @@ fn a_message_with_too_many_properties_names_no_topic() {
     assert_eq!(ended, Err(Ended::Malformed(Malformed::NoTopic)));
 }
 
-/// A STOP reaches everybody who follows commands, and they may trust the properties beside it.
+/// A STOP reaches everybody who follows commands. They may trust its properties, so a viewer's properties are left
+/// out.
 #[test]
 fn what_a_viewer_says_beside_a_stop_goes_no_further() {
     let broker = broker();
@@ -124,7 +125,7 @@ fn a_command_is_heard_though_a_number_stands_for_its_topic() {
     assert_eq!(scene.heard(), [format!("{STOP} 1"), format!("{STOP} 2")]);
 }
 
-/// Section 3.3.2.3.4, to a client: no more aliases than it wants.
+/// Tests MQTT 5, section 3.3.2.3.4, for aliases that the broker sets: no more than the client wants.
 #[test]
 fn topics_are_given_numbers_for_those_who_want_some() {
     let broker = broker();
@@ -142,7 +143,7 @@ fn topics_are_given_numbers_for_those_who_want_some() {
     );
 }
 
-/// Section 3.1.2.11.4.
+/// Tests MQTT 5, section 3.1.2.11.4.
 #[test]
 fn nobody_gets_a_longer_packet_than_he_takes() {
     let broker = broker();
@@ -160,7 +161,7 @@ fn nobody_gets_a_longer_packet_than_he_takes() {
     assert_eq!(reader.told(), ["Suback [8f]"], "why stands in words only where there is room");
 }
 
-/// Section 4.9.
+/// Tests MQTT 5, section 4.9.
 #[test]
 fn so_many_messages_are_unacknowledged_as_the_client_bears_and_no_more() {
     let broker = broker();
@@ -182,7 +183,7 @@ fn so_many_messages_are_unacknowledged_as_the_client_bears_and_no_more() {
     assert_eq!(reader.told(), ["Pubrel 99 0x92"]);
 }
 
-/// Section 3.3.2.3.3.
+/// Tests MQTT 5, section 3.3.2.3.3.
 #[test]
 fn a_message_is_good_for_as_long_as_its_publisher_says() {
     let broker = broker();
@@ -208,7 +209,7 @@ fn a_message_is_good_for_as_long_as_its_publisher_says() {
     assert_eq!(newcomer.told(), ["Suback [01]"]);
 }
 
-/// Section 3.8.3.1.
+/// Tests MQTT 5, section 3.8.3.1.
 #[test]
 fn a_subscription_is_as_its_options_say() {
     let broker = broker();
@@ -272,7 +273,7 @@ fn whoever_subscribes_is_told_why_not() {
     assert_eq!(three, ["Suback (1, [128])"]);
 }
 
-/// Section 4.8.2.
+/// Tests MQTT 5, section 4.8.2.
 #[test]
 fn of_those_who_share_a_subscription_each_message_goes_to_one() {
     let broker = broker();
@@ -296,7 +297,7 @@ fn of_those_who_share_a_subscription_each_message_goes_to_one() {
     assert_eq!((one.told(), other.told().len()), (vec!["Unsuback [00]".to_owned()], 3));
 }
 
-/// Sections 3.14 and 4.13.
+/// Tests MQTT 5, sections 3.14 and 4.13.
 #[test]
 fn whoever_is_sent_away_is_told_why() {
     let broker = broker();

@@ -1,4 +1,4 @@
-//! Sessions of MQTT 5: how long they last, and the will that waits.
+//! Tests sessions of MQTT 5: how long they last, and delayed wills.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,7 +30,7 @@ fn gone(mut scene: Scene, why: Ended) -> Option<Session> {
     scene.connection.into_session()
 }
 
-/// Lets time pass. Returns whether the session is over; a will that is due is published.
+/// Lets time pass. Returns whether the session is over, and publishes a will that is due.
 fn is_over(session: &mut Session, now: Duration) -> bool {
     let (is_over, will) = session.handle_timeout(now);
     will.into_iter().for_each(|will| will.publish(now));
@@ -41,7 +41,7 @@ fn watcher(broker: &Arc<Broker>) -> Scene {
     Scene::at_broker(broker, OPERATOR, |_| {}).reader(&[("w/#", Qos::One)])
 }
 
-/// Section 3.1.2.11.2.
+/// Tests MQTT 5, section 3.1.2.11.2.
 #[test]
 fn a_client_is_remembered_for_as_long_as_it_says() {
     let broker = broker();
@@ -53,7 +53,7 @@ fn a_client_is_remembered_for_as_long_as_it_says() {
     assert_eq!(gone(scene(&broker, lasting(FOR_EVER_S)), Ended::Gone).unwrap().poll_timeout(), None);
 }
 
-/// Section 3.14.2.2.2.
+/// Tests MQTT 5, section 3.14.2.2.2.
 #[test]
 fn whoever_goes_may_change_for_how_long() {
     let broker = broker();
@@ -69,7 +69,7 @@ fn whoever_goes_may_change_for_how_long() {
     assert_eq!(leave(0, &[Property::SessionExpiry(3)]).0, Ended::Malformed(Malformed::SessionExpiry));
 }
 
-/// Section 3.1.3.2.2.
+/// Tests MQTT 5, section 3.1.3.2.2.
 #[test]
 fn a_will_waits_for_its_client_as_long_as_it_says_and_no_longer_than_its_session() {
     let broker = broker();
@@ -110,7 +110,8 @@ fn a_client_that_is_back_in_time_leaves_no_will_and_one_that_wants_it_leaves_it(
     assert!(watcher.read().is_empty(), "the program ends");
 }
 
-/// An early will ends nobody else's messages, and its own expiry counts from its publication.
+/// A will is published before its delay is over. Its expiry counts from its publication, and other messages do not
+/// expire earlier because of it.
 #[test]
 fn a_will_that_comes_early_is_published_by_the_time_that_it_is() {
     let (broker, at) = (broker(), Duration::from_secs);
@@ -158,7 +159,7 @@ fn what_is_over_is_not_sent_again() {
     assert_eq!(back.told(), ["Publish a=long q1 #2 again"]);
 }
 
-/// Section 4.9, however many were under way before.
+/// Tests MQTT 5, section 4.9: the limit also holds for messages of earlier connections.
 #[test]
 fn what_was_not_acknowledged_comes_again_no_faster_than_the_client_bears() {
     let broker = broker();

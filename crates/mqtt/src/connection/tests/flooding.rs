@@ -1,5 +1,5 @@
-//! A STOP behind its sender's own flood, and subscribers that do not read it. Simulated: no time passes but that for
-//! which the sender waits.
+//! Tests a STOP behind its sender's own flood, while subscribers do not read. Time is simulated: only the sender's
+//! waits take time.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use super::scene::{OPERATOR, STOP, Scene, broker, publish};
 use crate::limits::{PATIENCE, QUEUE_BYTES, STILL};
 use crate::packet::Qos;
 
-/// How many messages of one kibibyte stand before the STOP.
+/// Number of messages of 1 KiB before the STOP.
 const DEEP: usize = 4096;
 
 const BEGINS: Duration = Duration::from_secs(100);
@@ -22,8 +22,8 @@ fn flood() -> BytesMut {
     said
 }
 
-/// How long it takes until the STOP is heard beside `crowd` subscribers, of whom one more stops reading every `every`
-/// turns. One that reads is never found behind.
+/// Returns how long the sender waits before the STOP takes effect. There are `crowd` subscribers, and one more of
+/// them stops reading every `every` turns.
 fn waited(crowd: usize, every: usize) -> Duration {
     let broker = broker();
     let mut readers: Vec<Scene> = (0..crowd).map(|_| Scene::at_broker(&broker, OPERATOR, |_| {})).collect();
@@ -63,8 +63,8 @@ fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_
     assert!(2 * STILL < Duration::from_millis(100) && 2 * STILL < PATIENCE);
 }
 
-/// Each subscriber may have used much room, and there may be many of them. The newest message is not lost, retained or
-/// not, and a retained one arrives when nothing else does.
+/// A sender does not wait long for a subscriber that does not read, and such a subscriber uses little memory. It
+/// still gets the newest message. It also gets the retained message that it missed.
 #[test]
 fn of_a_flood_whose_readers_are_not_waited_for_the_newest_waits_and_the_stop_behind_it_is_heard() {
     let mut sender = Scene::of(OPERATOR);

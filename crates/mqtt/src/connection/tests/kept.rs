@@ -1,4 +1,4 @@
-//! Retained messages: they all arrive, at the right QoS, and only as fast as they are taken.
+//! Tests retained messages: they all arrive, at the right QoS, and only as fast as the client acknowledges them.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,8 @@ fn keep(scene: &Scene, topic: &str, payload: &str, qos: Qos) -> bool {
     scene.broker.retained.keep(&Payer::Anybody, &message, scene.now)
 }
 
-/// Everything that a client receives while it acknowledges all of it, and the most that it had to acknowledge at once.
+/// Returns everything that a client receives while it acknowledges all of it. Also returns the largest number of
+/// messages that were unacknowledged at once.
 fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
     let (mut all, mut most) = (BTreeSet::new(), 0);
     loop {

@@ -1,5 +1,5 @@
-//! Compares clients of both versions with a model of the standard, over random programs of publishing, subscribing,
-//! reading, breaking off and coming back. The model knows nothing of queues, trees and connections.
+//! Compares clients of both versions with a model of the standard. The programs are random: clients publish,
+//! subscribe, read, break off and come back. The model has no queues, trees and connections.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -19,13 +19,13 @@ const FIVE: usize = 2;
 
 #[derive(Clone, Debug)]
 enum Act {
-    /// The last field says whether the client's own messages are left out, which only MQTT 5 knows.
+    /// The last field is the option No Local, which only MQTT 5 has: the client does not get its own messages.
     Subscribe(&'static str, Qos, bool),
     Unsubscribe(&'static str),
     Publish(&'static str, Qos, bool),
-    /// Clears what is retained there.
+    /// Removes the topic's retained message.
     Clear(&'static str),
-    /// Reads everything there is, and acknowledges it or not.
+    /// Reads all messages. The field says whether the client acknowledges them.
     Read(bool),
     Break,
 }
@@ -41,9 +41,9 @@ struct Said {
 struct Expected {
     held: BTreeMap<&'static str, (Qos, bool)>,
     is_here: bool,
-    /// What was published for it, in order, and whether it may be lost.
+    /// Messages that were published for the client, in order, each with whether it may be lost.
     live: VecDeque<(Said, bool)>,
-    /// What was retained when it subscribed.
+    /// Messages that were retained when the client subscribed.
     kept: BTreeSet<(String, String, Qos)>,
     unacknowledged: Vec<Said>,
 }
@@ -51,7 +51,7 @@ struct Expected {
 #[derive(Debug, Default)]
 struct Model {
     clients: [Expected; CLIENTS],
-    /// The last field is the client that published it.
+    /// The retained message of each topic. The last field is the client that published it.
     kept: BTreeMap<&'static str, (String, Qos, usize)>,
     /// All messages that were ever published.
     ever: BTreeSet<(String, String)>,
@@ -87,7 +87,7 @@ impl Model {
     }
 }
 
-/// A client of the tested broker: connected, or only its session.
+/// A client of the tested broker: its connection, or its stored session.
 enum Real {
     Here(Box<Scene>),
     Away(Box<Session>),
@@ -123,7 +123,7 @@ impl Play {
         match *act {
             Act::Subscribe(filter, qos, no_local) => {
                 let no_local = no_local && client >= FIVE;
-                // Earlier retained messages are read first, so that it is known for which subscription they came.
+                // Earlier retained messages are read first, so that it is known to which subscription they belong.
                 self.read(client, true);
                 let packet = if client < FIVE {
                     subscribe(1, &[(filter, qos)])
@@ -217,8 +217,8 @@ impl Play {
             if let Some(place) = place.filter(|place| expected.live.iter().take(*place).all(|(_, may_be_lost)| *may_be_lost)) {
                 expected.live.drain(..=place);
             } else {
-                // A client that missed something gets what is retained, whether it had it or not, and again those
-                // retained messages that it left unread.
+                // A client that missed something gets the retained messages again. Some of them it has received
+                // before, and some it left unread.
                 assert!(ever.contains(&(said.topic.clone(), said.payload.clone())), "{said:?} was not expected: {expected:?}");
                 continue;
             }
@@ -233,7 +233,7 @@ impl Play {
     }
 }
 
-/// A client that connects, in its own version.
+/// Connects a client, in its own version of MQTT.
 fn come(broker: &Arc<Broker>, client: usize, session: Session) -> Scene {
     let resume = |terms: &mut Terms| terms.session = session;
     if client < FIVE { Scene::at_broker(broker, OPERATOR, resume) } else { five::scene(broker, resume) }

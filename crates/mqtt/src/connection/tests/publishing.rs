@@ -1,4 +1,5 @@
-//! What clients publish: where it goes, what is heard, retained or dropped, and that everything is acknowledged.
+//! Tests publishing: who receives a message, what is a command, retained or dropped, and that everything is
+//! acknowledged.
 
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish, taken};
 use crate::frame::PacketKind;
@@ -8,7 +9,7 @@ use crate::{Announcement, Ended, Epoch, Mark};
 
 const NONE: [&str; 0] = [];
 
-/// Section 3.8.4: at the lesser of the two QoS.
+/// Section 3.8.4: a message is sent at the lower of its own QoS and the subscription's QoS.
 #[test]
 fn messages_come_at_the_lesser_of_both_qualities_and_are_acknowledged() {
     let mut scene = Scene::of(OPERATOR);
@@ -150,7 +151,7 @@ fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
     }
 }
 
-/// A client that says nothing urgent must not collect marks for ever while others do.
+/// Marks of handled packets must not pile up for a client that never sends an urgent message.
 #[test]
 fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
     let mut scene = Scene::of(OPERATOR);
@@ -163,7 +164,7 @@ fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
     assert!(scene.connection.held() < before + 100, "{}", scene.connection.held());
 }
 
-/// Both while it waits for readers the first time and the second.
+/// The same packets arrive twice. Each time, the first of their two STOPs has halted on arrival.
 #[test]
 fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
     let mut scene = Scene::of(OPERATOR);

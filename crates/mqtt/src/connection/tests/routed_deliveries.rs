@@ -1,4 +1,4 @@
-//! Messages that another router carries: each arrives once, and none is lost on the way.
+//! Tests messages that a router delivers: each arrives once, and none is lost on the way.
 
 use std::sync::{Arc, Mutex};
 
@@ -6,7 +6,7 @@ use super::scene::{OPERATOR, Scene, TestRights, publish};
 use crate::packet::Qos;
 use crate::{Broker, RoutedDelivery, Router, Subscriber, filter};
 
-/// Holds the messages that it is to carry, and knows who subscribes to what.
+/// A router that stores the messages that it has to deliver, and knows the subscriptions.
 #[derive(Clone, Debug, Default)]
 struct TestRouter(Arc<Mutex<Held>>);
 
@@ -56,7 +56,7 @@ fn a_router_is_told_who_reads_what_and_brings_each_message_once() {
     assert!(router.0.lock().unwrap().readers.is_empty(), "whoever has gone lets his filters go");
 }
 
-/// A router may end in any way.
+/// When a router ends, dropping its deliveries passes the messages to the remaining readers.
 #[test]
 fn what_was_not_brought_is_when_the_passage_is_over() {
     let (broker, router) = broker();
@@ -71,7 +71,7 @@ fn what_was_not_brought_is_when_the_passage_is_over() {
     assert_eq!(readers.each_mut().map(Scene::read), [["a=1 q1", "a=2 q1", "a=3 q1"]; 2]);
 }
 
-/// A publisher in a flood waits for messages that are still on their way, too.
+/// A publisher in a flood also waits for messages that the router has not delivered yet.
 #[test]
 fn what_is_on_its_way_counts_as_what_waits_and_once() {
     let (broker, router) = broker();

@@ -1,5 +1,5 @@
-//! A test scene: one client at a connection and others at the same broker. Packets go in as bytes and come out as
-//! words.
+//! A test scene: one client at a connection, and other clients at the same broker. Packets go in as bytes and come
+//! out as text.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -19,8 +19,9 @@ pub(super) const VIEWER: Tier = Tier::Limited;
 pub(super) const START: &str = "site/robot/command/start";
 pub(super) const STOP: &str = "site/robot/command/stop";
 
-/// Commands are accepted on `site/robot/command`, on the names below it, and on those below `old`; everything else
-/// under `site/robot` and `directory/robot` is the program's own, and the rest is for clients with full rights.
+/// Commands are accepted on `site/robot/command`, on the topics below it, and on the topics below `old`. All other
+/// topics under `site/robot` and `directory/robot` belong to the program. The remaining topics are for clients with
+/// full rights.
 #[derive(Debug)]
 pub(super) struct TestRights;
 
@@ -132,7 +133,7 @@ impl Scene {
         got
     }
 
-    /// What was published for it now, without packet ids.
+    /// Returns the messages that the client receives now, without packet ids.
     pub(super) fn read(&mut self) -> Vec<String> {
         let said = |words: String| Some(words.strip_prefix("Publish ")?.split(" #").next()?.to_owned());
         self.got().into_iter().filter_map(said).collect()
@@ -179,7 +180,7 @@ pub(super) fn unsubscribe(id: u16, filters: &[&str]) -> BytesMut {
     out
 }
 
-/// Packets as words: `Publish a=x q1 #7`, `Puback 7`, `Suback 7 [1, 128]`.
+/// Returns packets as text: `Publish a=x q1 #7`, `Puback 7`, `Suback 7 [1, 128]`.
 pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
     let mut words = Vec::new();
     while let Some(frame) = frame(bytes, usize::MAX).unwrap() {
@@ -211,7 +212,7 @@ fn publish_in_words(publish: &publish::Publish<'_>) -> String {
     format!("Publish {topic}={payload} q{}{id}{kept}{again}", publish.qos as u8)
 }
 
-/// Packets of a client of MQTT 5, and what it receives in words.
+/// Packets of a client of MQTT 5, and the text of what it receives.
 pub(super) mod five {
     use bytes::{BufMut, BytesMut};
 
@@ -356,7 +357,7 @@ pub(super) mod five {
         if properties.is_empty() { String::new() } else { format!(" {properties:?}") }
     }
 
-    /// The packets of these tests have to be ones that the gate accepts.
+    /// The packets of these tests have to be valid.
     #[test]
     fn packets_of_these_tests_are_good_ones() {
         let out = publish_with(0x32, "a", "x", 3, &[Property::TopicAlias(2)]);

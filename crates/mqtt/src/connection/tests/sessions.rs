@@ -1,4 +1,5 @@
-//! Sessions between connections: the filters of a client, what it has not acknowledged, and what waits for it.
+//! Tests sessions between connections: the filters of a client, its unacknowledged messages, and the messages that
+//! wait for it.
 
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ fn back(broker: &Arc<Broker>, session: Session) -> Scene {
     Scene::at_broker(broker, OPERATOR, |terms| terms.session = session)
 }
 
-/// Section 4.4: with DUP, under the same ids and in the same order, without those that were acknowledged.
+/// Section 4.4: unacknowledged messages are sent again with DUP, under the same ids and in the same order.
 #[test]
 fn what_was_not_acknowledged_comes_again_in_the_next_connection() {
     let broker = broker();
@@ -89,7 +90,7 @@ fn whoever_is_away_gets_what_is_to_reach_him_surely_and_of_the_rest_what_is_kept
     );
 }
 
-/// Safety A5: a client that is away cannot read, and there may be many of them.
+/// Safety A5: a client that is away cannot read, and there may be many such clients.
 #[test]
 fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     let broker = broker();
@@ -115,7 +116,7 @@ fn for_one_who_is_away_only_so_much_waits_and_the_newest() {
     assert!(got.last().is_some_and(|last| last.contains("a/kept=newest")), "{:?}", got.last());
 }
 
-/// Section 4.9 of version 5, applied to 3.1.1 as well.
+/// Section 4.9 of MQTT 5, which the broker applies to MQTT 3.1.1 as well.
 #[test]
 fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_acknowledge() {
     let mut scene = Scene::of(OPERATOR);
@@ -129,7 +130,7 @@ fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_ackn
     assert_eq!(reader.got(), ["Publish a=100 q1 #101"]);
 }
 
-/// Safety A5: unacknowledged messages take room as well, and are dropped when their client goes while too much waits.
+/// Safety A5: unacknowledged messages take memory too. They are dropped when their client goes while too much waits.
 #[test]
 fn there_is_an_end_to_the_bytes_of_what_is_not_acknowledged() {
     let broker = broker();

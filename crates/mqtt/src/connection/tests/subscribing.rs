@@ -1,4 +1,4 @@
-//! What clients subscribe to: who receives what, and that each packet has one answer.
+//! Tests subscriptions: who receives what, and that each packet has one answer.
 
 use super::scene::{OPERATOR, Scene, VIEWER, publish, subscribe, unsubscribe};
 use crate::limits::{FILTER_BYTES, FILTERS, PACKET_FILTERS};
@@ -35,7 +35,7 @@ fn a_filter_that_is_asked_for_again_is_held_once_at_its_new_quality() {
     }
 }
 
-/// Section 3.3.5: one copy, at the highest QoS of the filters that match.
+/// Section 3.3.5: the client gets one copy, at the highest QoS of the filters that match.
 #[test]
 fn whoever_holds_several_filters_that_match_gets_a_message_once() {
     let mut scene = Scene::of(OPERATOR);
@@ -71,7 +71,7 @@ fn the_filters_of_a_connection_have_so_many_bytes_together() {
     assert_eq!(scene.subscribe(&[("b", Qos::Zero)]), ["Suback (1, [0])"]);
 }
 
-/// Section 3.8.4: a new subscriber gets what is published behind its SUBSCRIBE, in that order.
+/// Section 3.8.4: a new subscriber gets the messages that are published after its SUBSCRIBE, in order.
 #[test]
 fn what_comes_in_one_piece_with_a_subscribe_comes_back_behind_its_answer() {
     let mut scene = Scene::of(OPERATOR);

@@ -1,12 +1,13 @@
-//! Makes a hall of a scene. Cells are as large as the player and are counted from its place; their contents are the
-//! things that the player would meet by driving from cell to cell. Columns and rows stay as the page shows them, north
-//! up.
+//! Makes a hall from a scene. A cell is as large as the player, and home is the cell where the player stands. The
+//! hall contains what the player would meet by driving from cell to cell. Columns and rows are as on the page, with
+//! north at the top.
 //!
 //! ```text
-//!   ·───►·───►│#     a cell is free where a step into it ends, else it is what stopped the first one: a wall, or a piece of luggage
+//!   ·───►·───►│#     a cell is free if a step into it can end there;
+//!                  otherwise it is the thing that stopped the first step: a wall or a piece of luggage
 //! ```
-//! No thing is thin enough to stand between two free cells: it keeps the player's middle half a player away on each
-//! side, and a cell is no larger than the player.
+//! Even a very thin thing cannot stand between two free cells. It keeps the player's middle half a player away on
+//! both sides, so the blocked strip is at least one cell wide.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -18,29 +19,29 @@ use crate::hall::{Hall, Plan, Truth};
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// The page's name for the edge of the floor.
+/// The page's name for the border of the floor.
 const BORDER: &str = "floor-border";
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallOfScene {
-    /// The hall; home is the player's place.
+    /// The hall. Its home cell is the player's place.
     pub hall: Hall,
-    /// Parts of the scene that the hall leaves out, a few words each.
+    /// Parts of the scene that are not in the hall, in a few words each.
     pub lost: Vec<String>,
 }
 
-/// What the player finds when it tries every step from every cell that it reaches.
+/// What the player finds when it tries every step from every cell that it can reach.
 #[derive(Default)]
 struct ReachedCells<'a> {
     free: BTreeSet<Cell>,
-    /// The thing that stopped the first step into a cell.
+    /// Cells that cannot be entered, each with the thing that stopped the first step into it.
     taken: BTreeMap<Cell, &'a str>,
 }
 
 impl Scene {
-    /// The hall that the player would find, under this name.
+    /// Makes the hall that the player would find. `name` is the name of the hall.
     ///
-    /// When the player stands in an obstacle and so finds nothing.
+    /// Fails if the player stands in an obstacle, since it then finds nothing.
     pub fn hall(&self, name: &str) -> Result<HallOfScene, HallFault> {
         let found = self.found()?;
         let pieces = found.pieces();
@@ -74,7 +75,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// The thing that prevents the player's middle from being here.
+    /// The thing that keeps the player's middle away from this point, if there is one.
     fn what_is_at(&self, x: f64, z: f64) -> Option<&str> {
         let is_beyond = x.abs() > self.floor.x / 2.0 || z.abs() > self.floor.z / 2.0;
         let within = |thing: &&StaticObstacle| {
@@ -84,7 +85,7 @@ impl Scene {
         self.statics.iter().find(within).map(|thing| thing.name.as_str()).or(is_beyond.then_some(BORDER))
     }
 
-    /// The thing that the player meets first on its way from the middle of one cell to the middle of the next.
+    /// The first thing that the player meets on the way from the middle of one cell to the middle of the next.
     fn contact(&self, from: Cell, to: Cell) -> Option<&str> {
         let turned = from.x == to.x;
         let axes = |[x, z]: [(f64, f64); 2]| if turned { [z, x] } else { [x, z] };
@@ -146,7 +147,7 @@ impl<'a> ReachedCells<'a> {
     }
 }
 
-/// The ranges of x and of z that this thing closes to the player's middle.
+/// The ranges of x and z that this thing blocks for the player's middle.
 fn kept_free(thing: &StaticObstacle) -> [(f64, f64); 2] {
     let half = PLAYER / 2.0;
     [(thing.min_x - half, thing.max_x + half), (thing.min_z - half, thing.max_z + half)]

@@ -1,4 +1,4 @@
-//! Tests of scenes and of the halls made of them. In a file of their own because there are many.
+//! Tests for scenes and for the halls made from them.
 
 use proptest::prelude::*;
 
@@ -12,7 +12,7 @@ fn scene(text: &str) -> Scene {
     Scene::parse("room.js", text.as_bytes()).expect("a good scene")
 }
 
-/// A floor of these sides, the player in its middle, and these obstacles.
+/// A scene with a floor of these sides, the player in its middle, and these obstacles.
 fn room(x: f64, y: f64, statics: &str) -> Scene {
     let player = "player: {position: {x: .5, y: .5}}";
     scene(&format!("x = {{floor: {{size: {{x: {x}, y: {y}}}}}, {player}, staticObstacles: [{statics}]}}"))
@@ -73,8 +73,8 @@ fn what_is_no_wall_is_a_box_where_the_page_shows_it() {
 
 #[test]
 fn a_contact_counts_at_the_border_of_what_is_kept_free() {
-    // The middle of the next cell to the east is at 4: a box from 6 on keeps the player out of 4 and more, and 4 itself
-    // is still free.
+    // The middle of the next cell to the east is at 4. A box that begins at 6 keeps the player's middle at 4 or less,
+    // so this cell is still free.
     let row = |from: f64| {
         let thing = obstacle("case", ((from + 1.0) / 20.0 + 0.5, 0.5), (0.1, 0.1));
         drawn(&room(20.0, 4.0, &thing).hall("row").expect("a hall").hall)
@@ -101,7 +101,7 @@ fn one_name_is_one_piece_where_its_cells_touch() {
     assert_eq!(lost, ["the names of luggage (2)", "which pieces of luggage had the same name (1)"]);
 }
 
-/// `cells` relies on this.
+/// The module `cells` relies on this.
 #[test]
 fn nothing_is_so_thin_that_it_stands_between_two_free_cells() {
     for x in 0..=100 {
@@ -168,7 +168,7 @@ proptest! {
         }
     }
 
-    /// Pieces of scenes, combined at random.
+    /// Random combinations of parts of scene files.
     #[test]
     fn whatever_is_said_of_a_scene_it_is_refused_or_a_hall(pieces in proptest::collection::vec(prop::sample::select(&[
         "x =", "{", "}", "[", "]", ",", "floor:", "size:", "x:", "y:", "35", ".5", "-1e9", "NaN", "'wall'", "//", "\n", "/*", "*/",

@@ -1,19 +1,21 @@
-//! Finds the object literal in a JavaScript module, and bounds how deep it nests. The contents of the literal are not
+//! Finds the object literal in a JavaScript module, and limits how deep it nests. The contents of the literal are not
 //! read here.
 
 use crate::hall::error::HallFault;
 
-/// Real scenes nest five deep. The reader of the literal recurses once for each level.
+/// Maximum nesting depth. Real scenes nest five deep. The limit is needed because the reader of the literal recurses
+/// once per level.
 const MAX_DEPTH: usize = 16;
 
-/// The literal from its first brace to its last, and the line in which it begins.
+/// The literal from its first brace to its last, and the line on which it begins.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Literal<'a> {
     pub(super) text: &'a str,
     pub(super) line: usize,
 }
 
-/// The first object literal that is assigned to a name or is the module's default; or a fault with its line.
+/// The first object literal that is assigned to a name or exported as the default. On failure, the line and the
+/// fault.
 pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     let begin = begin(text).ok_or((1, HallFault::NoLiteral))?;
     let line_of = |place: usize| json5::Position::from_offset(place, text).line + 1;
@@ -34,8 +36,8 @@ pub(super) fn literal(text: &str) -> Result<Literal<'_>, (usize, HallFault)> {
     Err((line_of(begin), HallFault::UnclosedLiteral))
 }
 
-/// Where the literal begins: at a brace behind `=` or `default`, or at the first brace of a file with nothing else
-/// before it. Other braces, such as those of an import, are skipped.
+/// The place where the literal begins. Its brace follows `=` or `default`, or it is the first character of the code.
+/// Other braces, such as those of an import, are skipped.
 fn begin(text: &str) -> Option<usize> {
     let mut last = None;
     for (place, byte) in Code::of(text).filter(|(_, byte)| !byte.is_ascii_whitespace()) {
@@ -48,7 +50,7 @@ fn begin(text: &str) -> Option<usize> {
     None
 }
 
-/// The bytes of a script that stand in no comment and in no string, each with its place.
+/// Iterates over the bytes of a script that are in no comment and in no string, each with its place.
 struct Code<'a> {
     text: &'a [u8],
     at: usize,
@@ -80,7 +82,7 @@ impl Iterator for Code<'_> {
     }
 }
 
-/// Length of a string with both quotes; a string that is not closed takes everything that follows.
+/// Length of a string, including both quotes. A string that is not closed extends to the end of the text.
 fn string_length(rest: &[u8], quote: u8) -> usize {
     let mut place = 1;
     while let Some(byte) = rest.get(place) {

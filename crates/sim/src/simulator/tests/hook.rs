@@ -1,4 +1,4 @@
-//! Tests of the hook: what it takes, when it does not, and that nothing is lost when the program dies.
+//! Tests of the hook: which pieces it takes, when it refuses, and that no piece is lost when the program dies.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use hallsweep_core::arm::ArmAction;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Epoch};
 
-/// Home, with a piece of two cells to the south of it.
+/// Home, with a piece of two cells to the south.
 const ROWS: [&str; 3] = ["S..", "aa.", "..."];
 
 fn settings() -> SimSettings {
@@ -83,7 +83,7 @@ fn what_it_cannot_do_is_refused_in_words() {
     assert!(matches!(&said(&mut bare)[..], [RobotEvent::Failed(_, words)] if words == "it has no arm"));
 }
 
-/// Safety R2.
+/// Tests safety R2 (docs/safety.md).
 #[test]
 fn a_piece_on_its_back_is_there_after_the_program_has_died() {
     let mut sim = robot();

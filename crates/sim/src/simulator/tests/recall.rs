@@ -1,5 +1,5 @@
-//! Tests of a simulated robot that goes on after its program has died: at any moment, any number of times. How its
-//! memory is stored is tested beside `state_file`.
+//! Tests of a simulated robot that continues after its program has died, at any time and any number of times. The
+//! tests of storing its memory are beside `state_file`.
 
 use super::*;
 
@@ -10,7 +10,8 @@ fn settings(seed: u64) -> SimSettings {
 }
 
 impl Run {
-    /// The same robot in the next run of the program, which has only this memory, and its first report.
+    /// The same robot in the next run of the program, which knows only this memory. The second value is its first
+    /// report.
     fn after_death(&self, memory: SimMemory) -> (Run, Whereabouts) {
         let sim = Sim::remembering(Arc::clone(&self.sim.hall), self.sim.settings, memory);
         let mut run = Run { sim, now: Duration::ZERO, orders: 0 };
@@ -20,8 +21,8 @@ impl Run {
         }
     }
 
-    /// Begins an action, lets some of its time pass, perhaps halts, and dies. Only the last stored memory is known
-    /// then.
+    /// Begins an action, lets some of its time pass, halts sometimes, and then dies. The next run knows only the last
+    /// stored memory.
     fn die_during(&mut self, action: Action, choices: &mut RandomStream) -> Run {
         self.order(action);
         let mut kept = self.sim.poll_memory();
@@ -41,7 +42,7 @@ impl Run {
     }
 }
 
-/// Safety R2.
+/// Tests safety R2 (docs/safety.md).
 #[test]
 fn however_often_its_program_dies_it_stays_on_the_floor_and_comes_to_the_same_cells() {
     let mut interrupted = 0;

@@ -1,5 +1,5 @@
-//! The timeline of one mission: which of its entries are shown, and where. It grows at its end. It is divided into sections of
-//! `SECTION` entries, of which only the last one changes. One unit to the right is `UNIT_MS` of the mission's time, but a time
+//! The timeline of one mission: which entries are shown, and where. It grows at its end. It consists of sections of
+//! `SECTION` entries, of which only the last one changes. One unit to the right is `UNIT_MS` of mission time. A time
 //! in which the program was off is drawn as `OFF_MS` at most. `section` draws the sections.
 
 use std::sync::Arc;
@@ -19,36 +19,36 @@ use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
 
 const SECTION: usize = 64;
 
-/// Milliseconds per unit to the right.
+/// Milliseconds per unit of the horizontal axis.
 const UNIT_MS: i64 = 100;
 
-/// Maximum number of entries drawn: days of a busy mission.
+/// Maximum number of entries drawn. This is enough for several days of a busy mission.
 pub(in super::super) const MOST: usize = 20_000;
 
-/// Minimum length of a mission in the picture, in milliseconds.
+/// Minimum length of the timeline, in milliseconds. A shorter mission leaves the rest empty.
 const LEAST_MS: i64 = 60_000;
 
-/// Maximum length in the picture of a time in which the program was off, in milliseconds.
+/// Maximum drawn length of a time in which the program was off, in milliseconds.
 const OFF_MS: i64 = 5_000;
 
 pub(in super::super) const LAST: Seq = Seq(u64::MAX);
 
-/// What a page needs to know to move along a timeline.
+/// What the script needs to convert between positions on the timeline and times.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in super::super) struct Scale {
     mission: u64,
-    /// When the first entry was written, in milliseconds since 1970.
+    /// Time at which the first entry was written, in milliseconds since 1970.
     began: i64,
-    /// When the last entry was written, in milliseconds since 1970, and its position.
+    /// Time at which the last entry was written, in milliseconds since 1970. `last` is the number of that entry.
     end: i64,
     last: u64,
-    /// Jumps of the clock: from when, to when, and the length in the picture. The clock jumps while the program is off, and
-    /// when somebody sets it.
+    /// Jumps of the clock in milliseconds: time before the jump, time after it, and drawn length. A jump is a time in
+    /// which the program was off, or a change of the clock.
     breaks: Vec<[i64; 3]>,
-    /// Milliseconds per unit.
+    /// Milliseconds per unit of the horizontal axis.
     unit: i64,
     open: bool,
-    /// Whether the timeline ends because no more entries are drawn.
+    /// Whether the timeline ends early because it has reached the maximum number of entries.
     cut: bool,
 }
 
@@ -69,7 +69,7 @@ pub(in super::super) struct Timeline {
     is_over: bool,
 }
 
-/// State that continues beyond the section in which it began.
+/// State that continues from one section to the next: the phase, the last temperature reading, and others.
 #[derive(Clone, Debug, Default)]
 struct OpenSpans {
     phase: Option<(PhaseName, Option<PhaseName>)>,
@@ -149,9 +149,10 @@ impl Timeline {
         At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
     }
 
-    /// Returns the stretch between two jumps of the clock that contains `unix_ms`, the time at which that moment is drawn, and
-    /// how far the clock is ahead of the timeline there, in milliseconds. After the clock was set back, a time that it showed
-    /// twice means the later one. A time that it jumped over is drawn at the jump.
+    /// Finds the stretch between two jumps of the clock that contains `unix_ms`. Returns the number of the
+    /// stretch, and the time at which the moment is drawn. Also returns how far the clock is ahead of the timeline
+    /// there. Both times are in milliseconds. If the clock was set back and showed a time twice, the later moment
+    /// counts. A time that the clock skipped is drawn at the jump.
     fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
         let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
         let mut stretch = (0, from, 0);
@@ -171,12 +172,12 @@ impl Timeline {
         stretch
     }
 
-    /// Number of sections that cannot change any more.
+    /// Number of sections that are full and cannot change any more.
     pub(in super::super) fn full(&self) -> usize {
         self.full.len()
     }
 
-    /// The sections from this one on, each as a group. The last one still grows.
+    /// Returns the sections from number `from` on, each as a group with its id. Only the last one can still change.
     pub(in super::super) fn sections(&self, from: usize) -> impl Iterator<Item = (String, Arc<str>)> {
         let growing = Arc::from(self.growing.drawn(self.full.len(), self.carried.reading));
         let sections = self.full.iter().skip(from).cloned().chain([growing]);
@@ -209,7 +210,8 @@ impl Timeline {
         } else if matches!(fact, Fact::ProgramStarted(_)) && wall.unix_ms.saturating_sub(self.end) > OFF_MS {
             self.leaps.push((self.last, [self.end, wall.unix_ms, OFF_MS]));
         }
-        // Old journals do not record clock changes. In them a clock that was set back does not move the timeline back.
+        // Old journals do not record clock changes. There, a clock that was set back does not move the end of the
+        // timeline back.
         self.end = self.end.max(wall.unix_ms);
         self.entries += 1;
         self.is_over = matches!(fact, Fact::MissionArchived(..));
@@ -223,7 +225,7 @@ impl Timeline {
             self.holds(x, wall, fact, !holds.is_empty());
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
-            // The last reading is judged again, by the new threshold.
+            // The threshold may be new, so the last reading is compared with it again.
             if let Some(TemperaturePoint { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
@@ -266,7 +268,7 @@ impl Timeline {
     }
 }
 
-/// CSS class of a fact's mark; `None` if the fact has no mark.
+/// Returns the CSS class of a fact's mark, or `None` if the fact has no mark.
 fn class(fact: &Fact) -> Option<&'static str> {
     Some(match fact {
         Fact::Luggage { .. } => "found",
@@ -275,7 +277,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Secured(_) => "secured",
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
-        // A verdict has its mark by its effect, among the verdicts, so its command has none.
+        // The fact `Verdict` already has a mark, so the command that gave the verdict gets none.
         Fact::Command { asked: Asked::Command(Command::Verdict { .. }), refused: None, .. } => return None,
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { asked: Asked::Command(Command::Stop) | Asked::Stops { .. }, .. } => "stop",
@@ -296,7 +298,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
             return None;
         }
         Fact::MetAgain(..) | Fact::Led(_) | Fact::Obstacle(..) | Fact::Mark(..) | Fact::MapEmptied(_) => return None,
-        // These facts are part of the curve.
+        // These facts are drawn in the temperature curve and have no mark.
         Fact::Temperature(..) | Fact::ThermometerSilent(_) => return None,
     })
 }
@@ -312,7 +314,7 @@ mod tests {
     use hallsweep_core::state::fact::Entry;
     use hallsweep_core::units::{Cell, LuggageId};
 
-    /// Facts at these seconds after the first.
+    /// Builds timeline entries from facts. Each fact comes with its time, in seconds after `TEN`.
     fn happened(facts: impl IntoIterator<Item = (i64, Fact)>) -> Vec<Happened> {
         let at = |second: i64| WallTime { unix_ms: TEN.unix_ms + second * 1000, ..TEN };
         (1..).map(Seq).zip(facts.into_iter().map(|(second, fact)| Ok(Entry { wall: at(second), fact }))).collect()
@@ -485,7 +487,7 @@ mod tests {
         for (second, x, of) in [
             (50, 500, [Seq(0), Seq(2)]),
             (-3485, 1150, [Seq(3), Seq(5)]),
-            // The clock jumped over this time.
+            // The clock skipped this time.
             (40_000, 2000, [Seq(3), Seq(5)]),
             (83_025, 2250, [Seq(6), LAST]),
         ] {

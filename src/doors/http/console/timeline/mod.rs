@@ -1,5 +1,5 @@
-//! The timelines of the missions that somebody views. Each is read once from the archive, continued while its mission goes
-//! on, and shared by all pages. `line` decides what is shown, `section` draws it.
+//! The timelines of the missions that somebody views. Each timeline is read from the archive once and shared by all
+//! pages. While its mission continues, it is extended. `line` decides what is shown, `section` draws it.
 
 mod line;
 mod section;
@@ -17,16 +17,16 @@ use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{LAST, MOST, Scale, Timeline};
 pub(super) use section::{THRESHOLD_Y, id};
 
-/// Maximum wait for a timeline. When the disk hangs, a page shows an incomplete one.
+/// Maximum wait for a timeline. If the disk does not respond, the page shows an incomplete timeline.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Pause before the archive is read again.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// Number of cached timelines, including the present one. Each language counts separately.
+/// Number of cached timelines, including those of the present mission. There is one for each mission and language.
 const LINES: usize = 8;
 
-/// Number of entries read at a time.
+/// Number of entries read from the archive at a time.
 const PAGE: usize = 2000;
 
 #[derive(Debug)]
@@ -45,12 +45,13 @@ impl Default for Timelines {
 }
 
 impl Timelines {
-    /// The timeline as far as it can be read within `PATIENCE`; the next call continues.
+    /// Returns the timeline as far as it can be read within `PATIENCE`. The next call continues to read.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
         let now = door.clock.now();
         let present = door.handle.snapshot().mission.id;
         let (mut line, is_due) = door.timelines.with(|lines| {
-            // Old timelines must not evict those of the present mission, which every page shows.
+            // Marks the timelines of the present mission as used, because every page shows one. Timelines of old
+            // missions must not evict them from the cache.
             for language in Language::ALL {
                 lines.get(&(present, language));
             }
@@ -77,8 +78,8 @@ impl Timelines {
         line
     }
 
-    /// Two readings of one timeline may overlap, so the longer one stays in the cache and is returned. A timeline that was
-    /// evicted meanwhile is not cached again.
+    /// Stores a timeline in the cache. Two tasks may read the same timeline at once; the longer result stays in the
+    /// cache and is returned. A timeline that was evicted in the meantime is not stored again.
     fn keep(&self, line: Arc<Timeline>) -> Arc<Timeline> {
         self.with(|lines| match lines.get_mut(&(line.mission(), line.language())) {
             Some(known) if known.line.last() > line.last() => Arc::clone(&known.line),
@@ -95,14 +96,15 @@ impl Timelines {
     }
 }
 
-/// The timeline extended by a page of entries; `None` at its end, and when the archive cannot be read.
+/// Returns the timeline extended by one page of entries. Returns `None` at its end, and when the archive cannot be
+/// read.
 async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -> Option<Arc<Timeline>> {
     if line.is_complete() {
         return None;
     }
     let after = line.last();
     let look = move |archive: &dyn Archive| {
-        // The threshold at the beginning of the timeline may have been recorded before the mission.
+        // The temperature threshold that applies at the beginning may have been recorded before the mission.
         let begin = (after == Seq(0)).then(|| archive.moments(mission, &[At::Time(i64::MIN)]).ok()?.pop()).flatten();
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
         Ok((conditions, archive.timeline(mission, Span::after(after), PAGE)?))

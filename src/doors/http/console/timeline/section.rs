@@ -1,11 +1,12 @@
-//! A section of the timeline as a picture: bands of phases and holds, the temperature, and a mark for each other entry shown.
+//! A section of the timeline as a picture: bands for phases and holds, the temperature curve, and a mark for each
+//! other entry that is shown. The numbers are heights in the picture.
 //!
 //! ```text
-//!   0 ── 12  phases   each band is drawn to the far end; the next one covers it
-//!  12 ── 16  holds    likewise
+//!   0 ── 12  phases: each band is drawn to the far end, and the next band covers it
+//!  12 ── 16  holds: drawn in the same way
 //!  18 ── 42  temperature, with the threshold
 //!  44 ── 54  luggage and verdicts
-//!  56 ── 64  commands; a STOP goes through all
+//!  56 ── 64  commands; the mark of a STOP has the full height, 0 ── 64
 //! ```
 //! `line` decides what is shown and where.
 
@@ -14,10 +15,10 @@ use askama::filters::{Html, escape};
 use super::super::drawing::write;
 use hallsweep_core::units::Celsius;
 
-/// A position to the right of every moment.
+/// A position to the right of every drawn moment.
 pub(super) const FAR: i64 = 1_000_000_000;
 
-/// Range of the temperatures drawn below and above the threshold, in °C.
+/// Range of the temperature curve below and above the threshold, in °C.
 const BELOW: f64 = 12.0;
 const ABOVE: f64 = 8.0;
 
@@ -57,7 +58,7 @@ impl Section {
         write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
     }
 
-    /// The line continues level to the next reading, and steps up or down there.
+    /// Adds a reading to the curve. The line goes on horizontally to the new reading, then steps up or down.
     pub(super) fn reading(&mut self, x: i64, celsius: Celsius, threshold: Celsius, at: &mut Option<TemperaturePoint>) {
         let above = (celsius.degrees() - threshold.degrees()).clamp(-BELOW, ABOVE);
         let height = COLD - (above + BELOW) / (ABOVE + BELOW) * (COLD - HOT);
@@ -75,7 +76,7 @@ impl Section {
         *at = Some(TemperaturePoint { x, celsius, height, is_hot });
     }
 
-    /// The line ends when the last reading is not valid any more.
+    /// Ends the line of the curve, because the last reading is not valid any more.
     pub(super) fn reading_ends(&mut self, x: i64, at: &mut Option<TemperaturePoint>) {
         if let Some(TemperaturePoint { x: from, height, is_hot, .. }) = at.take() {
             write(&mut self.temperature, format_args!("H{x}"));
@@ -91,7 +92,7 @@ impl Section {
         }
     }
 
-    /// Markup of the section's group. A reading that is still valid is drawn on to the far end.
+    /// Returns the markup of the section's group. The line of a reading that is still valid is drawn to the far end.
     pub(super) fn drawn(&self, place: usize, lasting: Option<TemperaturePoint>) -> String {
         let (mut temperature, mut hot) = (self.temperature.clone(), self.hot.clone());
         if let Some(TemperaturePoint { x, height, is_hot, .. }) = lasting {
@@ -125,7 +126,8 @@ fn heights(class: &str) -> (i64, i64) {
     }
 }
 
-/// Escapes markup and drops characters that are not allowed in XML, which would make the whole picture invalid.
+/// Escapes markup and removes characters that XML does not allow. One such character would make the whole picture
+/// invalid.
 fn escaped(words: &str) -> String {
     let is_of_xml = |c: &char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     let words: String = words.chars().filter(is_of_xml).collect();

@@ -1,4 +1,4 @@
-//! Announcements to screen readers: changes, but not every step.
+//! Announcements for screen readers: they report changes, but not every step of the robot.
 
 use super::{View, sentence};
 use hallsweep_core::phase::PhaseName;
@@ -28,8 +28,7 @@ impl View<'_> {
     }
 }
 
-/// The largest of 10, 20, 50, 100 and so on that a number has reached. Progress is announced at these numbers, and not at every
-/// step.
+/// Returns the largest of 10, 20, 50, 100, … that `number` has reached. Progress is announced only at these numbers.
 fn round(number: usize) -> Option<usize> {
     let power = 10_usize.checked_pow(number.checked_ilog10().filter(|digits| *digits > 0)?)?;
     [5, 2, 1].into_iter().map(|times| times * power).find(|round| *round <= number)

@@ -1,4 +1,4 @@
-//! The progress of the search, and its remaining time, in words.
+//! The progress of the search and its remaining time, in words.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ impl View<'_> {
         self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
     }
 
-    /// The searched area, such as `41 cells, 25.6 m²`.
+    /// Returns the size of the searched area, such as `41 cells, 25.6 m²`.
     pub(in super::super) fn searched(&self) -> String {
         let visited = self.snapshot.mission.progress.visited;
         let cells = self.say("cells").with("count", visited);
@@ -24,13 +24,14 @@ impl View<'_> {
         self.say("cells-and-area").with("cells", cells).with("area", area).to_string()
     }
 
-    /// What is still open, in words. How much lies behind it is not known.
+    /// Returns the number of known places that are still to be searched, in words. Nobody knows how large the area
+    /// behind them is.
     pub(in super::super) fn open(&self) -> Phrase<'static> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
-    /// What was not searched. It is shown as large as a phase that sounds like an end. How much lies behind known places is not
-    /// known.
+    /// Returns what was not searched, in words, when the phase sounds like the end of the search. It is shown as
+    /// large as that phase. Nobody knows how large the area behind the known places is.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =
@@ -44,7 +45,7 @@ impl View<'_> {
         Some(self.say("searched-of").with("reachable", reachable).with("free", free))
     }
 
-    /// The phase, and what was not searched, for a single line.
+    /// Returns the phase and what was not searched, as one line.
     pub(in super::super) fn phase_in_full(&self) -> String {
         self.unsearched().map_or_else(|| self.phase(), |left| format!("{} · {left}", self.phase()))
     }
@@ -54,7 +55,7 @@ impl View<'_> {
         Some(self.say("progress-reach").with("reachable", reachable).with("free", free))
     }
 
-    /// Remaining driving time, such as `4 min to 11 min of driving left`.
+    /// Returns the remaining driving time, such as `4 min to 11 min of driving left`.
     pub(in super::super) fn left(&self) -> Option<Phrase<'static>> {
         let TimeLeft { least, most } = self.snapshot.mission.progress.left?;
         if most.is_none() && least < ROUGHLY {
@@ -67,7 +68,7 @@ impl View<'_> {
         })
     }
 
-    /// When the mission began, if it goes on, for its elapsed time; `None` for a past mission.
+    /// Returns when the mission began, so that the page can show the elapsed time. `None` when the mission is over.
     pub(in super::super) fn counts_since(&self) -> Option<WallTime> {
         let is_over = matches!(
             self.snapshot.mission.phase,
@@ -77,7 +78,7 @@ impl View<'_> {
     }
 }
 
-/// Times below two minutes are rounded to this.
+/// Times below two minutes are rounded to a multiple of this time.
 const ROUGHLY: Duration = Duration::from_secs(10);
 
 fn roughly(time: Duration, round: fn(u64, u64) -> u64) -> String {

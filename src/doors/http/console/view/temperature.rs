@@ -1,4 +1,4 @@
-//! The temperature in words: the reading, what keeps the hall too hot, and what ends that.
+//! The temperature in words: the reading, what makes the hall too hot, and what ends that state.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -10,28 +10,29 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::units::{Celsius, WallTime};
 use hallsweep_core::world::temperature::{SourceReading, TemperatureStatus, TemperatureView};
 
-/// Age at which the bar shows that a reading is old: thermometers and sensors report at least every 10 s.
+/// Age from which the status bar shows how old a reading is. Thermometers and sensors report at least every 10 s.
 const OLD_MS: i64 = 15_000;
 
 impl View<'_> {
-    /// `21.5 °C`
+    /// Returns a temperature as text, such as `21.5 °C`.
     pub(in super::super) fn degrees(&self, celsius: &Celsius) -> String {
         self.language.celsius(*celsius)
     }
 
-    /// The threshold, without its unit.
+    /// Returns the threshold as text, without its unit.
     pub(in super::super) fn threshold(&self) -> String {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// The reading to show: the hottest of those that are too hot, or the last if none is.
+    /// Returns the reading to show: the hottest of the readings that are too hot. If no reading is too hot, it is the
+    /// last one.
     fn shown(&self) -> Option<SourceReading> {
         let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
         let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
         hottest.or_else(|| Some(SourceReading { celsius: celsius?, read, silent_since }))
     }
 
-    /// The reading to show, or that there is none, or that none is valid any more.
+    /// Returns the reading to show as text. The text also says when there is no reading, or none that is still valid.
     pub(in super::super) fn celsius(&self) -> String {
         match self.shown() {
             Some(SourceReading { celsius, silent_since: None, .. }) => self.degrees(&celsius),
@@ -44,15 +45,15 @@ impl View<'_> {
         self.shown().is_some_and(|shown| shown.silent_since.is_some())
     }
 
-    /// The CSS class of the temperature: an unknown temperature is not shown as a good one.
+    /// Returns the CSS class of the temperature. An unknown temperature does not get the class of a good one.
     pub(in super::super) fn temperature_class(&self) -> &'static str {
         let status = self.snapshot.temperature.status;
         let is_unknown = status == TemperatureStatus::Ok && self.is_silent();
         if is_unknown { TemperatureStatus::Stale } else { status }.name()
     }
 
-    /// Age of the last reading, or since when it is not valid any more. In the past the age counts from the recorded entry,
-    /// because a repeated equal reading is not recorded.
+    /// Returns the age of the last reading, or since when that reading is not valid any more. A page about the past
+    /// shows the time of the recorded entry instead, because a repeated equal reading is not recorded.
     pub(in super::super) fn reading_age(&self, old_ms: i64) -> Option<Markup> {
         let SourceReading { celsius, read, silent_since } = self.shown()?;
         let time = |wall: &WallTime| self.zone().clock_time(*wall);
@@ -68,7 +69,7 @@ impl View<'_> {
         })
     }
 
-    /// The age for the bar, which shows it only for an old reading.
+    /// Returns the age of the reading for the status bar, which shows the age only of an old reading.
     pub(in super::super) fn old_age(&self) -> Option<Markup> {
         self.reading_age(OLD_MS).filter(|_| !self.is_silent() && self.then.is_none())
     }
@@ -109,7 +110,7 @@ impl View<'_> {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
     }
 
-    /// Whether it is a reading, and not a button, that says the hall is not too hot.
+    /// Whether a valid reading shows that the hall is not too hot. An OK by the operator is not enough.
     pub(in super::super) fn reads_ok(&self) -> bool {
         let TemperatureView { celsius, status, silent_since, .. } = &self.snapshot.temperature;
         *status == TemperatureStatus::Ok && celsius.is_some() && silent_since.is_none()

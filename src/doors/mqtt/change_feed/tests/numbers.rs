@@ -1,5 +1,5 @@
-//! Random missions over a connection that breaks at random: a subscriber sees every number at most twice and never a gap, and
-//! gets the last record of every piece.
+//! Random missions over a connection that breaks at random times. A subscriber sees every number once or twice,
+//! without a gap. It gets the last record of every piece.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +13,10 @@ enum Happens {
     Found(u64),
     Retaken(u64),
     Emptied,
-    /// This many messages are sent.
+    /// The feed may send this many messages.
     Sent(usize),
-    /// The connection breaks with this many old messages unacknowledged; and whether they arrived.
+    /// The connection breaks while this many old messages are unacknowledged. The flag says whether these messages
+    /// arrived.
     Broken(u64, bool),
 }
 

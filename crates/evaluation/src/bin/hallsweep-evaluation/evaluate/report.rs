@@ -1,4 +1,4 @@
-//! The result of a comparison, as tables for people and as a drawing.
+//! Writes the result of a comparison for people: as tables and as a drawing.
 
 use super::{Answer, Measure, Question};
 use hallsweep_core::command::Strategy;
@@ -23,8 +23,8 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// The table of `docs/search.md`: a line per comparison, a column per entrant, and a column for `auto` minus
-/// `frontier`, hall by hall.
+/// The table of `docs/search.md`. It has a line per comparison and a column per strategy. Another column has `auto`
+/// minus `frontier`, as the mean over all halls.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));

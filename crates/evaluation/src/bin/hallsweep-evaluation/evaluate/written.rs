@@ -1,4 +1,4 @@
-//! The result of a comparison for programs: JSON with means and intervals, and CSV with one line per search.
+//! Writes the result of a comparison for programs: JSON with means and intervals, and CSV with one line per search.
 
 use std::fmt::Write;
 
@@ -16,9 +16,9 @@ struct EvaluationJson<'a> {
 struct ComparisonJson<'a> {
     halls: String,
     count: usize,
-    /// Number of reachable cells in all halls together.
+    /// Total number of reachable cells in all halls.
     cells: usize,
-    /// Number of free cells in all halls together.
+    /// Total number of free cells in all halls.
     free_cells: usize,
     /// Null for a hall that is not random.
     seed: Option<u64>,
@@ -35,7 +35,7 @@ struct StrategyJson<'a> {
     #[serde(flatten)]
     measured: MeasuresJson,
     decision_us: DecisionJson,
-    /// Differences from the strategy of `--against`, hall by hall.
+    /// Mean difference from the strategy of `--against`, hall by hall.
     #[serde(skip_serializing_if = "Option::is_none")]
     more_than: Option<DifferenceJson<'a>>,
 }
@@ -47,7 +47,7 @@ struct DifferenceJson<'a> {
     measured: MeasuresJson,
 }
 
-/// A measure is null when it can be taken in none of the halls.
+/// The measures. A measure is null if it cannot be taken in any of the halls.
 #[derive(Serialize)]
 struct MeasuresJson {
     moves_per_cell: Option<EstimateJson>,
@@ -59,7 +59,7 @@ struct MeasuresJson {
 #[derive(Serialize)]
 struct EstimateJson {
     mean: f64,
-    /// Half-width of the 95 % interval.
+    /// Half the width of the 95 % confidence interval.
     interval: f64,
     count: usize,
 }
@@ -71,7 +71,7 @@ struct DecisionJson {
     worst: f64,
 }
 
-/// One JSON object on one line.
+/// Returns one JSON object on one line.
 pub(super) fn json(answers: &[Answer], entrants: &[Entrant], against: Option<usize>) -> String {
     let comparisons = answers.iter().map(|answer| comparison(answer, entrants, against)).collect();
     serde_json::to_string(&EvaluationJson { comparisons }).expect("figures are numbers and strings, which JSON can hold")
@@ -123,7 +123,7 @@ const CSV_HEAD: &str = "halls,hall,seed,goal,sonar_cells,step_cost,turn_cost,bum
                         moves_to_a_piece_per_cell,steps_over_bound,seconds,complete,decisions,decision_p50_us,decision_p99_us,\
                         decision_worst_us\n";
 
-/// A header, and one line per search; a field without a value is empty.
+/// Returns a header line and one line per search. A field without a value is empty.
 pub(super) fn csv(answers: &[Answer], entrants: &[Entrant]) -> String {
     let mut out = CSV_HEAD.to_owned();
     for Answer { question, trials } in answers {
@@ -161,7 +161,7 @@ fn csv_line(contest: &Contest, number: usize, entrant: &Entrant, trial: &Trial) 
     )
 }
 
-/// A field of a CSV line, quoted by RFC 4180.
+/// Quotes a CSV field if necessary (RFC 4180).
 fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
 }

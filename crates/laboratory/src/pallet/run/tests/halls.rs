@@ -1,5 +1,5 @@
-//! The pair in unexplored halls: the same trees fetch a bag and bring it to the container outside. Their results are compared
-//! with a search that tries every way.
+//! Tests of the pair in unexplored halls. The same trees fetch a bag and bring it to the container outside. The
+//! results are compared with a search that tries every way.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Heading;
 use hallsweep_sim::{Hall, Truth};
 
-/// A hall with one bag, the pair outside, and the container at the entrance.
+/// A hall with one bag. The pair stands outside, and the container is at the entrance.
 fn hall_with_bag(seed: u64, share: f64) -> Yard {
     let mut random = RandomStream::new(seed, "hall");
     let (columns, rows) = (5 + random.below(6), 4 + random.below(6));
@@ -28,14 +28,14 @@ fn hall_with_bag(seed: u64, share: f64) -> Yard {
     Yard { hall: Arc::new(hall), starts: [outside; 2], target: Place::ENTRANCE, way_out: true, parcels }
 }
 
-/// Whether there is any way at all, found by trying every way of a train through the true hall.
+/// Whether the bag can be fetched at all. Every way of the two robots with the bag through the true hall is tried.
 fn can_be_fetched(yard: &Yard) -> bool {
     let bag = Place::Cell(yard.parcels[0].1);
     let free = |place: &Place| match place {
         Place::Cell(cell) => yard.hall.truth(*cell) == Truth::Free || *place == bag,
         Place::Outside(_) => true,
     };
-    // The cells that one base reaches alone while the other stands at `other`.
+    // The cells that one base can reach alone while the other base stands at `other`.
     let reached = |other: Option<Place>| {
         let mut known = BTreeSet::from([Place::ENTRANCE]);
         let mut border = vec![Place::ENTRANCE];
