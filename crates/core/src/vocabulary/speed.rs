@@ -1,29 +1,24 @@
-//! The speed of simulated time beside real time. `robots::sim::link` of the program makes time pass at this speed.
+//! The speed of simulated time compared with real time. `robots::sim::link` of the program applies this speed.
 
 use std::fmt;
-use std::str::FromStr;
 use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// A multiple of real time, `SLOWEST..=FASTEST`; 1 is real time.
     Times(f64),
-    /// No waiting: time jumps to the end of the order under way.
+    /// As fast as possible: time jumps to the end of the current order.
     Max,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is not a speed: give `max`, or a number from 0.1 to 1000 (1 is real time)")]
-pub struct SpeedError(String);
-
 impl Speed {
-    /// The slowest speed; a slower robot would seem to hang.
+    /// The slowest speed. At a lower speed, a robot would seem to hang.
     pub const SLOWEST: f64 = 0.1;
-    /// The fastest speed; timers are no finer than a millisecond, so more would not be quicker.
+    /// The highest speed. Timers have a resolution of one millisecond, so a greater factor would not be faster.
     pub const FASTEST: f64 = 1000.0;
 
-    /// Simulated durations are divided by this factor when they are reported to the core; deadlines of the core are
-    /// multiplied by it.
+    /// The ratio of simulated time to real time. Durations that are reported to the core are divided by it, and
+    /// deadlines from the core are multiplied by it.
     #[must_use]
     pub const fn factor(self) -> f64 {
         match self {
@@ -33,7 +28,7 @@ impl Speed {
         }
     }
 
-    /// How fast simulated time runs while nothing jumps.
+    /// The speed of simulated time between two jumps.
     pub const fn pace(self) -> f64 {
         match self {
             Speed::Times(_) => self.factor(),
@@ -50,22 +45,10 @@ impl Speed {
     }
 }
 
-/// A duration times a factor; the longest possible duration if the product is too long.
+/// Multiplies a duration by a factor. If the product is too long, returns the longest possible duration.
 #[must_use]
 pub fn times(duration: Duration, factor: f64) -> Duration {
     Duration::try_from_secs_f64(duration.as_secs_f64() * factor).unwrap_or(Duration::MAX)
-}
-
-impl FromStr for Speed {
-    type Err = SpeedError;
-
-    fn from_str(text: &str) -> Result<Speed, SpeedError> {
-        if text.trim() == "max" {
-            return Ok(Speed::Max);
-        }
-        let factor = text.trim().parse::<f64>().ok().filter(|factor| (Speed::SLOWEST..=Speed::FASTEST).contains(factor));
-        factor.map(Speed::Times).ok_or_else(|| SpeedError(text.to_owned()))
-    }
 }
 
 impl fmt::Display for Speed {
@@ -80,18 +63,6 @@ impl fmt::Display for Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_speed_is_a_number_or_max() {
-        assert_eq!("1".parse(), Ok(Speed::Times(1.0)));
-        assert_eq!("2.5".parse(), Ok(Speed::Times(2.5)));
-        assert_eq!("max".parse(), Ok(Speed::Max));
-        for wrong in ["", "0", "-1", "1001", "nan", "inf", "fast"] {
-            assert!(wrong.parse::<Speed>().is_err(), "{wrong}");
-        }
-        let words = "fast".parse::<Speed>().unwrap_err().to_string();
-        assert_eq!(words, "\"fast\" is not a speed: give `max`, or a number from 0.1 to 1000 (1 is real time)");
-    }
 
     #[test]
     fn durations_are_scaled_and_never_overflow() {
