@@ -76,7 +76,7 @@ fn a_mission_that_was_archived_is_reported_held_against_the_journal_and_served_a
     for (words, reason) in [
         (["archive", "--before", "2000-01-01", "-o", text(&archive)], "no mission was put away before that day"),
         (["archive", "--before", "yesterday", "-o", text(&archive)], "write a day, such as 2026-01-31"),
-        (["archive", "--before", "2999-01-01", "-o", text(beside.path())], "cannot be used"),
+        (["archive", "--before", "2999-01-01", "-o", text(beside.path())], "exists with other contents"),
         (["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("stops-2"))], "choose a file in another folder"),
         (
             ["archive", "--before", "2999-01-01", "-o", text(&folder.path().join("journal.db-journal"))],

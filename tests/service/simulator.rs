@@ -313,7 +313,7 @@ fn halls_of_every_format_are_read_over_the_wire_and_nonsense_is_refused_in_words
         assert!(raw(&program, &huge).starts_with("HTTP/1.1 413"), "{path}: before any of it has come");
     }
     assert_eq!(program.read("/api/v1/simulator/halls/%FF", &[]).json()["code"], "notFound");
-    assert!(program.put("/api/v1/simulator/hall", r#"{"name":"../../etc/passwd"}"#).problem(422).contains("there are airport"));
+    assert!(program.put("/api/v1/simulator/hall", r#"{"name":"../../etc/passwd"}"#).problem(422).contains("; it has airport"));
     assert_eq!(program.read("/api/v1/simulator/halls/nowhere", &[]).status, 404);
     let wide = json!({ "toml": "width = 251\nheight = 2\n" });
     let refused = program.put("/api/v1/simulator/hall", &wide.to_string());

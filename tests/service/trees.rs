@@ -119,5 +119,5 @@ fn a_file_without_a_main_tree_is_well_formed_and_runs_by_its_name() {
     assert_eq!((code, out.as_str()), (Some(0), "a.xml: well formed: A (1 node), B (1 node); no tree is the main tree\n"));
     assert_eq!(said("main", &file, &["tree", "run", "a.xml", "--tree", "B"]).0, Some(0));
     let (code, _, error) = said("main", &file, &["tree", "run", "a.xml"]);
-    assert!(code == Some(3) && error.ends_with("which one runs: A, B: choose a tree with --tree\n"), "{error}");
+    assert!(code == Some(3) && error.ends_with("no main_tree_to_execute: A, B: choose a tree with --tree\n"), "{error}");
 }

@@ -78,8 +78,8 @@ fn sweep(archives: &Path) -> std::io::Result<()> {
 }
 
 /// Moves as many missions as the bound allows into the file that `file` names. An existing file with exactly these
-/// contents is used. An earlier attempt left this file when it ended, by a kill or a lock, before the journal was
-/// changed.
+/// contents is used. Such a file was left by an earlier attempt, which was killed or found the journal locked before
+/// it could change the journal.
 pub(super) fn write_out_within(
     data: &Path,
     before: WallTime,
@@ -134,8 +134,7 @@ pub fn is_within(data: &Path, file: &Path) -> bool {
     above.any(|above| data.as_deref() == Some(above) || names::JOURNAL.within(above).exists())
 }
 
-/// Fails unless the journal is sound, complete and of this version. Photos are not checked here, but when they are
-/// copied.
+/// Fails unless the journal is sound, complete and of this version. Photos are checked later, when they are copied.
 fn ready(folder: &Folder) -> Result<(), Unreadable> {
     let words = |fault: Fault| Unreadable(fault.words(folder.path(), Then::StartAgain));
     if marker::read(folder).map_err(words)?.is_some() {
@@ -145,7 +144,7 @@ fn ready(folder: &Folder) -> Result<(), Unreadable> {
     }
     head::check(folder).map_err(words)?;
     let journal = sound_by(folder, check_entries)?;
-    // The head file must be up to date: an old one would name an entry that is about to leave the journal.
+    // The head file must be up to date: an old head file would name an entry that is about to leave the journal.
     chain::end(&journal).and_then(|end| head::write(folder, &end)).map_err(words)
 }
 
@@ -169,14 +168,11 @@ fn sound_by(folder: &Folder, check: fn(&Connection, &Folder) -> Result<Findings,
     }
 }
 
-/// Returns the existing file, or writes a new one. A new file gets this name only when it is complete on disk.
+/// Returns the existing file, or writes a new one. A new file gets the name `file` only when it is complete on disk.
 fn written(folder: &Folder, journal: &Connection, cut: &Cut, file: &Path) -> Result<Archived, Unreadable> {
     if file.symlink_metadata().is_ok() {
         let why = |Unreadable(why)| {
-            Unreadable(format!(
-                "{} exists with other contents: name another file, or move this file away ({why})",
-                file.display()
-            ))
+            Unreadable(format!("{} exists with other contents: move it away, or name another file ({why})", file.display()))
         };
         return checked(journal, cut, file).map_err(why);
     }

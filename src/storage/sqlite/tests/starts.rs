@@ -105,7 +105,7 @@ fn what_has_the_name_of_an_archive_and_is_another_is_neither_taken_for_it_nor_wr
     {
         std::fs::write(&there, &spoilt).unwrap();
         let words = refused(start(&scratch));
-        assert!(words.contains("exists with other contents: name another file, or move this file away"), "{words}");
+        assert!(words.contains("exists with other contents: move it away, or name another file"), "{words}");
         assert_eq!(std::fs::read(&there).unwrap(), spoilt);
         assert_eq!(content(&scratch), journal);
     }
@@ -164,7 +164,8 @@ fn an_archive_that_begins_elsewhere_is_not_taken_for_one_that_ends_alike() {
     assert!(words.contains("differs from the journal"), "{words}");
 }
 
-/// Without this, a power cut could leave a journal that names an archive whose folder is missing.
+/// Archiving needs a folder that is on disk. Otherwise a power cut could leave a journal that names an archive in a
+/// missing folder.
 #[test]
 fn where_archives_cannot_be_kept_nothing_is_written_out() {
     let scratch = some_missions();
