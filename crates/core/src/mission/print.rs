@@ -13,6 +13,7 @@ pub fn table_markdown() -> String {
         "# The transition table\n\n\
          Printed from `crates/core/src/mission/table/` by `hallsweep table`; a test compares the two. For every phase and every\n\
          input the first rule that applies decides. The rules of every phase, and of every phase but driving, come first.\n\
+         A single word in code type, such as `operator`, is a hold. A phase in bold type after an arrow is the next phase.\n\
          A movement command (START, BACK HOME, RETRIEVE, move, goto) with an epoch older than the last stop's is refused as\n\
          outdated before these rules apply. Raising a hold during a mission also raises `awaitingStart`.\n",
     );
@@ -43,27 +44,28 @@ fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> Stri
         if cell == [Rule::Go(To::Stay, &[])] {
             idle.push(input.in_words());
         } else {
-            let has_case = cell.iter().any(|rule| matches!(rule, Rule::When(..)));
-            let lines: Vec<String> = cell.iter().map(|rule| rule_in_words(*rule, has_case)).collect();
+            let has_others = cell.len() > 1;
+            let lines: Vec<String> = cell.iter().map(|rule| rule_in_words(*rule, has_others)).collect();
             text.push_str(&format!("| {} | {} |\n", input.in_words(), lines.join("; ")));
         }
     }
     if !idle.is_empty() {
-        text.push_str(&format!("\nChanges nothing here: {}.\n", idle.join(", ")));
+        text.push_str(&format!("\nThese inputs change nothing here: {}.\n", idle.join(", ")));
     }
     text
 }
 
-/// Returns the text of a rule. `has_case` is true if the same cell of the table also has a rule with a case.
-fn rule_in_words(rule: Rule, has_case: bool) -> String {
+/// Returns the text of a rule. `has_others` is true if the cell of this rule has more than one rule.
+fn rule_in_words(rule: Rule, has_others: bool) -> String {
     match rule {
         Rule::RefuseIf(bar) => format!("refused if {}", bar.in_words()),
-        Rule::RefuseIfThen(bar, acts) => format!("refused if {} (but still: {})", bar.in_words(), acts_in_words(acts)),
+        Rule::RefuseIfThen(bar, acts) => format!("refused if {} (but still {})", bar.in_words(), acts_in_words(acts)),
         Rule::When(case, to, acts) => format!("when {}: {}", case.in_words(), outcome(to, acts)),
-        Rule::Go(to, acts) if has_case => format!("otherwise: {}", outcome(to, acts)),
+        Rule::Go(to, acts) if has_others => format!("otherwise {}", outcome(to, acts)),
         Rule::Go(to, acts) => outcome(to, acts),
+        Rule::Never(bar) if has_others => format!("otherwise refused: {}", bar.in_words()),
         Rule::Never(bar) => format!("refused: {}", bar.in_words()),
-        Rule::AsInterrupted => "by the rules of the interrupted phase; the present phase goes on".to_owned(),
+        Rule::AsInterrupted => "the rules of the interrupted phase apply, and the present phase continues".to_owned(),
     }
 }
 

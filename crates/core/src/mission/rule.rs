@@ -8,7 +8,7 @@ use crate::phase::PhaseName;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rule {
     RefuseIf(Guard),
-    /// If this guard forbids the input, the input is refused, but these acts are carried out all the same.
+    /// If this guard forbids the input, the input is refused. These acts are carried out in spite of the refusal.
     RefuseIfThen(Guard, &'static [Act]),
     When(Case, To, &'static [Act]),
     /// Always the last rule of its cell.
@@ -31,7 +31,7 @@ named! {
     /// A condition that forbids an input. Each guard has its own refusal with a reason.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Guard {
-        Held = "a hold that this command does not clear still stands",
+        Held = "there is a hold that this command does not clear",
         NotInPhase = "not in this phase",
         VerdictAwaited = "the robot would explore while a piece with a usable photo waits for its verdict",
         VerdictPending = "a verdict is pending",
@@ -46,15 +46,15 @@ named! {
         UnknownLuggage = "there is no such piece",
         Decided = "the piece has the other verdict already",
         NoPhoto = "there is no usable photo",
-        NotInspected = "the piece has its verdict or is not in front of the robot",
+        NotInspected = "the piece already has a verdict or is not in front of the robot",
         PhotoUnderWay = "the photo is being taken",
         PhotoHeld = "`robotLink` or `store` is raised",
         StoreDown = "`store` is raised",
         UnknownAlarm = "there is no such alarm",
         NoRetrievalRobot = "there is no retrieval robot",
         FetcherUnreached = "a retrieval robot cannot be reached",
-        FetcherAbroad = "a robot of an unfinished retrieval is not back",
-        FaultStands = "the cause of the fault still stands",
+        FetcherAbroad = "a robot of an unfinished retrieval is not back at its place",
+        FaultStands = "the cause of the fault is still present",
         UnknownSensor = "no such sensor is configured",
     }
 }
@@ -64,7 +64,7 @@ named! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) enum Case {
         ToBeInspected = "the obstacle is not inspected yet",
-        BackedUp = "the robot has backed up",
+        BackedUp = "the robot has moved back from the obstacle",
         FirstPhoto = "the piece has no record yet",
         ThisPiece = "the piece is in front of the robot",
         SameVerdict = "the piece has this verdict already",
@@ -105,28 +105,28 @@ pub(crate) enum Act {
 impl Act {
     pub(crate) fn in_words(self) -> String {
         let words = match self {
-            Act::Release => "clear `operator`, `restart`, `awaitingStart`",
-            Act::Begin => "begin a mission, LED blinks",
-            Act::EmptyMap => "empty the map",
-            Act::Stop => "halt, raise the epoch and `operator`",
-            Act::Raise(hold) => return format!("halt, raise `{}`", hold.name()),
-            Act::Clear(hold) => return format!("clear `{}`", hold.name()),
-            Act::LedOff => "LED off",
-            Act::AlarmDanger => "alarm the console, end `alarm`",
-            Act::AlarmUnrecorded => "alarm the console, raise `alarm`",
-            Act::FacePiece => "take the photo",
-            Act::Retake => "take the photo again",
-            Act::RecordPiece => "record the piece",
-            Act::RecordRetake => "record the new photo",
-            Act::AskOperator => "ask the operator",
-            Act::RecordVerdict => "record the verdict",
-            Act::NoteReading | Act::HearSensor => "compare with the threshold",
-            Act::Acknowledge => "record who acknowledged the alarm, end `alarm`",
-            Act::ChooseStrategy => "choose the strategy",
-            Act::Archive => "archive the mission",
-            Act::RetryBlocked => "try blocked cells again",
-            Act::BeginRetrieval => "choose the bag, send the robots",
-            Act::EndRetrieval => "forget the retrieval",
+            Act::Release => "clears `operator`, `restart`, `awaitingStart`",
+            Act::Begin => "begins a mission, lets the LED blink",
+            Act::EmptyMap => "empties the map",
+            Act::Stop => "halts, increases the epoch, raises `operator`",
+            Act::Raise(hold) => return format!("halts, raises `{}`", hold.name()),
+            Act::Clear(hold) => return format!("clears `{}`", hold.name()),
+            Act::LedOff => "turns the LED off",
+            Act::AlarmDanger => "raises an alarm, clears `alarm` if no other alarm needs it",
+            Act::AlarmUnrecorded => "raises an alarm and the hold `alarm`",
+            Act::FacePiece => "takes the photo",
+            Act::Retake => "takes the photo again",
+            Act::RecordPiece => "records the piece",
+            Act::RecordRetake => "records the new photo",
+            Act::AskOperator => "asks the operator for the verdict",
+            Act::RecordVerdict => "records the verdict",
+            Act::NoteReading | Act::HearSensor => "compares the reading with the threshold",
+            Act::Acknowledge => "records who acknowledged the alarm, clears `alarm` if no other alarm needs it",
+            Act::ChooseStrategy => "chooses the strategy",
+            Act::Archive => "archives the mission",
+            Act::RetryBlocked => "tries blocked cells again",
+            Act::BeginRetrieval => "chooses the bag, sends the robots",
+            Act::EndRetrieval => "ends the retrieval",
         };
         words.to_owned()
     }
