@@ -1,6 +1,6 @@
 //! The only file that names every door (HTTP, CoAP, MQTT). It binds the ports, joins the core, the robots, the
 //! store and the doors, and ends them in order. The parts are in their own folders; `robots` decides which robots
-//! there are, and `threads` decides which threads.
+//! exist, and `threads` decides which threads exist.
 //!
 //! ```text
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
@@ -63,14 +63,14 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// Maximum wait for the link to the robot before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// Serves until SIGINT, SIGTERM or SIGHUP. As soon as requests are answered, calls `announce` with the real ports and
-/// the way to sign in.
+/// Serves until SIGINT, SIGTERM or SIGHUP. As soon as requests are answered, calls `announce` with the ports in
+/// use and the way to sign in.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
-/// Like `serve`, but `robot` replaces the searching robot of the settings. With it a benchmark can measure at the
-/// robot's end, through the real doors.
+/// Like `serve`, but `robot` replaces the searching robot of the settings. So a benchmark can measure when orders
+/// reach the robot, while its requests use the real doors.
 pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
@@ -101,7 +101,8 @@ async fn serve_hall(
     let secret = access::chance()?;
 
     let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
-    // Keys come last, when nothing else can prevent the start: a key that is created is also shown to the user.
+    // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
+    // the user.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
@@ -139,7 +140,7 @@ async fn serve_hall(
     };
     http::serve(http, door, front, shutdown).await;
     for coap in coap {
-        // The door ends within bounded time, and logs its outcome.
+        // The CoAP door ends within bounded time, and logs a failure itself.
         let _ = coap.await;
     }
     if let Some(mqtt) = mqtt {
@@ -198,7 +199,7 @@ async fn start(
     };
     let (links, sides): (Vec<_>, Vec<_>) = robots.ids().map(ends).unzip();
     if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &links[0].1, halter, &clock).await {
-        // At the next start the robots and the map must be in the same hall too.
+        // The move was not recorded, so the robots must still be in the hall of the map at the next start.
         robots.keep_other_hall();
     }
     engine.note_venue(robots.venue(), clock.now());
@@ -217,8 +218,8 @@ async fn start(
 
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
-    // Distinguishes the revisions of this run from those of other runs. It has the start time, and random bytes
-    // because the clock may be set back.
+    // Distinguishes the revisions of this run from the revisions of other runs. It consists of the start time and of
+    // random bytes, because the clock may be set back.
     let [a, b, c, d, ..] = access::chance().unwrap_or_default();
     let run = format!("{:x}{:08x}", now.wall.unix_ms, u32::from_be_bytes([a, b, c, d])).into();
     let mut engine = match recalled {
@@ -229,7 +230,7 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
             engine
         }
     };
-    // A stop that is missing in the journal takes effect now; a recorded stop changes nothing.
+    // A stop that is missing in the journal takes effect now; a stop that the journal has changes nothing.
     engine.handle_halt(epoch, now);
     for sensor in &settings.sensors {
         engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);

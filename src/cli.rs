@@ -49,7 +49,7 @@ pub enum Subcommands {
     Serve(Serve),
     /// Run one simulated mission at full speed, without network ports, and print the map and the result.
     Explore(explore::Explore),
-    /// Prints which command of another program replaces this one.
+    /// Prints which command of another program replaces this command.
     #[command(hide = true, disable_help_flag = true)]
     Evaluate(Moved),
     /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and the result.
@@ -71,7 +71,7 @@ pub enum Subcommands {
     Roomba(roomba::Roomba),
     /// Simulate a robot that speaks the line protocol, over TCP or a serial device, until SIGINT, SIGTERM or SIGHUP.
     RobotEmulator(robot_emulator::RobotEmulator),
-    /// Prints which command of another program replaces this one.
+    /// Prints which command of another program replaces this command.
     #[command(hide = true, disable_help_flag = true)]
     Tune(Moved),
     /// Print the table of the mission, phase by phase, as markdown.

@@ -1,6 +1,6 @@
 //! The settings of the program, complete and checked before anything starts. They come from the defaults, the file,
-//! the environment and the flags; each of these overrides the ones before it. Here settings are only parsed, and
-//! refused when they are wrong. They take effect elsewhere.
+//! the environment and the flags; each of these overrides the ones before it. The code here only parses settings and
+//! refuses wrong settings. Other modules apply the settings.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -55,12 +55,12 @@ pub struct Settings {
     /// Number of days for which a mission stays in the journal after it was put away; 0 means for ever.
     pub keep_days: u32,
     pub robot: RobotSettings,
-    /// The other robots by their names; none by default.
+    /// The other robots with their names; empty by default.
     pub further_robots: Vec<(RobotId, RobotSettings)>,
     pub pair: PairMishaps,
     pub strategy: Strategy,
     pub core: CoreSettings,
-    /// The required temperature sensors, without duplicates; none by default.
+    /// The required temperature sensors, without duplicates; empty by default.
     pub sensors: Vec<Arc<str>>,
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
@@ -97,7 +97,7 @@ pub struct RobotSettings {
     pub address: RobotAddress,
     /// Speed of a serial line in bits per second.
     pub baud: u32,
-    /// Time for a cell, unless the robot reports it.
+    /// Time that the robot takes to cross a cell, unless the robot itself reports this time.
     pub step: Duration,
     /// The scene file of the virtual robot's page, which tells the driver the distances.
     pub scene: Option<PathBuf>,

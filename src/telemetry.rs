@@ -27,15 +27,16 @@ const ROUTER: &str = "router-";
 /// Maximum wait at the end of the program for lines that are not written yet.
 const LAST_LINES: Duration = Duration::from_secs(1);
 
-/// The queue for standard error, in a program that must not wait for it. Without a queue, lines are written at once.
+/// The queue for standard error, in a program that must not wait for standard error. Without a queue, lines are
+/// written at once.
 static QUEUE: OnceLock<Arc<Queue>> = OnceLock::new();
 
-/// Queues lines from now on. So no thread waits for standard error or panics because of it, and no write stops or
-/// ends the program (safety S11). For programs that run until they are ended.
+/// Queues lines from now on. So no thread waits for standard error or panics because a write fails, and no write
+/// stops or ends the program (safety S11). For programs that run until they are ended.
 pub fn queue_lines() {
-    // Two signals could stop or end the program. The system sends one signal to a background program that writes to a
-    // terminal under `tostop`. It sends the other signal to a program that writes beyond a limit for files. Both are
-    // blocked in all threads that start from here on. There the write succeeds or fails instead.
+    // Two signals could stop or end the program. The system sends SIGTTOU to a background program that writes to a
+    // terminal under `tostop`, and SIGXFSZ to a program that exceeds the limit for the size of a file. Both signals
+    // are blocked in all threads that start from here on. In these threads the write succeeds or fails instead.
     let _ = SigSet::from_iter([Signal::SIGTTOU, Signal::SIGXFSZ]).thread_block();
     // If the system cannot start this thread, it cannot start the threads of the doors either, and the start fails
     // there.
@@ -118,8 +119,8 @@ fn note_panic(panicked: &panic::PanicHookInfo<'_>) {
     }
 }
 
-/// The filter without the lines of the MQTT router, unless the filter names them. These lines refer to connections by
-/// numbers of their own, and cost time with every message. The gate of our own broker logs the important events.
+/// The filter without the lines of the MQTT router, unless the filter names them. These lines name connections by the
+/// router's own numbers, and cost time with every message. The gate of our own broker logs the important events.
 fn without_router(filter: &str) -> String {
     if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }

@@ -8,7 +8,7 @@ pub enum AccessError {
     Chance(String),
     #[error("the keys cannot be read from {}: {error}; let the user who runs hallsweep read this file", .path.display())]
     Unreadable { path: PathBuf, error: std::io::Error },
-    /// Users other than the owner can read or write the file. They may know the keys.
+    /// Users other than the owner can read or write the file, so the keys are possibly known.
     #[error(
         "other users can read or write the keys in {} (mode {mode:03o}): make the file private with `chmod 600`, then replace \
          each key with `hallsweep token rotate NAME`", .path.display()

@@ -1,5 +1,5 @@
 //! The contents of the key file: TOML that a person can read. `storage::private_file` finds out who may read the
-//! file, and replaces it. The keys themselves are in `keys`.
+//! file, and replaces the file. The keys themselves are in `keys`.
 
 use std::fs;
 use std::io;
@@ -72,7 +72,8 @@ impl KeyFile {
         Ok(Some((keys, readers)))
     }
 
-    /// Keeps other programs from changing the keys until the returned lock is dropped. Waits two seconds at most.
+    /// Locks the keys, so that no other hallsweep changes them until the returned lock is dropped. Waits for the lock
+    /// for two seconds at most.
     pub fn alone(&self) -> Option<fs::File> {
         self.0.alone()
     }

@@ -1,5 +1,6 @@
 //! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk. A thread
-//! checks whether the key file has changed, so that a replaced token soon becomes invalid. This file changes no keys.
+//! checks whether the key file has changed, so that a replaced token soon becomes invalid. The code here never
+//! changes a key.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -112,7 +113,7 @@ fn lock(keys: &Mutex<Arc<Keys>>) -> MutexGuard<'_, Arc<Keys>> {
     keys.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Logs which other users can read the keys, if any may.
+/// Logs who can read the keys besides the owner, if this is accepted.
 fn say_who_else(file: &KeyFile, readers: Readers) {
     let file = file.path().display();
     match readers {
@@ -140,7 +141,8 @@ impl Followed {
         }
         let file = self.file.path().display();
         match self.file.read() {
-            // The keys are the same: the file was only touched, or this start wrote it.
+            // The keys are the same: only the time of the file has changed, or this program wrote the file when it
+            // started.
             Ok(Some(keys)) if written(&keys) == written(&lock(current)) => {}
             Ok(Some(keys)) => {
                 *lock(current) = Arc::new(keys);

@@ -40,7 +40,7 @@ pub struct SignedIn {
     pub(super) end: Option<End>,
 }
 
-/// All keys; at least one is an operator's.
+/// All keys. At least one is an operator's key, except when the key file cannot be used: then there are no keys.
 #[derive(Clone, Debug)]
 pub struct Keys(Vec<Key>);
 

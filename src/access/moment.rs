@@ -28,7 +28,7 @@ impl End {
     pub(super) fn is_ahead(self, now: Moment) -> bool {
         match self {
             End::Elapsed(end) => now.elapsed < end,
-            // A session must not last for ever because the wall clock is wrong now, or was wrong before.
+            // A wall clock that is wrong, now or earlier, must not make a session last for ever.
             End::Unix(end_s) => end_s > now.unix_s && end_s <= now.unix_s.saturating_add(SESSION_S + SLACK_S),
         }
     }

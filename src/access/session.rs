@@ -1,6 +1,6 @@
-//! Sessions without a table. The cookie names the user, and the beginning and the end of the session. A MAC made with
-//! the key's own token proves that these are genuine. So a restart ends no session, and a new token ends all sessions
-//! of its key. The door decides how a cookie is transported.
+//! Sessions that need no table in the program. The cookie names the user, and the beginning and the end of the
+//! session. A MAC made with the key's own token proves that these are genuine. So a restart ends no session, and a
+//! new token ends all sessions of its key. The door decides how a cookie is transported.
 //!
 //! ```text
 //!   night-shift.1795262400.9b1e….1234.5f0c…  =  name . expiry in seconds since 1970 . run . seconds of that run at signing in

@@ -1,5 +1,5 @@
-//! The answer to an accepted command, with the same shape at every door. It has the revision that contains the
-//! command's effect, and the epoch for the next movement command.
+//! The answer to an accepted command, with the same shape at every door. The answer has the revision that contains
+//! the command's effect, and the epoch (number of stops) for the next movement command.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -16,7 +16,7 @@ pub struct AnswerJson {
     pub accepted: bool,
     /// Revision of the state that contains the command's effect.
     pub revision: u64,
-    /// Present epoch, to be sent with the next movement command.
+    /// Present epoch (number of stops so far), to be sent with the next movement command.
     pub epoch: u64,
     /// Record of the piece that the command concerned.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,5 +1,5 @@
-//! The events of a stream after the first one. Each event has only the resources that changed. Event names, ids and
-//! heartbeats belong to the stream.
+//! The events of a stream after the first one. Each event has only the resources that changed. The stream adds the
+//! names and ids of the events, and the heartbeats.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,7 +17,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 
-/// Maximum number of pieces for which a change of one piece sends all pieces. With more pieces, only the changed ones
+/// Up to this number of pieces, every change of a piece sends all pieces. With more pieces, only the changed pieces
 /// are sent, because all pieces would make up most of the traffic.
 const WHOLE: usize = 256;
 
@@ -34,8 +34,8 @@ pub struct ChangesJson {
     pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
-    /// All luggage. Sent if there are at most 256 pieces, or if a reader cannot know which pieces it has: after a
-    /// reconnection, for another mission, and when pieces were removed.
+    /// All luggage. Sent in place of `pieces` if there are at most 256 pieces, after a reconnection, when the mission
+    /// has changed, and when pieces were removed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<Vec<LuggageJson>>,
     /// New and changed pieces, sent in place of `luggage` if there are more than 256. Each replaces the piece with
@@ -58,8 +58,8 @@ impl ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
         let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
-        // Every change of the mission marks the list of robots as changed, because holds are in both. Most of these
-        // changes leave the list as it was.
+        // Every change of the mission marks the list of robots as changed, because the list contains holds as well.
+        // Most of these changes do not change the list, so the lists are compared.
         let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
         let robots = changes.robots.filter(|_| !is_same);
         if snapshot.revision_of(Resource::Luggage) <= older.revision {
@@ -95,8 +95,8 @@ impl ChangesJson {
     }
 }
 
-/// Returns either all of the luggage, or only the changed pieces. Changed pieces do not tell which pieces are gone.
-/// So all of the luggage is sent if the mission is another one, or has fewer pieces than before.
+/// Returns either all of the luggage, or only the changed pieces. All of the luggage is sent if there are few pieces,
+/// if the mission has changed, or if pieces were removed, because changed pieces do not tell which pieces are gone.
 fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, Option<Vec<LuggageJson>>) {
     if snapshot.luggage.len() <= WHOLE || snapshot.luggage.len() < older.luggage.len() || older.mission.id != snapshot.mission.id
     {

@@ -78,8 +78,8 @@ pub struct StrategyBody {
     name: String,
 }
 
-/// The rule of `is_visible` as a regular expression for clients. Blanks at both ends are allowed, because `note`
-/// removes them.
+/// The characters that `is_visible` allows, as a regular expression for clients. Blanks at both ends are allowed,
+/// because `note` removes blanks there.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
 
 impl JsonSchema for TemperatureBody {
@@ -263,8 +263,8 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
     Ok(Note::new(text))
 }
 
-/// The error message for a command id that cannot be used or was sent more than once. `place` says where the door
-/// reads the id.
+/// The error message for a command id that cannot be used, or that a request contains more than once. `place` is the
+/// header, option or field from which the door reads the id.
 pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send one name of 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }

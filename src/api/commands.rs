@@ -1,6 +1,6 @@
-//! THE TABLE of commands. Every door derives its own from it: HTTP its routes, CoAP its paths, MQTT its topics. The
-//! doors' pages in `docs/` are derived from it, too. A new command needs one row here, and its effect in the core.
-//! The fields are in `command`; each door reads payloads in its own way.
+//! THE TABLE of commands. Every door derives its addresses from this table: HTTP its routes, CoAP its paths, MQTT its
+//! topics. The lists of commands in `docs/` are derived from it, too. A new command needs one row here, and its
+//! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
@@ -38,7 +38,7 @@ pub enum Subject {
 pub enum Takes {
     /// STOP: the body is not read.
     Nothing,
-    /// At most an epoch: the body may be missing.
+    /// The body has at most an epoch, and may be missing.
     Epoch,
     Move,
     Goto,

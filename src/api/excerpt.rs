@@ -1,6 +1,7 @@
-//! Excerpts of resources that are too large to publish whole. The excerpt of the luggage has the pieces that still
-//! matter and the newest pieces. The excerpt of the map has its size. Each excerpt says how large the whole is and
-//! where to read it. So nobody mistakes the excerpt for the whole.
+//! Excerpts of resources that are too large to publish whole. The excerpt of the luggage has the newest pieces, and
+//! the dangerous and pending pieces that fit. The excerpt of the map has the size of the map, but no rows. Each
+//! excerpt says how large the whole resource is, and where to read the whole resource. So nobody mistakes the excerpt
+//! for the whole.
 
 use std::collections::BTreeMap;
 
@@ -19,10 +20,11 @@ use hallsweep_core::world::resource::Resource;
 /// Maximum size of published luggage, in bytes. Every broker accepts messages of this size (1 MiB).
 const LUGGAGE_BYTES: usize = 1024 * 1024;
 
-/// Bytes counted for each piece. A record without a note is smaller.
+/// Size that is assumed for each record without its note, in bytes. The true size is smaller.
 const PIECE_BYTES: usize = 512;
 
-/// Number of newest pieces in an excerpt, as many as the HTTP stream sends whole. Pieces that still matter are added.
+/// Number of newest pieces in an excerpt. Up to this number, the HTTP stream sends all pieces. Dangerous and pending
+/// pieces are added to these pieces.
 const NEWEST: usize = 256;
 
 /// Maximum size of the rows of a map that is published whole, in bytes. The map with its other fields then fits into
@@ -37,7 +39,7 @@ struct LuggageExcerpt {
     dangerous: usize,
     /// Address of all pieces at the HTTP door.
     all: &'static str,
-    /// The dangerous, the pending and the newest pieces, sorted by number.
+    /// The newest pieces, and the dangerous and pending pieces that fit, sorted by number.
     luggage: Vec<LuggageJson>,
 }
 
@@ -84,7 +86,7 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
     })
 }
 
-/// Upper bound of the size of a piece in JSON, in bytes. Each quote or backslash in the note takes one more byte.
+/// Upper bound of the size of a piece in JSON, in bytes. Each quote or backslash in the note takes two bytes.
 fn bytes(piece: &Luggage) -> usize {
     let note = piece.verdict.as_ref().and_then(|decision| decision.note.as_ref()).map_or("", Note::text);
     PIECE_BYTES + note.len() + note.matches(['"', '\\']).count()

@@ -1,6 +1,6 @@
-//! Reads uploaded hall files of every format in memory. The result is the hall as our own hall file, and a list of
-//! what a search could not reach. An image follows the YAML that describes it. Between the two stands a line `...`,
-//! which ends a YAML document.
+//! Reads uploaded hall files of every format in memory. The result is the hall in hallsweep's own format, and a list
+//! of what a search could not reach. A map image is uploaded together with its YAML description: first the YAML, then
+//! a line `...` (the end of a YAML document), then the image.
 
 use schemars::JsonSchema;
 use serde::Serialize;

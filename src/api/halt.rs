@@ -1,6 +1,6 @@
-//! The words that mean STOP at every door. The body of a move is searched for them, even if it is invalid (safety
-//! S8). The search comes before the body is validated, and accepts more forms than the reading of any command. The
-//! doors decide about the sender and the rest of the body.
+//! The words that mean STOP at every door. The body of a move is searched for these words before it is validated, so
+//! that even an invalid body can stop the robot (safety S8). The search accepts more forms than the readers of
+//! commands do. The doors check the sender and the rest of the body.
 
 use minicbor::Decoder;
 
@@ -33,7 +33,7 @@ pub fn is_halt_word(body: &[u8]) -> bool {
 }
 
 /// Whether the body of a move means STOP. The body may be the bare word, or have the word in the field `move` in
-/// JSON, CBOR or a form. In an invalid body, any text that looks like this field counts.
+/// JSON, CBOR or a form. Any other text in the body that looks like this field counts as well.
 pub fn says_halt(body: &[u8]) -> bool {
     let says_so = |fields: fields::BodyFields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
@@ -60,8 +60,8 @@ fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
 }
 
 /// Whether the field `move` with a word for STOP occurs anywhere in the body as text. The body need not be valid JSON
-/// or a valid form, and may have other fields. If `is_beginning` is false, the body may begin in the middle of a
-/// word. A field at its first byte then does not count.
+/// or a valid form, and may have other fields. If `is_beginning` is false, `body` may begin in the middle of a word,
+/// so a field at its first byte does not count.
 fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     // UTF-16 and UTF-32 have zero bytes between the letters.
     let letters: Vec<u8> = body.iter().copied().filter(|letter| *letter != 0).collect();
@@ -74,8 +74,8 @@ fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     })
 }
 
-/// Replaces JSON's escapes of the letters up to U+00FF, such as `\u0068` by `h`. Words for STOP have no other
-/// letters.
+/// Replaces JSON's escapes of the letters up to U+00FF by the letters, for example `\u0068` by `h`. All letters of
+/// the words for STOP are in this range.
 fn unescaped(body: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(body.len());
     let mut rest = body;

@@ -35,7 +35,8 @@ pub struct MapJson {
     pub rows: Vec<String>,
 }
 
-/// Changed cells. The map shows one robot: with a new `r`, the cell of the previous `r` becomes `1`.
+/// Changed cells. The map shows one robot: when a new `r` arrives, clients change the cell of the previous `r` to
+/// `1`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct MapCells {
     /// Revision at which the map or the robot last changed.

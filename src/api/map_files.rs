@@ -1,6 +1,6 @@
-//! THE TABLE of files in which the map can be downloaded, under `/map`. They show the explored part of the hall, in
-//! the formats of hall files. Scenes (`.js`) can only be read. `hallsweep_sim` writes the formats; the map for
-//! screens is in `map`.
+//! THE TABLE of files in which the map can be downloaded, under `/map`. The files show the explored part of the hall,
+//! in the formats of hall files. Scenes (`.js`) are not among these formats, because they can only be read.
+//! `hallsweep_sim` writes the formats; the map for screens is in `map`.
 
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;

@@ -1,6 +1,6 @@
-//! The hall map as text for old clients (mission §6). There is a line per row, `|r, 1, X, `, or one line for all
-//! rows, `r 1 X @1 1 X @`. The text begins at the northernmost row and the westernmost column with a visited cell.
-//! The borders north and west of them are not written.
+//! The hall map as text for old clients (mission §6). One form has a line per row, such as `|r, 1, X, `; the other
+//! form has one line for all rows, such as `r 1 X @1 1 X @`. The first row and the first column of the text have a
+//! visited cell. So the borders in the north and in the west are not written.
 
 use super::map::{Plan, mark_char};
 use hallsweep_core::units::Cell;
@@ -42,8 +42,8 @@ fn shown(plan: Plan<'_>) -> Bounds {
     Bounds { least: visited.least, most }
 }
 
-/// The character of a cell. It is that of `mark_char`, except in the corner between the east and the south border. No
-/// sensor can see this corner, so it counts as a wall if both neighbours are walls.
+/// The character of `mark_char`, except in the corner between the east and the south border. No sensor can see this
+/// corner, so it counts as a wall if both neighbours are walls.
 fn text_char(plan: Plan<'_>, cell: Cell) -> char {
     let visited = plan.hall.visited_bounds();
     let is_corner = cell == Cell::new(visited.most.x + 1, visited.most.y + 1);

@@ -16,7 +16,7 @@ pub enum Asks {
     Move,
     /// Driving to a cell, with the message `MSGID(X,Y)`.
     Goto,
-    /// Going on: takes a failed photo again; if no photo failed, means START.
+    /// Takes a failed photo again. If no photo has failed, begins or resumes the mission like START.
     GoOn,
     /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
     Change,

@@ -1,5 +1,5 @@
 //! The three items of the resource model for old clients (mission §8), as the CoAP resource writes them. The MQTT
-//! door writes the same items as terms. The doors decide when each item is sent.
+//! door writes the same items as Prolog terms. The doors decide when each item is sent.
 
 use super::map_text;
 use super::time::rfc3339;

@@ -1,5 +1,5 @@
 //! Refusals and errors as RFC 9457 problem details, with a fixed code beside the sentence. The kinds of problems that
-//! the protocols' status codes can tell apart are here too. The doors decide which problem applies.
+//! the protocols' status codes distinguish are here too. The doors decide which problem applies.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -139,7 +139,7 @@ pub const CONDITION_FAILED: ProblemCode = ("preconditionFailed", ProblemKind::Co
 pub const NOT_FOUND: ProblemCode = ("notFound", ProblemKind::NotFound);
 pub const TOO_MANY: ProblemCode = ("tooMany", ProblemKind::Unavailable);
 
-/// Codes with which a door itself refuses a command. If the sender is known, these refusals may be in records.
+/// Codes with which a door itself refuses a command. Such a refusal may be on record if its sender is known.
 const AT_THE_DOOR: [ProblemCode; 10] = [
     MALFORMED,
     UNUSABLE,

@@ -1,5 +1,6 @@
 //! The recorded ticks of behaviour trees. They are written as JSON with the changes of each tick, and shown as the
-//! state at any moment. `static/trees.js` shows the ticks. What a run is about is stored beside its ticks.
+//! state at any moment. `static/trees.js` shows the ticks. Other data about a run, such as the events of a retrieval,
+//! is not here.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

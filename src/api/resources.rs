@@ -1,7 +1,7 @@
-//! THE TABLE of resources. Every door derives its own from it: HTTP its routes, CoAP its paths and discovery, MQTT
-//! its state topics. The doors' pages in `docs/` are derived from it, too. `docs/architecture.md`, *How to add*,
-//! lists what a new resource needs beside its row. Resources that only one door has (the past, the list of links, the
-//! items of old clients) are in that door.
+//! THE TABLE of resources. Every door derives its addresses from this table: HTTP its routes, CoAP its paths and
+//! discovery, MQTT its state topics. The lists of resources in `docs/` are derived from it, too.
+//! `docs/architecture.md`, *How to add*, lists what a new resource needs beside its row. Resources that only one door
+//! has (the past, the list of links, the items of old clients) are in that door.
 
 use serde::Serialize;
 
@@ -89,7 +89,8 @@ impl ResourceKind {
         const { &RESOURCES }.iter().find(|row| row.kind == self).expect("every resource has its row, as a test shows")
     }
 
-    /// The revision at which the resource last changed. A map also changes with the robot.
+    /// The revision at which the resource last changed. The map counts as changed whenever the robot changes, because
+    /// the map shows the robot.
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
             ResourceKind::State => snapshot.revision,

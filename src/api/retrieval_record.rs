@@ -25,7 +25,7 @@ pub struct RetrievalRecordJson {
     pub fetcher: &'static str,
     /// Time at which the retrieval began, RFC 3339 with zone.
     pub began: String,
-    /// Time from the beginning to the last recorded event, in seconds of the wall clock.
+    /// Time from the beginning to the last recorded event, in seconds. Changes of the clock are subtracted.
     pub seconds: f64,
     /// Whether the record is complete; otherwise its later part is missing.
     pub complete: bool,

@@ -47,7 +47,7 @@ pub struct RobotJson {
     pub position: PositionJson,
     /// Whether the robot is away from the centre of its cell, after a halt within a step.
     pub off_centre: bool,
-    /// Whether the robot is outside the hall, in front of the entrance; `position` is home then.
+    /// Whether the robot is outside the hall, in front of the entrance. If so, `position` is home.
     pub outside: bool,
     /// Distance to the next obstacle, in centimetres; null beyond the sonar's range.
     pub sonar: Option<u16>,

@@ -26,8 +26,8 @@ struct Record {
     word: Option<&'static str>,
 }
 
-/// Writes the reading, the threshold above which no robot moves, and the status. The reading is absent before the
-/// first one, and while the temperature is not known.
+/// Writes the reading, the threshold above which no robot moves, and the status. There is no reading before the first
+/// report, and while the temperature is not known.
 pub fn temperature(view: &TemperatureView) -> String {
     let degrees = |name, degrees| Record { name, unit: CELSIUS, value: Some(degrees), ..Record::default() };
     let reading = view.celsius.filter(|_| view.silent_since.is_none()).map(|celsius| degrees("celsius", celsius.degrees()));

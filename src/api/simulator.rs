@@ -112,7 +112,7 @@ struct ChangeShape {
     link_lost: Option<bool>,
     no_thermometer: Option<bool>,
     camera_fails: Option<bool>,
-    /// All free cells that have an added obstacle from now on.
+    /// Free cells that get an obstacle. This list replaces the previous list of such cells.
     #[schemars(length(max = MOST_BLOCKED))]
     blocked: Option<Vec<PositionJson>>,
 }

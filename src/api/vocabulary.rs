@@ -1,6 +1,6 @@
 //! The words that a field with a fixed list may hold. Each list has a schema, made from the core's own list where
-//! there is one. The values themselves stay plain texts; a field names its list by `with`. The test program
-//! Schemathesis finds a word that is missing here.
+//! there is one. The fields themselves stay plain texts; the attribute `with` of a field names its list. The test
+//! program Schemathesis finds a word that is missing here.
 
 use std::borrow::Cow;
 

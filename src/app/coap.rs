@@ -12,8 +12,8 @@ use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Opens the door at each port. Each port closes when `ending` says so, and one of the returned futures ends with it.
-/// A panic in this door does not close the other doors.
+/// Opens the door at each port. Each port closes when `ending` says so. There is one returned task for each port,
+/// which ends when the port is closed. A panic in this door does not close the other doors.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,

@@ -31,9 +31,9 @@ pub(super) struct DataFolder {
 }
 
 impl DataFolder {
-    /// Opens the data folder of the settings, and reads there where the robots were left. A file that cannot be read
-    /// or written is no error: the store reports the fault, and the robots are held (safety R5). The robots are also
-    /// held in two other cases: the keys cannot be read, for the reason in `keys`, or a mission is under way in
+    /// Opens the data folder of the settings, and reads the stored positions of the robots. A file that cannot be
+    /// read or written is no error: the store reports the fault, and the robots are held (safety R5). The robots are
+    /// also held in two other cases: the keys cannot be read, for the reason in `keys`, or a mission is under way in
     /// another hall. Only two things are errors: the folder is in use, or this user may not enter it.
     pub(super) fn open(
         settings: &Settings,
@@ -69,13 +69,13 @@ impl DataFolder {
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
         let mut elsewhere = false;
         match robots.other_hall() {
-            // The unreadable record may be of a mission in the other hall. So the stored places of the robots there
-            // are kept.
+            // The unreadable record may be of a mission in the other hall. So the stored positions of the robots in
+            // that hall are kept.
             _ if is_unread => {}
-            // The place of some robots is unknown. The searching robot may be on a mission in the hall where the
-            // others were left.
+            // The position of some robots is unknown. The searching robot may be on a mission in the hall where the
+            // other robots were left.
             None if !robots.lost().is_empty() => {}
-            // The record belongs to the hall of the searching robot. Of the other robots only the positions are
+            // The record belongs to the hall of the searching robot. For the other robots, only the positions are
             // stored.
             other_hall => {
                 elsewhere = other_hall.is_some();
@@ -115,8 +115,8 @@ impl DataFolder {
 }
 
 /// Archives old missions if the settings limit the number of days that missions stay. This happens before any door is
-/// open, because no promise of a door may wait for it. A bounded number is archived at once. After a failure the
-/// missions stay, and the reason is returned.
+/// open, because no answer of a door may wait for archiving. A bounded number is archived at once. After a failure
+/// the missions stay, and the reason is returned.
 pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
     let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;

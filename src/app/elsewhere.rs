@@ -1,5 +1,5 @@
-//! Moves the robot to a hall other than the recorded one. First the journal stores the move, then the robot's state
-//! file is started anew. If the program is killed in between, the robot and the map are still in the same hall.
+//! Moves the robot to a hall that differs from the recorded hall. First the journal stores the move, then the robot's
+//! state file is started anew. If the program is killed in between, the robot and the map are still in the same hall.
 //! `data_folder` decides when a move is needed.
 
 use std::time::Duration;
@@ -38,8 +38,8 @@ pub(super) async fn put_down(
     is_kept
 }
 
-/// Hands all pages of the engine to the store; returns the last entry. No robot is linked yet and no command was
-/// sent, so the only other effects are halts and the LED.
+/// Hands all pages of the engine to the store; returns the number of the last entry. No robot is linked yet and no
+/// command was sent. So besides pages, the only effects are halts and changes of the LED.
 fn hand_over(engine: &mut Engine, store: &mut dyn Store, link: &RobotLink, halter: &Halter, losses: u64) -> Seq {
     let mut last = Seq(0);
     while let Some(effect) = engine.poll_effect() {

@@ -25,7 +25,7 @@ pub(super) struct Opened {
     pub(super) entry: FirstAccess,
 }
 
-/// Decides who is admitted by these settings. Creates a first key when keys are required and none exists.
+/// Decides who is admitted by these settings. Creates a first key when keys are required and no key exists.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {
@@ -40,8 +40,8 @@ fn mqtt_asks(settings: &Settings) -> bool {
     matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }))
 }
 
-/// Why the existing keys cannot be read, if keys are required. Nobody could press STOP then, so nothing may move
-/// (safety R5).
+/// Why the existing keys cannot be read, if keys are required. Without readable keys nobody could press STOP, so
+/// nothing may move (safety R5).
 pub(super) fn unusable(settings: &Settings) -> Option<String> {
     let folder = settings.store.as_ref().filter(|_| settings.http.asks_for_keys || mqtt_asks(settings))?;
     let error = KeyFile::within(folder).read().err()?;

@@ -43,7 +43,7 @@ pub struct Doors {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundPort {
     pub at: SocketAddr,
-    /// The default port, if another program uses it and this port replaces it.
+    /// The default port, if this port replaces it because another program uses the default port.
     pub instead_of: Option<u16>,
 }
 
@@ -148,7 +148,7 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
-/// If other machines can reach the port, adds separate sockets for packets of this machine. No flood from elsewhere
+/// If other machines can reach the port, adds separate sockets for packets from this machine. No flood from elsewhere
 /// can fill these sockets (safety S7). The system delivers a packet to the socket that is bound to exactly the
 /// packet's destination address.
 fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
@@ -158,7 +158,7 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
     for address in BindAddress::Localhost(at.port()).addresses() {
         match ports.first().map(|first| beside(first, address)) {
             Some(Ok(port)) => ports.push(port),
-            // Packets of this machine then go to the common socket or are lost.
+            // Without the separate socket, packets from this machine go to the common socket or are lost.
             Some(Err(error)) => tracing::warn!(%address, %error, "cannot open a separate socket for CoAP from this machine"),
             None => {}
         }

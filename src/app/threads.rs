@@ -1,7 +1,7 @@
 //! The threads (safety S7). Each of these has a thread of its own: the core's loop, the link to the robot, the
 //! reading of each door, and the gate of our own MQTT broker. In the gate one thread passes messages on sooner than
-//! several threads that wake each other. All other work of the doors runs on the ordinary threads. These threads may
-//! be busy and have a lower priority, which counts when there are too few processors for all threads.
+//! several threads that wake each other. All other work of the doors runs on the ordinary threads. The ordinary
+//! threads may be busy. They have a lower priority, which matters when there are too few processors for all threads.
 
 use std::io;
 
@@ -11,7 +11,7 @@ use super::AppError;
 use crate::runtime::threads::Thread;
 
 /// Difference in nice value between the ordinary threads and the others. While both kinds have work, an ordinary
-/// thread gets a third of the time that one of the others gets.
+/// thread gets a third of the time that one of the other threads gets.
 #[cfg(target_os = "linux")]
 const NICER: i32 = 5;
 

@@ -39,8 +39,8 @@ enum What {
         #[arg(long, value_name = "FILE")]
         archive: Vec<PathBuf>,
     },
-    /// Move the missions that were put away (by RESET or the next START) before a day to an archive, and check the
-    /// archive. No hallsweep may be using the data folder.
+    /// Move old missions to an archive, and check the archive. Old missions are those that were put away (by RESET or
+    /// the next START) before a given day. No hallsweep may be using the data folder.
     Archive {
         /// The day, such as 2026-01-01: missions that were put away before its beginning are moved.
         #[arg(long, value_name = "DATE", value_parser = day)]
@@ -162,8 +162,7 @@ fn write_out(folder: &Path, before: WallTime, file: &Path) -> Result<(), Failure
     ))
 }
 
-/// Checks that the archives and the journal follow each other, and that none of them was changed since it was
-/// written.
+/// Checks that each archive or the journal continues the archive before it, and that no archive was changed.
 fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), Failure> {
     let ArchiveCheck { archives, faults } = reading.check_archives(archives)?;
     faults.iter().try_for_each(|fault| super::print(fault))?;

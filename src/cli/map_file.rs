@@ -46,7 +46,8 @@ impl<'a> MapFile<'a> {
         Ok(format!("{}: {}; {lost}", names.join(" and "), export.in_words()))
     }
 
-    /// All files to be written. The named file comes last, when the image that it names exists.
+    /// All files to be written. The file of the command line comes last: if this file refers to an image, the image
+    /// must exist first.
     fn paths(&self) -> Vec<PathBuf> {
         let image = (self.format == Format::Occupancy).then(|| self.path.with_extension("pgm"));
         image.into_iter().chain([self.path.to_owned()]).collect()

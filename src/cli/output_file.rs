@@ -1,6 +1,6 @@
-//! A file for a result that takes long. The file is first opened under a temporary name, so that an unwritable place
-//! fails at once. When the result is complete, the file is flushed and renamed. Until then the old file stays,
-//! whatever happens.
+//! A file for a result that takes long to compute. The file is first opened under a temporary name, so that an
+//! unwritable place fails at once. When the result is complete, the file is flushed and renamed. Until then the old
+//! file stays, whatever happens.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};

@@ -1,6 +1,6 @@
 //! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, in simulated time. Three
-//! behaviour trees lead them. The scenario runs in `hallsweep_laboratory::pallet`; this file prints its phases and
-//! figures, and a picture.
+//! behaviour trees control the robots. The scenario runs in `hallsweep_laboratory::pallet`; this file prints its
+//! phases and figures, and a picture.
 
 use std::path::PathBuf;
 
@@ -58,7 +58,7 @@ fn for_people(run: &PalletRun, figures: &Figures) -> String {
 }
 
 /// Fails if not all parcels reached the target area, or if a requested fault did not happen. The error names the
-/// faults.
+/// reason, and each requested fault that did not happen.
 fn outcome(faults: &[AskedFault], run: &PalletRun, figures: &Figures) -> Result<(), Failure> {
     let mut words: Vec<String> =
         missed(faults, run).iter().map(|(fault, why)| format!("--fault {fault} did not happen: {}", why.in_words())).collect();

@@ -153,7 +153,7 @@ mod tests {
         String::from_utf8(page).unwrap()
     }
 
-    /// A report follows only from the entries up to the entry that it names.
+    /// A report names its last entry. Later entries do not change the report when it is made again.
     #[test]
     fn a_report_of_before_a_danger_is_made_again_behind_it_as_it_was() {
         let scratch = Scratch::new();

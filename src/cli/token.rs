@@ -95,7 +95,7 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     Ok(KeyFile::within(folder))
 }
 
-/// The error when there is no key file. Only adding a key creates the file here.
+/// The error when there is no key file. Of the subcommands of `hallsweep token`, only `add` creates the file.
 fn none_yet(file: &KeyFile) -> Failure {
     let there = file.path().display();
     Failure::Run(format!(

@@ -73,8 +73,8 @@ struct RunTree {
     /// The simulated time between two ticks, in milliseconds.
     #[arg(long, value_name = "MILLISECONDS", default_value_t = 100)]
     period: u64,
-    /// Results of successive ticks of a leaf, named by its path, its name or its kind ("*" is every other leaf). The
-    /// last status repeats; RUNNING*3 is three ticks.
+    /// Results of a leaf in successive ticks. NAME is the path, the name or the kind of the leaf ("*" is every other
+    /// leaf). The last status repeats; RUNNING*3 is three ticks.
     #[arg(long, value_name = "NAME=STATUS,STATUS*3,…")]
     mock: Vec<String>,
     /// Value that a leaf writes to a port whenever it succeeds (NAME.port=value), or first value of a blackboard entry
@@ -292,8 +292,8 @@ fn meant(flags: &RunTree) -> Vec<Meant<'_>> {
     mocks.chain(sets.map(|(leaf, port)| Meant { flag: "--set", leaf, port: Some(port) })).collect()
 }
 
-/// Parses a value of the command line. The entry on the blackboard determines the type; if it has no type, the text
-/// does.
+/// Parses a value of the command line. The entry on the blackboard determines the type; if the entry has no type, the
+/// text determines the type.
 fn value(text: &str, blackboard: &Blackboard, name: &str) -> Value {
     let declared =
         blackboard.slot(name).and_then(|slot| blackboard.entry(slot)).map_or(ValueType::Any, |entry| entry.value_type());

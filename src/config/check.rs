@@ -24,7 +24,8 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 
-/// Maximum number of required temperature sensors. The operator and the robot can report temperatures too.
+/// Maximum number of required temperature sensors. The core remembers 64 sources of temperatures, and the
+/// operator and the robots can be such sources too.
 const SENSORS: usize = 60;
 
 #[derive(Deserialize)]

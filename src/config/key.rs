@@ -1,6 +1,7 @@
 //! The only table of settings. It has the name of each setting, its type, the flag that sets it, and the advice to an
-//! operator. These parts follow from the table, or a test compares them with it: parsing (`check`), environment
-//! variables, command-line flags, the defaults with their comments (`config/default.toml`), and `docs/settings.md`.
+//! operator. The following parts of the program are derived from the table, or a test compares them with the table:
+//! parsing (`check`), environment variables, command-line flags, the defaults with their comments
+//! (`config/default.toml`), and `docs/settings.md`.
 
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::speed::Speed;

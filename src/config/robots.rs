@@ -111,13 +111,13 @@ mod tests {
     use super::*;
     use crate::config::{Sources, load};
 
-    /// Settings from environment variables alone; the names are without their prefix.
+    /// Settings from environment variables alone; the names are given without the prefix `HALLSWEEP__`.
     fn given(variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
         let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
         load(&Sources { environment: variables.iter().map(variable).collect(), ..Sources::default() })
     }
 
-    /// Settings from a file and from environment variables; the names of these have their prefix.
+    /// Settings from a file and from environment variables; the names of the variables are given with their prefix.
     fn written(name: &str, text: &str, variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
         let path = std::env::temp_dir().join(format!("hallsweep-robots-{}-{name}.toml", std::process::id()));
         std::fs::write(&path, text).expect("the temporary directory can be written");

@@ -35,7 +35,7 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
         keys.extend(idle.map(|(own, _)| format!("{section}.{own}")));
         let is_virtual = matches!(kind, RobotKind::VirtualTcp | RobotKind::VirtualWs);
         if is_virtual && !read::<String>(layers, &format!("{section}.scene"))?.is_empty() {
-            // The scene file tells how long a cell takes.
+            // The scene file determines the time for a cell, so `step_ms` has no effect.
             keys.push(format!("{section}.step_ms"));
         }
     }

@@ -1,5 +1,5 @@
 //! The doors: how operators and programs reach hallsweep. A door knows neither other doors nor adapters. Parts that
-//! several doors use are in the files beside the doors: ports, limits of connections and requests, write time limits,
+//! several doors use are in the files of this folder: ports, limits of connections and requests, write time limits,
 //! limits of logging, the rate of large publications, and problems.
 
 pub mod coap;

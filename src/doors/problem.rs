@@ -20,12 +20,12 @@ pub(super) struct Problem {
     kind: ProblemKind,
     code: &'static str,
     detail: String,
-    /// The refusal of the core. `None` if `detail` is another sentence than that of the core.
+    /// The refusal of the core. `None` if `detail` is not the core's sentence.
     refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
     /// The requested command, if more is known about the request than method and path.
     asked: Option<Box<Asked>>,
-    /// Whether the door must record this problem. It must not if the core has recorded it already.
+    /// Whether the door must record this problem. A problem that the core has recorded is not recorded again.
     is_for_record: bool,
 }
 

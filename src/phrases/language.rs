@@ -45,8 +45,8 @@ static ITALIAN: LazyLock<Bundle> = LazyLock::new(|| bundle(Language::Italian, &f
 fn bundle(language: Language, files: &[&str]) -> Bundle {
     let tag: LanguageIdentifier = language.tag().parse().expect("the tags of our languages are tags");
     let mut bundle = FluentBundle::new_concurrent(vec![tag]);
-    // Both languages, and the names in their phrases, are written from left to right. So no marks for the direction
-    // are needed.
+    // Both languages, and the values in their phrases, are written from left to right. So no marks for the direction
+    // of writing are needed.
     bundle.set_use_isolating(false);
     for file in files {
         let file = FluentResource::try_new((*file).to_owned()).expect("a test reads every file of phrases");

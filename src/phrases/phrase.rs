@@ -29,7 +29,8 @@ impl Language {
         Phrase::new(self, "", id)
     }
 
-    /// Returns the phrase with the id `family-member`, such as `phase-exploring`. For values that have a name.
+    /// Returns the phrase with the id `family-member`, such as `phase-exploring`. Used for values that have a name,
+    /// such as phases.
     pub const fn say_of<'a>(self, family: &'a str, member: &'a str) -> Phrase<'a> {
         Phrase::new(self, family, member)
     }
@@ -63,8 +64,8 @@ impl<'a> Phrase<'a> {
         said_here(|said| said.insert(id.to_string()));
         let bundle = self.language.bundle();
         let Some(pattern) = bundle.get_message(&id).and_then(|message| message.value()) else {
-            // Tests look for every id in the source. An id that is composed of a family and a name has a test beside
-            // the family.
+            // Tests search the source for every id. Ids that are composed of a family and a name have tests of their
+            // own.
             debug_assert!(false, "there is no phrase {id} in {}", self.language.name());
             return id.into_owned();
         };

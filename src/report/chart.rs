@@ -8,7 +8,7 @@ use hallsweep_core::state::Speaking;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::Celsius;
 
-/// Width of the chart, in its own units.
+/// Width of the chart, in the units of the drawing.
 pub(super) const WIDTH: usize = 720;
 pub(super) const HEIGHT: usize = 150;
 
@@ -33,7 +33,7 @@ impl Chart {
         };
         let mut columns = vec![None::<f64>; WIDTH];
         let (span, mut set) = (tally.span_ms().max(1), 0_i64);
-        // The line continues at the last reading until no source is active any more.
+        // The line continues at the height of the last reading, until no source reports a temperature any more.
         let (mut last, mut ends, mut speaking) = (None, span, Speaking::default());
         each(report.archive, report.claim.mission, report.claim.until, |_, entry| {
             if let Ok(Entry { fact: Fact::ClockSet(by_ms), .. }) = entry {

@@ -1,4 +1,4 @@
-//! Compares a file with a report that is written again, and remembers the first byte that differs.
+//! Compares a file with the report that the journal yields now, and remembers the first byte that differs.
 
 use std::io::{self, Read, Write};
 
@@ -12,7 +12,7 @@ pub struct Difference {
     /// Position of the difference, counted from 1.
     pub byte: u64,
     pub line: u64,
-    /// The file's bytes from this place on, in quotes. If the file ends here, words that say so.
+    /// The file's bytes from this place on, in quotes; `no more text` if the file ends here.
     pub has: String,
     pub wants: String,
 }

@@ -107,8 +107,8 @@ fn check_kept(name: &str, now: &[String]) {
     }
 }
 
-/// Whether `HALLSWEEP_RENEW=1` is set, which adds new texts. Existing texts stay: changing one needs a further
-/// edition.
+/// Whether `HALLSWEEP_RENEW=1` is set, which adds new texts to the files. It never changes a remembered text: such a
+/// change needs a further edition.
 fn is_renewed() -> bool {
     std::env::var("HALLSWEEP_RENEW").is_ok_and(|value| value == "1")
 }
@@ -124,7 +124,7 @@ const OF_EACH_KIND: usize = 4;
 /// Maximum length of a remembered entry, in bytes.
 const LONGEST: usize = 1500;
 
-/// Entries of every kind as lines of a journal: the remembered ones, and random ones of kinds that are new.
+/// Entries of every kind as lines of a journal: the remembered entries, and random entries for each new kind.
 fn lines_of_every_kind() -> Vec<String> {
     let mut lines: Vec<String> = kept("every_kind.jsonl").lines().map(str::to_owned).collect();
     let known: BTreeSet<&str> = lines.iter().map(|line| journal::kind(&read(line).fact)).collect();
@@ -189,8 +189,8 @@ fn large_hall() -> Vec<Entry> {
     entries
 }
 
-/// One digest of a page for each edition, language and mission. The file with entries of every kind grows. So its
-/// first lines have a digest, too, for each number of lines that is remembered.
+/// Digests of pages, one for each edition, language and mission. `every_kind.jsonl` grows with every new kind. Each
+/// of its earlier lengths is a mission of its own, so that the older digests are still checked.
 fn pages() -> Vec<String> {
     let lines = lines_of_every_kind();
     if is_renewed() {

@@ -6,8 +6,8 @@
 //!   journal ─► Archive ─► Tally, Moment ─► page, hall, chart ─► file         `Claim` in its head: mission, entry, language
 //!      └──── journal check --report ──► the same again ──► Comparison ◄── file
 //! ```
-//! The doors and the command line decide when a report is made. The comment on `EDITION` says what a change means for
-//! earlier reports.
+//! The doors and the command line decide when a report is made. Read the comment on `EDITION` before changing a
+//! report.
 
 mod chart;
 mod claim;
@@ -33,11 +33,12 @@ use crate::runtime::archive::{Archive, At, Head, PastMoment, Span, Unreadable};
 use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// Edition of new reports. Every later version must confirm reports that were handed over, so the contents of an
-/// edition never change. Whoever changes the page, its style, or one of its phrases adds an edition, and keeps what
-/// earlier editions need. `words.txt` has the words of the editions, and `pages.txt` has digests of some pages; tests
-/// compare both. Edition 2 scales down the photos of a large report. It also names the robots that took part, and
-/// says what was not searched. Its chart continues the last reading until the temperature is not known any more.
+/// Edition of new reports. Every later version of hallsweep must be able to confirm earlier reports, so the contents
+/// of an edition never change. Whoever changes the page, its style, or one of its phrases adds an edition, and leaves
+/// everything that earlier editions use. `words.txt` has the words of the editions, and `pages.txt` has digests of
+/// some pages; tests compare both files with the program. Edition 2 scales down the photos of a large report. It also
+/// names the robots that took part, and says what was not searched. Its chart continues the last reading until the
+/// temperature is not known any more.
 pub const EDITION: u32 = 2;
 
 /// Number of entries read at once, so that a long mission is never in memory as a whole.
@@ -98,8 +99,8 @@ impl<'a> Report<'a> {
         Ok(Some(Report { archive, claim, began, head, tally, moment }))
     }
 
-    /// Sentences about unreadable parts of the record. Such a part is an entry of the timeline, or an entry from
-    /// which the picture of the hall follows.
+    /// Sentences about unreadable parts of the record. Such a part is an entry of the timeline, or an entry that is
+    /// needed to draw the hall.
     fn damage(&self) -> Vec<&str> {
         let (told, drawn) = (&self.tally.damage, self.moment.iter().flat_map(|moment| &moment.past.damage));
         told.iter().chain(drawn.filter(|words| !told.contains(words))).map(String::as_str).collect()
@@ -113,21 +114,20 @@ impl<'a> Report<'a> {
         format!("hallsweep-mission-{mission}.html")
     }
 
-    /// Writes the report in parts, so that large parts are never in memory as a whole.
+    /// Writes the report part by part, so that the whole report is never in memory.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), Failure> {
         page::write(self, out)?;
         still_there(self.archive, self.claim.mission, self.began)
     }
 }
 
-/// The last entry that counts. Later entries were declared lost, and the next start deletes them. If none were lost,
-/// every entry counts.
+/// The last valid entry. Later entries were declared lost, and the next start of the program deletes these entries.
+/// If no entry was lost, this is the greatest possible number.
 fn end(archive: &dyn Archive) -> Result<Seq, Unreadable> {
     Ok(archive.lost_after()?.unwrap_or(Seq(u64::MAX)))
 }
 
-/// The first stored entry of a mission. Once the mission was moved to an archive file, this is another entry, or
-/// none.
+/// The first stored entry of a mission. The result changes when the mission is moved to an archive file.
 fn first(archive: &dyn Archive, mission: MissionId) -> Result<Option<Seq>, Unreadable> {
     Ok(archive.entries(mission, Span { after: Seq(0), until: Seq(u64::MAX) }, 1)?.first().map(|(seq, _)| *seq))
 }

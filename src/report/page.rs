@@ -1,5 +1,5 @@
-//! The parts of the page, with their contents and words. All parts are small except the drawing of the hall, which
-//! grows with the hall.
+//! The parts of the page, with their contents and words. Each part is made in memory before it is written. The
+//! largest parts are the drawing of the hall, and pieces with their photos.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -24,8 +24,8 @@ use hallsweep_core::world::luggage::{Luggage, PhotoState};
 /// Maximum size of all photos of a report together, in bytes. If they are larger, the large photos are scaled down.
 const PHOTOS: usize = 5 << 20;
 
-/// Maximum number of photos of one piece in a report, which are the latest ones. A damaged record may count billions
-/// of photos, and the report looks up each of them.
+/// Maximum number of photos of one piece in a report. If there are more, the latest photos are shown. Without this
+/// limit, a damaged record with a count of billions would cause billions of queries.
 const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
@@ -78,8 +78,8 @@ impl Top<'_> {
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
         let came_to = match reach(state) {
-            // If the number of reachable cells is not on record, these words say that the whole hall was searched.
-            // Edition 2 adds what was not searched.
+            // Without a recorded number of reachable cells, the words of the other branch say that the whole hall was
+            // searched. Since edition 2, the parts that were not searched follow.
             Some(Reach { reachable, free }) if state.phase.name() == PhaseName::Explored => {
                 self.language.say("missions-searched-of").with("reachable", reachable).with("free", free).to_string()
             }
@@ -329,7 +329,7 @@ fn tables(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
         if let Fact::Temperature(..) = fact {
             return None;
         }
-        // The trees are recorded at every tick. Only a new stage becomes a row.
+        // Every recorded change of the trees repeats the stage. Only a new stage becomes a row.
         if let Fact::Retrieval(_) = fact {
             let words = language.fact(fact);
             if told.replace(words.clone()) == words {

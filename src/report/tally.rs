@@ -29,7 +29,8 @@ pub(super) struct Tally {
     pub(super) restarts: u64,
     /// Sum of the durations that the runs of the program measured, in milliseconds.
     measured_ms: i64,
-    /// The latest clock time in this run, in milliseconds. It is adjusted to the present setting of the clock.
+    /// Latest time of an entry in this run of the program, in milliseconds since 1970. Adjusted when the clock is
+    /// set.
     clock_ms: Option<i64>,
     /// How often the clock was set or the machine slept.
     pub(super) clock_sets: u64,
@@ -66,8 +67,8 @@ impl Tally {
         self.seen
     }
 
-    /// The entry after which the mission had its final or present state. This is the last entry before the mission
-    /// was archived, or `until`.
+    /// The entry after which the mission had its final or present state. For an archived mission, this is the entry
+    /// before the archiving; otherwise it is `until`.
     pub(super) fn stood_last(&self, until: Seq) -> Seq {
         self.archived.map_or(until, |(seq, _)| Seq(seq.0.saturating_sub(1)))
     }

@@ -1,5 +1,5 @@
-//! Tests that a report can be written of any record, in remembered words and with all markup escaped. Lost and
-//! unreadable parts are told apart.
+//! Tests that a report can be written of any record, in remembered words and with all markup escaped. Lost parts, and
+//! parts that cannot be read at the moment, are treated differently.
 
 use std::sync::Arc;
 use std::time::Duration;

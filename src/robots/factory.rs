@@ -142,8 +142,8 @@ impl Robots {
         self.pair.lose(why);
     }
 
-    /// The reason for each robot whose position is unknown. These robots will not be started. The pair is included
-    /// even if the settings do not use it, because pieces that it removed stay removed for the other robots.
+    /// For each robot whose position is unknown, the reason for this. These robots will not be started. The pair is
+    /// included even if the settings do not use it, because pieces that it removed stay removed for the other robots.
     pub fn lost(&self) -> Vec<String> {
         let robots = self.all.iter().filter_map(|(_, robot)| robot.lost());
         let mut lost: Vec<String> = robots.chain(self.pair.lost()).map(str::to_owned).collect();

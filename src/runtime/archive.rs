@@ -43,8 +43,8 @@ pub struct Sound<T> {
     pub damage: Vec<String>,
 }
 
-/// The entries of the journal after the entry `after`, up to the entry `until`. Each entry is read as it was known at
-/// `until`, whatever came later.
+/// The entries of the journal after the entry `after`, up to the entry `until`. Each entry is read with the knowledge
+/// of that time: entries after `until` do not matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     pub after: Seq,
@@ -74,14 +74,15 @@ pub struct MissionRecord {
     pub left: Vec<LuggageId>,
 }
 
-/// A moment of a mission: the moment right after its last entry up to a number or a time. If all entries are later
-/// than the time, the moment is right after the first entry.
+/// A moment of a mission, right after one of its entries. This is the last entry up to the given number or time. If
+/// all entries are later than the given time, it is the first entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
     Entry(Seq),
     /// The time, in milliseconds since 1970.
     Time(i64),
-    /// Like `Time`, but searched only between these two entries. A clock that was set back shows the same time twice.
+    /// Like `Time`, but only these two entries and the entries between them are searched. If the clock was set back,
+    /// the same time occurs twice, so the time alone is not enough.
     TimeAmong(i64, [Seq; 2]),
 }
 
@@ -139,8 +140,8 @@ pub trait Archive: Send + Sync {
     /// The state when a mission was archived, or its present state, with map and luggage.
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
-    /// The states of a mission at these moments, in this order. The maps share their equal parts. Empty if a moment
-    /// given by its entry is before the first entry, or if the entries needed are no longer stored.
+    /// The states of a mission at these moments, in the order of `at`. Equal parts of the maps share memory. The
+    /// result is empty if an `At::Entry` is before the first entry, or if the required entries are no longer stored.
     fn moments(&self, mission: MissionId, at: &[At]) -> Result<Vec<PastMoment>, Unreadable>;
 
     /// At most `most` entries of a mission, oldest first.
@@ -158,8 +159,8 @@ pub trait Archive: Send + Sync {
     /// temperatures, luggage, verdicts, alarms, commands, stages of a retrieval, and the program's starts and ends.
     fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
-    /// The last entry before the entries that were declared lost. `None` unless the next start will delete the lost
-    /// entries. Only a store on disk has such an entry.
+    /// The last entry before the entries that were declared lost and that the next start will delete. `None` if there
+    /// are no such entries. Only a store on disk can have such entries.
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
         Ok(None)
     }

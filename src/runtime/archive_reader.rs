@@ -1,5 +1,5 @@
-//! Reads the archive for the doors, on threads that may block. The number of queries at once and their time are
-//! limited. All doors share the limit. `archive` lists the queries.
+//! Reads the archive for the doors, on threads that may block. The doors together may run only a limited number of
+//! queries at once, and each query has a time limit. The queries are listed in `archive`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,8 +8,8 @@ use tokio::sync::Semaphore;
 
 use super::archive::{Archive, Unreadable};
 
-/// Maximum number of queries at once, each on a thread of its own. More threads would not be faster on one disk.
-/// Photos and the robot's state file need threads as well. Further queries wait.
+/// Maximum number of queries at once, each on a thread of its own; further queries wait. More threads would not be
+/// faster on one disk, and other work (photos, the robot's state file) needs threads as well.
 const LOOKS: usize = 8;
 
 /// Maximum time of a query, including the wait for its turn. A disk that takes longer is treated as hanging.
@@ -96,7 +96,7 @@ mod tests {
         assert!((1..=LOOKS).contains(&most), "{most} read at once");
     }
 
-    /// Safety A5: a disk that hangs takes all permits. A caller that waits for a permit then gets an error.
+    /// Safety A5: if the disk hangs, queries hold all permits. A caller that waits for a permit gets an error.
     #[tokio::test(start_paused = true)]
     async fn nobody_waits_for_ever() {
         let reader = reader();

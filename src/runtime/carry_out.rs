@@ -1,5 +1,6 @@
 //! Sends a command and waits for its effect, for every door. The result is the answer with a state that contains the
-//! effect, or the refusal with the record of the piece. Each door decides how a client sees the result.
+//! effect, or the refusal. A refusal comes with the record of the piece that the command was about. Each door decides
+//! how a client sees the result.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,13 +18,15 @@ const SEEN_TIME: Duration = Duration::from_millis(500);
 #[derive(Clone, Debug)]
 pub struct Done {
     pub accepted: Accepted,
-    /// A state at least as new as the answer's revision. If it does not come in time, this is the newest known state.
+    /// State with the answer's revision or a later one. If no such state comes in time, this is the newest known
+    /// state.
     pub snapshot: Arc<Snapshot>,
 }
 
 #[derive(Clone, Debug)]
 pub enum NotDone {
-    /// The core refused the command. If the command was about a known piece of luggage, its record follows.
+    /// The core refused the command. If the command was about a known piece of luggage, the second value is the
+    /// record of this piece.
     Refused(Refused, Option<Arc<Luggage>>),
     Gone,
 }

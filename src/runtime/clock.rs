@@ -7,7 +7,8 @@ use tokio::time::Instant;
 
 use hallsweep_core::units::{Now, WallTime};
 
-/// The real clock, and the time since it was created. In tests it follows tokio's paused time.
+/// The real clock, and the time since this value was created. In tests that pause tokio's time, the time since
+/// creation is paused, too.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
@@ -46,7 +47,7 @@ impl Clock {
         now.wall.unix_ms.saturating_sub(self.start_ms).saturating_sub(elapsed)
     }
 
-    /// The time since the start, without the date, which takes longer to compute.
+    /// The time since the start. Faster than `now`, which also computes the date.
     pub fn since_start(&self) -> Duration {
         self.start.elapsed()
     }

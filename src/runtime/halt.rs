@@ -1,6 +1,6 @@
-//! The halt, which bypasses every queue (safety S1). It is a count that anyone may raise. Every robot writer checks
-//! the count before it begins an order. A stop also raises the epoch. The core decides what a halt means for the
-//! mission.
+//! The halt, which bypasses every queue (safety S1). It is a count that anyone may raise. Every robot's adapter
+//! checks the count before it begins a motion. A stop also raises the epoch. The core decides what a halt means for
+//! the mission.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ const NOTING: Duration = Duration::from_millis(100);
 /// Number of halts so far, for any reason, and the epoch, which each stop raises.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Halts {
-    /// Raised by every halt. An order that was sent before the halt must not begin.
+    /// Raised by every halt. A motion that was ordered before the halt must not begin.
     pub count: u64,
     pub epoch: Epoch,
 }

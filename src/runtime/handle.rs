@@ -22,15 +22,15 @@ use hallsweep_core::units::Epoch;
 /// Capacity of the loop's queue. It is enough if every operator of a site sends a command at once.
 pub const COMMANDS: usize = 256;
 
-/// Queue length from which stops are counted beside the queue. So 32 places are left for other commands, which a
-/// flood of stops would otherwise block.
+/// Queue length from which on stops are counted outside the queue. So a flood of stops leaves 32 places for other
+/// commands.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
 #[derive(Debug)]
 pub enum Envelope {
     Command(Request, oneshot::Sender<Decision>),
-    /// A command that a door refused, for the record: the sender, the command and the reason. The channel is for a
-    /// caller that waits until the refusal is recorded.
+    /// A refusal by a door, to be recorded: the sender, the command and the reason. If a caller waits until the
+    /// refusal is recorded, the channel tells this caller.
     Refused(Issuer, Asked, Refused, Option<oneshot::Sender<Decision>>),
     Simulated(Issuer, Simulated),
     PutDown(Issuer, Venue, Vec<RobotId>, oneshot::Sender<Decision>),
@@ -78,10 +78,10 @@ impl Handle {
         &self.halter
     }
 
-    /// Sends a command. It is stamped and queued immediately: commands keep their order, and a stop halts the robots
-    /// even if the future is dropped. The future is the answer. For a stop, it ends when the robot stands and the
-    /// stop is on disk. It ends a tenth of a second later at the latest (safety S4, S8). If the queue is full, the
-    /// future queues the command later, unless the command is a stop. Must be called inside a runtime.
+    /// Sends a command. The command is stamped and queued immediately: commands stay in order, and a stop halts the
+    /// robots even if the future is dropped. The future yields the answer. The answer to a stop waits until the robot
+    /// stands and the stop is on disk, but not longer than a tenth of a second (safety S4, S8). If the queue is full,
+    /// the future waits for a free place; a stop never waits for a place. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = CommandOutcome> + Send + use<> {
         let request = self.stamp(request);
@@ -106,7 +106,7 @@ impl Handle {
     }
 
     /// Records that a door refused a command (safety A6), and waits until the refusal is on record. Does not wait
-    /// while nothing can be recorded, or if the refusal shares an entry with others.
+    /// while nothing can be recorded, or if the refusal shares a journal entry with other refusals.
     pub async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -127,8 +127,8 @@ impl Handle {
         self.commands.send(Envelope::Simulated(issuer, simulated)).await.map_err(|_| Gone)
     }
 
-    /// Asks to put these simulated robots into a hall. Answers when the move is on record. The robots count as
-    /// unreached until they report from the new hall.
+    /// Asks to put these simulated robots into a hall, and waits until the move is on record. The robots count as
+    /// unreachable until they report from the new hall.
     pub async fn put_down(&self, issuer: Issuer, venue: Venue, robots: Vec<RobotId>) -> CommandOutcome {
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::PutDown(issuer, venue, robots, answer)).await.map_err(|_| Gone)?;
@@ -158,9 +158,9 @@ impl Handle {
         self.snapshots.clone()
     }
 
-    /// Queues a command if there is room, and otherwise returns it. A stop that finds no room is counted beside the
-    /// queue, and is recorded even if nobody waits for its answer. If the loop has ended, the answer's channel
-    /// closes.
+    /// Queues a command if there is room, and otherwise returns it. A stop that finds no room is counted outside the
+    /// queue, and is recorded even if nobody waits for its answer. If the loop has ended, the command and the channel
+    /// for its answer are dropped.
     fn queue(&self, request: Request, answer: oneshot::Sender<Decision>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
@@ -181,8 +181,8 @@ impl Handle {
     }
 
     /// Stamps a command with its epoch. A stop gets the epoch that it raises. Any other command gets the epoch in
-    /// which it arrived, or the present epoch if its door gave none. So a stop that overtakes the command makes it
-    /// outdated.
+    /// which it arrived, or the present epoch if its door gave none. So a stop that overtakes the command makes the
+    /// command outdated.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
             // A stop belongs to the epoch that it raises, even if its door received it earlier.
@@ -321,7 +321,7 @@ mod tests {
         drop(waiting);
     }
 
-    /// Safety A5, A6: refusals that find the queue full are counted beside the queue.
+    /// Safety A5, A6: refusals that find the queue full are counted outside the queue.
     #[test]
     fn what_is_refused_while_the_queue_is_full_is_counted_beside_it() {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();

@@ -1,5 +1,5 @@
-//! The port to one robot. Each adapter holds the other end of its port, and so does the adapter of a simulated robot.
-//! How an adapter talks to its robot is not known here.
+//! The port to one robot. The loop has one end, and the robot's adapter has the other end; simulated robots have
+//! adapters, too. How an adapter talks to its robot is not known here.
 //!
 //! ```text
 //!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)
@@ -29,8 +29,8 @@ pub struct Stamped {
 }
 
 impl Stamped {
-    /// Whether the order is a motion that must not begin any more. This is so if `halts` is higher than when the
-    /// order was sent (safety S6).
+    /// Whether the order is a motion that must not begin any more, because the robot was halted after the order was
+    /// sent (safety S6). `halts` is the present number of halts.
     pub const fn is_void(&self, halts: u64) -> bool {
         self.halts < halts && self.order.action.is_motion()
     }
@@ -41,7 +41,8 @@ pub struct RobotLink {
     pub orders: mpsc::Sender<Stamped>,
     pub led: watch::Sender<bool>,
     pub reports: mpsc::Receiver<RobotEvent>,
-    /// Number of times that the core has halted this robot alone. `halts` adds the halts of all robots.
+    /// Number of times that the core has halted this robot alone. The field `halts` counts these halts and the halts
+    /// of all robots.
     pub halt: watch::Sender<u64>,
     pub halts: HaltWatch,
 }

@@ -11,8 +11,8 @@ use hallsweep_core::robot::RobotId;
 
 pub(super) struct Links {
     links: Vec<RobotEnd>,
-    /// Index of the robot whose report was taken last. The next robot is polled first, so that no robot crowds out
-    /// the others.
+    /// Index of the robot whose report was taken last. The following robot is polled first, so that every robot gets
+    /// its turn.
     last: usize,
 }
 
@@ -53,8 +53,8 @@ impl Links {
         self.to(robot).map_or_else(Halts::default, |link| link.halts.now())
     }
 
-    /// Sends an order with the halts so far. If it is a motion, a further halt makes it void. Returns false if the
-    /// adapter does not take the order.
+    /// Sends an order with the halts so far. A further halt makes a motion void. Returns false if the adapter does
+    /// not take the order.
     pub(super) fn send(&self, robot: &RobotId, order: Order, halts: Halts) -> bool {
         let Some(link) = self.to(robot) else { return false };
         let sent = link.orders.try_send(Stamped { order, halts: halts.count });

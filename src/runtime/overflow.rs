@@ -1,6 +1,6 @@
-//! STOPs that found the queue of commands full, and refusals that found it full and for which nobody waits. Both are
-//! counted by sender. All are recorded, however many there are (safety A5, A6), and each STOP is answered. A STOP has
-//! already halted the robot when it gets here.
+//! Holds what did not fit into the full queue of commands: STOPs, and refusals that nobody waits for. STOPs and
+//! refusals are counted by sender, so that any number of them is recorded (safety A5, A6). Each STOP is answered. A
+//! STOP has already halted the robot before it comes here.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -18,8 +18,8 @@ pub(super) type Decision = Result<Accepted, Refused>;
 /// Further senders share one count for each door.
 const SENDERS: usize = 512;
 
-/// Number of answers at which abandoned answers are dropped. An answer is abandoned if nobody waits for it any more.
-/// The number of other answers is limited by the connections of the doors.
+/// Number of open answers of a sender at which the abandoned answers are dropped. An answer is abandoned if nobody
+/// waits for it any more. The number of connections limits the number of other open answers.
 const ANSWERS: usize = 1024;
 
 /// The sending end. Cheap to clone.
@@ -54,7 +54,7 @@ pub(super) struct Counted<T> {
     pub(super) count: u64,
     /// Channels of senders that may still wait for an answer.
     pub(super) answers: Vec<oneshot::Sender<Decision>>,
-    /// Number of answers at which abandoned answers are dropped next.
+    /// Length of `answers` at which the abandoned answers are dropped next.
     look_at: usize,
 }
 
@@ -78,8 +78,8 @@ impl OverflowIn {
         None
     }
 
-    /// Stores a refusal by a door. If the receiving end is gone, nothing is recorded any more, so the refusal is
-    /// dropped.
+    /// Stores a refusal by a door. If the receiving end is gone, the refusal is dropped, because nothing is recorded
+    /// any more.
     pub(super) fn put_refusal(&self, issuer: Issuer, asked: Asked, refused: Refused) {
         if let Some(Overflow { refusals, .. }) = &mut *self.0.lock() {
             put(refusals, sender(&issuer), (issuer, asked, refused), None);

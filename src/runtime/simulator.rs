@@ -15,7 +15,7 @@ pub use hallsweep_core::simulated::Change;
 pub use hallsweep_core::speed::Speed;
 use hallsweep_core::units::Cell;
 
-/// Maximum number of cells blocked at once: more than anybody places by hand.
+/// Maximum number of cells with an added obstacle. Nobody places more obstacles by hand.
 pub const MOST_BLOCKED: usize = 64;
 
 /// Maximum side of a hall that is loaded while the program runs, in cells. A page must be able to draw the hall.
@@ -87,7 +87,8 @@ pub enum NotSimulated {
     NoFreeCell(Cell),
     #[error("{0} blocked cells are too many: the maximum is {MOST_BLOCKED}")]
     TooManyBlocked(usize),
-    /// The change was made, but could not be stored: a restart loses it.
+    /// The robots were moved, but the choice of the hall could not be stored. After a restart, the previous hall is
+    /// used.
     #[error("the robots are in the new hall, but the choice could not be stored ({0}): a restart returns to the previous hall")]
     NotKept(String),
     #[error("{0:?} is no name for a hall: use at most 40 small letters, digits and `-`")]
@@ -134,7 +135,7 @@ pub trait Simulator: Send + Sync {
     /// Applies the fields that are set in `change`, and records them.
     fn change(self: Arc<Self>, change: Change, issuer: Issuer) -> Changing;
 
-    /// Lets every robot finish its action under way. Used while time is paused.
+    /// Lets every robot finish its present action. Works only while the simulation is paused.
     fn step(self: Arc<Self>, issuer: Issuer) -> Changing;
 
     /// Moves the robots to their homes in another hall.

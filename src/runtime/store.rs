@@ -1,4 +1,5 @@
-//! The port to the store. The store takes pages in order, and reports that they are stored, at once or later.
+//! The port to the store. The store takes pages (groups of journal entries) in order. At once or later, it reports
+//! that they are stored.
 
 use std::sync::Arc;
 
@@ -12,17 +13,16 @@ pub struct StoreStatus {
     /// Every entry up to this one is stored, except for lost entries.
     pub kept: Seq,
     pub failure: Option<Arc<str>>,
-    /// How often writing has failed. When this number rises, every page that is not stored yet is lost. A page whose
-    /// sender did not know of the loss is lost, too. Once the store writes again, the core records the present state
-    /// anew.
+    /// How often writing has failed. Each failure loses all pages that are not stored yet, and all later pages whose
+    /// sender did not know of the failure. Once the store writes again, the core records the present state anew.
     pub losses: u64,
 }
 
 /// Stores pages for good, each whole or not at all. The trait is object-safe, because two stores implement it: one in
 /// memory and one on disk.
 pub trait Store: Send {
-    /// Takes a page; must not block. `word` reports when the page is stored. `losses` is the number of losses that
-    /// the sender knows of. If there were more, the page is dropped.
+    /// Takes a page; must not block. `word` reports when the page is stored. `losses` is the number of write failures
+    /// that the sender knows of. If there were more failures, the page is dropped.
     fn record(&mut self, page: Page, losses: u64);
 
     fn word(&self) -> watch::Receiver<StoreStatus>;

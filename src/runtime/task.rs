@@ -59,8 +59,8 @@ struct WaitingSender {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Course {
-    /// Why the loop was asked to end; `None` until then. The robot is halted, and pending requests are still
-    /// answered.
+    /// Reason why the loop shall end; `None` until the end is requested. After the request, the robot is halted, and
+    /// pending commands are still answered.
     pub ended_by: Option<&'static str>,
     pub is_over: bool,
 }
@@ -134,12 +134,12 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                // This comes last, so that endless stops do not block the rest. Stops are handled before any command
-                // is taken anyway.
+                // Halts come after reports and commands, so that endless stops do not block these. Nevertheless,
+                // `take` handles all stops before a command.
                 _ = self.halts.raised() => {}
                 () = self.overflow.news() => {}
-                // Nothing has happened. But pages show how old values are, and need to know whether the clock was
-                // set.
+                // Without any event, `now` still checks whether the clock was set, because pages show the age of
+                // values.
                 () = self.clock.reach(Some(self.clock.since_start() + GLANCE)) => {
                     self.now();
                 }
@@ -153,8 +153,8 @@ impl Task {
         self.settle();
     }
 
-    /// Handles what came before the end. Stops and refusals are recorded. Senders of other commands are told that
-    /// they were too late.
+    /// Handles the messages that are still queued at the end. Stops, refusals and changes of the simulator are
+    /// recorded. Senders of other commands are told that the program is shutting down.
     fn take_rest(&mut self) {
         self.hear_halts();
         while let Ok(envelope) = self.commands.try_recv() {
@@ -169,8 +169,8 @@ impl Task {
         }
     }
 
-    /// Tells the core of stops before anything that was sent after them. Also tells it of stops and refusals that
-    /// found the queue full.
+    /// Tells the core of new stops, before the core gets anything that was sent after these stops. Also tells the
+    /// core of stops and refusals that found the queue full.
     fn hear_halts(&mut self) {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
@@ -336,7 +336,7 @@ impl Task {
         self.engine.handle_event(Event::Robot(robot, answer), now);
     }
 
-    /// Returns the time for the next input of the core. If the clock was set, the core is told of that first.
+    /// Returns the time for the next input of the core. If the clock was set, the core is told of this change first.
     fn now(&mut self) -> Now {
         let now = self.clock.now();
         self.engine.note_clock(self.clock.set_ms(now), now);

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// In paused time, only the durations for which the test waits pass.
+/// The clock of the test is paused, so only the test's own waits take time.
 #[tokio::test(start_paused = true)]
 async fn what_is_on_record_is_counted_and_how_long_it_took_is_measured() {
     let (handle, task, robot, word) = task_with(false);

@@ -228,8 +228,8 @@ async fn the_answer_to_a_stop_waits_until_the_robot_stands_and_its_state_says_so
     }
 }
 
-/// Safety S8: if the robot does not obey, the answer comes after a tenth of a second. Its state says that the robot
-/// does not stand.
+/// Safety S8: if the robot does not obey, the answer comes after a tenth of a second. The state shows that the robot
+/// is still halting.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     for hangs in [false, true] {
@@ -245,7 +245,8 @@ async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
     }
 }
 
-/// Safety S4: an answered stop is on disk if it can be written in time. There it survives the end of the program.
+/// Safety S4: if a stop can be written in time, it is on disk before it is answered, so that it survives the end of
+/// the program.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     let (handle, task, robot) = task();
@@ -321,8 +322,7 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     assert!(alone.iter().all(|command| command == "STOP"), "who gave another command hears that it was too late: {listed:?}");
 }
 
-/// Safety R1: no order begins afterwards, whatever was under way and whoever still sends commands. No hold appears
-/// that nobody has set.
+/// Safety R1: after the request to end, no order is sent, even if somebody still sends START. The end sets no hold.
 #[tokio::test(start_paused = true)]
 async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_more() {
     let (handle, mut robot, course, order) = moving(false).await;
@@ -338,8 +338,8 @@ async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_m
     assert!(within("the end of orders", robot.orders.recv()).await.is_none());
 }
 
-/// Safety S8: nothing new begins before the robot stands. The answer to the stop shows a state in which the robot
-/// stands.
+/// Safety S8: no order is sent before the robot stands. The answer to the stop has the revision at which the robot
+/// stood.
 #[tokio::test(start_paused = true)]
 async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     let (handle, mut robot, _close, order) = moving(false).await;
@@ -368,8 +368,8 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     assert!(robot.orders.try_recv().is_err());
 }
 
-/// Safety A6: an answered refusal is in the journal, whenever the program dies. If the store fails, nobody waits for
-/// it.
+/// Safety A6: a refusal is answered when it is in the journal, so it survives the end of the program. If the store
+/// fails, refusals are answered at once.
 #[tokio::test]
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = task_with(false);
@@ -390,8 +390,8 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     assert!(refused().await.unwrap().unwrap().is_err());
 }
 
-/// Safety A6: the same for refusals by a door. A refusal that shares an entry with others is answered at once. A
-/// refusal for which nobody waits is recorded like the rest.
+/// Safety A6: a refusal by a door is answered when it is in the journal. A refusal that shares an entry with other
+/// refusals is answered at once. A refusal that nobody waits for is recorded, too.
 #[tokio::test]
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
     let (handle, task, robot, word) = task_with(false);
@@ -434,15 +434,15 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
     drop(starts);
 }
 
-/// Safety V3: a sender whose record is lost is told so, even if the store writes again before the loop reads its
-/// status.
+/// Safety V3: if the record of a command is lost, the sender is told so, even if the store writes again before the
+/// loop reads the status of the store.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start(handle, task, robot).await;
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
-    // The accepted command is not shown before it is on record. The later refusal is shown at once, which tells that
-    // the loop has taken both.
+    // The accepted command is not shown before it is on record. The later refusal is shown at once, so when it is
+    // shown, the loop has taken both commands.
     giving(&handle, Command::Retrieve);
     seen(&handle, "the refusal", says("refused")).await;
     assert!(!waiting.is_finished());

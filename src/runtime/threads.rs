@@ -45,8 +45,8 @@ impl Drop for Thread {
         if let Some(end) = self.end.take() {
             let _ = end.send(());
         }
-        // Nothing is ever sent on this channel. It closes when the thread has ended. A thread that hangs is left
-        // behind after this time.
+        // Nothing is ever sent on this channel. The channel closes when the thread has ended. A thread that hangs is
+        // abandoned after this time.
         let _ = self.ended.recv_timeout(2 * LEFT_BEHIND);
     }
 }

@@ -58,7 +58,8 @@ pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u
     }
 }
 
-/// Opens a plain file with `options`. If this call creates the file, the file is private.
+/// Opens a plain file with `options`. If this call creates the file, the file is private, or shared with the group to
+/// which the folder belongs.
 pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     check_plain(path)?;
     open_at_once(path, options)
@@ -73,8 +74,8 @@ fn open_at_once(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other(SPECIAL)) }
 }
 
-/// Creates a file under its temporary name. A file of this name was left by a killed program. It is removed first, so
-/// that no pipe blocks and no link is followed. A folder of this name stays, and is an error.
+/// Creates a file under its temporary name. An existing file of this name was left by a killed program. The old file
+/// is removed first, so that no pipe blocks and no link is followed. A folder of this name stays, and is an error.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
     let _ = fs::remove_file(path);
     check_no_folder(path)?;

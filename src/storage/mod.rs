@@ -1,5 +1,5 @@
-//! The store on disk or in memory, which implements `runtime::store::Store` and `runtime::archive::Archive`. This
-//! folder also has the file that remembers a STOP. It decides how all files of the data folder are named, created,
+//! The store on disk or in memory, which implements `runtime::store::Store` and `runtime::archive::Archive`. The code
+//! here also writes the file that remembers a STOP. It decides how all files of the data folder are named, created,
 //! opened and written.
 
 pub(crate) mod files;

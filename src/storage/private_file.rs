@@ -1,4 +1,4 @@
-//! A small file that holds secrets: this file finds out who may read it, and replaces it.
+//! A small file that holds secrets. The code here finds out who may read the secrets, and replaces the file.
 //!
 //! ```text
 //!   its owner alone                 normal, in a folder that only its owner may write to
@@ -57,9 +57,9 @@ impl PrivateFile {
         Ok(Some((bytes, readers)))
     }
 
-    /// Keeps other callers of this function waiting until the returned lock is dropped. So nobody else writes between
-    /// the caller's read and its write. Waits two seconds at most, since everybody who may read the folder can lock
-    /// it. Does not wait if the folder cannot be locked.
+    /// Locks the folder until the returned file is dropped, so that no other caller of this function writes between
+    /// the caller's read and its write. Waits for two seconds at most, because every user who can read the folder can
+    /// lock it too. Does not wait if the system cannot lock the folder.
     pub(crate) fn alone(&self) -> Option<File> {
         let folder = File::open(files::above(&self.0)).ok()?;
         (0..GLANCES).find_map(|_| match folder.try_lock() {

@@ -1,6 +1,6 @@
-//! A second record of STOP (safety S4). A stop is answered before it is in the journal. So its epoch is also written
-//! in place to a small file. There it survives `kill -9`, even when the journal cannot be written. `app` decides what
-//! a start does with the epoch. Only the journal records who stopped.
+//! A second record of STOP (safety S4). A stop is answered before it is in the journal. So the epoch (a number that
+//! each stop raises) is also written to a small file. In this file the epoch survives `kill -9`, even when the
+//! journal cannot be written. `app` decides what a start does with the epoch. Only the journal records who stopped.
 //!
 //! ```text
 //!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two such lines; the greater epoch counts, and the
@@ -106,7 +106,7 @@ impl Stops {
         stops
     }
 
-    /// Epoch of the last stop in the file; 0 when there is none.
+    /// Epoch of the last stop in the file; 0 when the file has no stop.
     pub const fn epoch(&self) -> Epoch {
         self.epoch
     }
@@ -150,8 +150,8 @@ impl Stops {
     }
 }
 
-/// Writes every stop and reports it to the halter. The writing is done on a thread that may block, so that a disk
-/// that hangs prevents no stop. Ends with the program.
+/// Writes every stop to the file, and reports to the halter whether the stop is written. A separate thread does the
+/// writing, so that a disk that hangs prevents no stop. Ends with the program.
 pub async fn follow(mut stops: Stops, halter: Halter) {
     let mut halts = halter.watch();
     halter.note(Some(stops.epoch()));

@@ -9,7 +9,7 @@ use super::value::{LONGEST_TEXT, Value, ValueType};
 /// Maximum number of entries of one blackboard. It is more than all ports of the largest tree that people draw.
 pub const MOST_ENTRIES: usize = 8192;
 
-/// The index of an entry, which never changes while the blackboard exists.
+/// The index of an entry. It stays the same while the blackboard exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Slot(u32);
 
@@ -258,7 +258,7 @@ impl Blackboard {
         }
     }
 
-    /// Restores stored values. All other entries lose their values. The trees must be built before.
+    /// Restores stored values. All other entries lose their values. The trees must have been built before this call.
     ///
     /// # Errors
     /// If a value does not fit its entry.
@@ -267,8 +267,9 @@ impl Blackboard {
         kept.into_iter().try_for_each(|(name, value)| self.set(name, value))
     }
 
-    /// Removes the values of all entries for a new run, including the barriers of `Sync`. Texts with which a tree was
-    /// built (`<SubTree … speed="2"/>`) are removed too. It is therefore best to build a new tree for a new run.
+    /// Removes the values of all entries for a new run, including the barriers of `Sync`. Texts that were written
+    /// when a tree was built (`<SubTree … speed="2"/>`) are removed too. It is therefore best to build a new tree for
+    /// a new run.
     pub fn clear(&mut self) {
         for index in 0..self.entries.len() {
             self.unset(Slot(u32::try_from(index).unwrap_or(u32::MAX)));

@@ -80,8 +80,8 @@ pub enum Reason {
     /// The `ID` of an element is missing or empty. The text is the name of the element.
     #[error("<{0}> has no ID")]
     NoId(String),
-    /// An element has an ID, although its name is already its kind, such as `<Sequence>`. The text is the name of the
-    /// element.
+    /// An element has an ID, although its own name is already its kind, such as `<Sequence>`. The text is the name of
+    /// the element.
     #[error("<{0}> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have")]
     NeedlessId(String),
     /// Two models, or two different trees, have this ID. Equal trees are allowed, because BehaviorTree.CPP writes a
@@ -174,7 +174,7 @@ pub enum Reason {
         /// The name of the attribute, such as a misspelt `num_cycle`.
         port: String,
     },
-    /// An attribute resembles a condition but is none. Ignoring it would be dangerous.
+    /// An attribute looks like a misspelt condition or `_autoremap`. Ignoring it would be dangerous.
     #[error("{written} is no condition or setting: write {meant}")]
     Misspelt {
         /// The name of the attribute, with its wrong capitals or underscores.
@@ -182,7 +182,7 @@ pub enum Reason {
         /// The condition that it resembles, or `_autoremap`.
         meant: &'static str,
     },
-    /// A port is not set and has no default. It belongs to a node, or to the model of a subtree.
+    /// A port that needs a value is not set and has no default. It is a port of a node, or of the model of a subtree.
     #[error("{id} needs its port {port}")]
     MissingPort {
         /// The kind of the node, or the ID of the subtree.
@@ -203,7 +203,8 @@ pub enum Reason {
     /// A port that writes an entry has a literal. The text is the name of the port.
     #[error("the port {0} is an output, so its value must name an entry: {{name}}")]
     LiteralOutput(String),
-    /// A port names an entry, but its value is needed when the tree is built. The text is the name of the port.
+    /// A port names an entry, but the value of the port is needed when the tree is built. The text is the name of the
+    /// port.
     #[error("the port {0} is read when the tree is built, so its value cannot be an entry")]
     EntryForLiteral(String),
     /// A port does not allow this value, although its type is right. An example is a negative time.
@@ -230,10 +231,10 @@ pub enum Reason {
     /// An entry cannot have the type or the value that the file gives it.
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    /// There is more of something than is accepted. The limit ensures that every file is checked quickly.
+    /// The file exceeds one of the limits that ensure that every file is checked quickly.
     #[error("there are more than {most} {what}")]
     TooMany {
-        /// The thing that there is too much of, in the plural form.
+        /// What the file has too much of, in the plural form, such as `trees in one file`.
         what: &'static str,
         /// The maximum number that a file may have.
         most: usize,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::error::TreeError;
 use crate::fnv1a;
 
-/// Maximum number of faults that are named. The same limit applies to notes. Further faults are only counted.
+/// Maximum number of faults that are reported. The same limit applies to notes. Further faults are only counted.
 pub const MOST_FAULTS: usize = 100;
 
 /// Faults and notes about a file. A file with faults is refused; a file with notes is not.
@@ -13,7 +13,7 @@ pub const MOST_FAULTS: usize = 100;
 pub struct Findings {
     faults: Vec<TreeError>,
     notes: Vec<TreeError>,
-    /// Place of every fault, and hash of its sentence. A subtree is checked at each use, but each of its faults is
+    /// Place and hash of the sentence of every fault. A subtree is checked at each use, but each of its faults is
     /// reported only once.
     seen: BTreeSet<(u32, u32, u64)>,
 }

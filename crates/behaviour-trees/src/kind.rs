@@ -9,7 +9,7 @@ named! {
     pub enum BuiltIn {
         /// Ticks its children in order. The first failure ends the node.
         Sequence = "Sequence",
-        /// A sequence that continues at the failed child when it is ticked again.
+        /// A sequence that, after a failure, continues at the failed child when it is ticked again.
         SequenceWithMemory = "SequenceWithMemory",
         /// A sequence that returns RUNNING after each child.
         AsyncSequence = "AsyncSequence",

@@ -35,7 +35,7 @@ pub struct Port {
     pub direction: Direction,
     /// The type of the port's values. Literals in a file must be of this type.
     pub ty: ValueType,
-    /// The value that the port has, as text, if a file does not set it.
+    /// The default: the value, as text, that the port has if a file does not set the port.
     pub default: Option<Cow<'static, str>>,
 }
 
@@ -144,7 +144,7 @@ impl Catalogue {
         self.declared.iter().find(|model| model.id == name)
     }
 
-    /// Adds a leaf at the end, unless its name is already in use.
+    /// Adds a leaf at the end of the list, unless its name is already in use.
     pub fn add(&mut self, kind: LeafKind) {
         if self.place(&kind.name).is_none() && self.declared(&kind.name).is_none() {
             self.kinds.push(kind);

@@ -16,9 +16,9 @@
 //! * `tree`: the nodes in one row.
 //! * `tick`: the rules.
 //! * `script`: the language of conditions.
-//! * `state`: going on after a restart.
+//! * `state`: continuing after a restart.
 //! * `log`: what each tick changed.
-//! * `mock`: leaves by script.
+//! * `mock`: leaves with scripted results.
 
 #![warn(missing_docs)]
 

@@ -10,8 +10,8 @@ use super::status::Status;
 use super::tree::{NodeId, NodeView, Tree};
 use super::value::Value;
 
-/// Maximum number of changes in a log. This is one hour of a tree with ten ticks a second, if ten nodes change in
-/// each tick. Older changes are merged into the state before the oldest remaining tick.
+/// Maximum number of changes in a log. This is about one hour of a tree with ten ticks a second, if ten nodes change
+/// in each tick. Older changes are merged into the state before the oldest remaining tick.
 pub const MOST_CHANGES: usize = 360_000;
 
 /// A node's state after a tick. It differs from the returned status if the parent has reset the node.
@@ -117,8 +117,8 @@ impl TickLog {
     }
 
     /// Records the changes of the tree's last tick, with the time of that tick. Call this after each tick, even if
-    /// the tick ended with a fault. If the tick is recorded already, nothing happens. For a tree that was resumed
-    /// from a state, the changes since then are recorded.
+    /// the tick ended with a fault. If the tick is recorded already, nothing happens. The changes are those since the
+    /// previous record, even if the tree was resumed from a state in between.
     pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
         if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
             return;

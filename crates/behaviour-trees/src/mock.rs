@@ -75,7 +75,7 @@ impl Mocks {
         known
     }
 
-    /// The first leaf in a tree that has no mock. Such a leaf would fail in every tick.
+    /// The first leaf of this tree for which there is no mock. Such a leaf would fail in every tick.
     #[must_use]
     pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
         let is_leaf = |node: &NodeView<'_>| matches!(node.kind, NodeKind::Leaf(_));
@@ -97,8 +97,8 @@ impl Mocks {
         element.children.iter().for_each(|child| self.add_leaves(child, known));
     }
 
-    /// Whether a mock may be meant for this element. A mock's name with `/` or `::` may be a path. Paths are not
-    /// known before the tree is built.
+    /// Whether a mock may be meant for this element. A mock's name with `/` or `::` may be a path. The paths of nodes
+    /// are not known before the tree is built.
     fn stands_for(&self, element: &Element) -> bool {
         let name = element.name.as_deref().unwrap_or(&element.id);
         let is_path = |key: &String| key.rsplit('/').next().is_some_and(|last| last.split("::").next() == Some(name));

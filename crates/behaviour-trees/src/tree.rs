@@ -24,7 +24,7 @@ use super::tick::{Fault, TreeRun};
 pub const MOST_NODES: usize = 10_000;
 
 /// Maximum number of bytes of attributes in a tree. The attributes of a subtree count at each use, because each use
-/// is built. A file may have its longest scripts in a subtree that is used a thousand times.
+/// is built. Without this limit, a subtree with the longest scripts could be used a thousand times.
 pub const MOST_TEXT: usize = 2 << 20;
 
 /// Maximum depth of a tree, including its subtrees. A tick uses recursive calls, which must fit on a thread's stack.
@@ -97,8 +97,8 @@ pub(crate) struct Live {
     pub(crate) returned: Status,
     /// Whether the result of this node is already counted by its parallel parent.
     pub(crate) is_counted: bool,
-    /// A fact that a node remembers: its time has started, it has run, its condition held, or it is at the last
-    /// child.
+    /// A fact that a node remembers. Depending on its kind: its time has started, it has run, its condition held, or
+    /// it is at the last child.
     pub(crate) has_begun: bool,
     /// Whether the time of a Timeout ended while its child was not running.
     pub(crate) is_spent: bool,

@@ -13,7 +13,7 @@ pub struct Cell {
     pub y: i32,
 }
 
-/// Maximum length of a text in an entry, in bytes. It is longer than any name or sentence. It stops a script that
+/// Maximum length of a text in an entry, in bytes. No name or sentence is so long. The limit stops a script that
 /// doubles a text again and again.
 pub const LONGEST_TEXT: usize = 64 * 1024;
 

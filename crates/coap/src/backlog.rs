@@ -1,5 +1,5 @@
-//! Queues received datagrams when more arrive than can be answered. Urgent requests go ahead of all others except
-//! earlier commands. `inward` reads what a datagram means. Sockets are not handled here.
+//! Queues received datagrams when more arrive than can be answered. Urgent requests go ahead of all other datagrams
+//! except commands that arrived earlier. `inward` interprets the datagrams. Sockets are not handled here.
 
 use std::net::SocketAddr;
 
@@ -16,7 +16,8 @@ pub struct Backlog {
     /// Acknowledgements, resets and other datagrams that request nothing.
     signs: Queue,
     reads: Queue,
-    /// Counts the datagrams taken that were not urgent. The count decides which of the three other kinds is next.
+    /// Counts the datagrams taken that were not urgent. The count decides whose turn is next: `commands`, `signs` or
+    /// `reads`.
     turns: usize,
 }
 
@@ -29,10 +30,11 @@ impl Backlog {
         Backlog { is_urgent, urgent, commands, signs, reads, turns: 0 }
     }
 
-    /// Stores a datagram. Drops it if its sender has more waiting than there is free room. So a flood cannot push out
-    /// the datagrams of others. An urgent request goes ahead of all datagrams except earlier commands, because an
-    /// earlier command that runs later could undo its effect. Earlier commands go first even if the urgent request
-    /// itself is dropped: the urgent requests that wait already have the same effect.
+    /// Stores a datagram. Drops it if the waiting datagrams of its sender take too much of the free room, so that a
+    /// flood cannot push out the datagrams of other senders. An urgent request goes ahead of all datagrams except
+    /// earlier commands: an earlier command that ran later could undo the effect of the request. Earlier commands go
+    /// first even if the urgent request itself is dropped, because the urgent requests in the queue have the same
+    /// effect.
     pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
@@ -56,7 +58,7 @@ impl Backlog {
         [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)
     }
 
-    /// Whether an urgent request waits, or a command that has to be handled before an urgent request.
+    /// Returns true if an urgent request is waiting, or if a command is waiting that must be handled before urgent requests.
     #[must_use]
     pub fn has_urgent(&self) -> bool {
         self.commands.has_first() || !self.urgent.is_empty()
@@ -67,8 +69,8 @@ impl Backlog {
         self.commands.next_first().or_else(|| self.urgent.next())
     }
 
-    /// Removes the next datagram. Commands that came after an urgent request stay behind it, unless a further urgent
-    /// request has come after them.
+    /// Removes the next datagram. A command that came after an urgent request is taken after it, unless a further
+    /// urgent request has come after the command.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);

@@ -43,7 +43,7 @@ impl Block {
     }
 
     /// Returns this block of a body of `length` bytes, with the right `more` flag, and its range of bytes. `None` if
-    /// the block begins behind the end of the body. An empty body has one block.
+    /// the block begins after the end of the body. An empty body has one block.
     pub(super) fn within(self, length: usize) -> Option<(Block, Range<usize>)> {
         let start = self.size().checked_mul(usize::try_from(self.number).ok()?)?;
         if start > 0 && start >= length {

@@ -42,7 +42,7 @@ pub(super) enum KnownMessage {
 pub(super) struct Exchanges {
     reads: Table,
     commands: Table,
-    /// Number of times that the effect of urgent requests may have been undone so far.
+    /// Number of events so far that may have undone the effect of earlier urgent requests.
     pub(super) undone: u64,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Exchanges {
 struct KnownExchange {
     since: Duration,
     message: KnownMessage,
-    /// If set, the message is known only while `undone` has this value.
+    /// If set, the message counts as known only while `Exchanges::undone` has this value.
     good_while: Option<u64>,
 }
 
@@ -93,7 +93,7 @@ impl Exchanges {
     }
 
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
-        // Messages older than their lifetime are removed first, because their ids may stand for other messages now.
+        // Messages older than their lifetime are removed first, because their senders may use the ids again by now.
         for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
@@ -107,7 +107,7 @@ impl Exchanges {
         table.insert(key, KnownExchange { since: now, message: KnownMessage::Open(exchange), good_while: None });
     }
 
-    /// Marks a message that was just opened. If the message is repeated after `undone` has changed, it takes effect
+    /// Marks a message that was just received. If the message is repeated after `undone` has changed, it takes effect
     /// again.
     pub(super) fn acts_again_when_undone(&mut self, key: MessageKey) {
         let undone = self.undone;
@@ -127,7 +127,7 @@ impl Exchanges {
     }
 }
 
-/// Whether a message is so old that its id may stand for another message, so that it can be forgotten (RFC 7252,
+/// Whether a message is so old that its sender may have used its id again. Such a message can be forgotten (RFC 7252,
 /// section 4.8.2).
 pub(super) fn is_over(since: Duration, now: Duration) -> bool {
     now > since + EXCHANGE_LIFETIME

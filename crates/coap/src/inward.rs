@@ -36,7 +36,7 @@ impl ReplyTo {
 }
 
 impl Endpoint {
-    /// Handles a datagram from the network. Then fetch its results with the `poll_…` functions.
+    /// Handles a datagram from the network. Afterwards, fetch the results with the `poll_…` functions.
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
         match parse(bytes) {
@@ -52,7 +52,7 @@ impl Endpoint {
     }
 
     /// Answers a malformed message with a reset if it is a CON. An urgent request in the message still takes effect,
-    /// unless the message is known already.
+    /// unless the same message was handled before.
     fn take_malformed(&mut self, key: MessageKey, kind: MessageKind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
@@ -90,7 +90,8 @@ impl Endpoint {
         self.go_on(peer, now);
     }
 
-    /// Handles a reset: the sender rejects a message of ours. It no longer observes, or no longer wants the answer.
+    /// Handles a reset: the sender rejects a message of ours. The sender no longer observes, or no longer wants the
+    /// answer.
     fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
         let observer = match on_its_way {
@@ -156,7 +157,7 @@ impl Endpoint {
         let is_urgent = (self.is_urgent)(&read.request);
         if is_urgent || read.block1.is_some_and(|block| block.more) {
             // Whether a body in blocks is urgent is known only at its last block. To repeat an urgent body, the
-            // sender has to repeat all its blocks. So each block has to act again.
+            // sender has to repeat all its blocks. So each block must be handled again after an undo.
             self.exchanges.acts_again_when_undone(reply_to.key);
         }
         let undone = self.exchanges.undone;
@@ -201,8 +202,8 @@ impl Endpoint {
         self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
-    /// Stores for the record that a request for a change was refused. Does so only if the sender is on this
-    /// machine and fewer than `REFUSED` refusals are stored.
+    /// Stores a refused request for a change, so that the application can record it. Does so only if the sender is on
+    /// this machine and fewer than `REFUSED` refusals are stored.
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();
@@ -233,8 +234,8 @@ impl Endpoint {
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
-    /// Adds this block to the request's body. Returns whether the body is complete. If it is, the request now
-    /// contains it.
+    /// Adds this block to the request's body. Returns whether the body is complete. If so, `read.request` now
+    /// contains the whole body.
     fn whole(&mut self, read: &mut ParsedRequest, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
@@ -285,7 +286,7 @@ impl Endpoint {
     }
 }
 
-/// The key under which the blocks of a request's body are stored, and also a long answer to the request.
+/// The key of the blocks of a request's body. A long answer to the request is stored under the same key.
 fn body_key(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
     BodyKey {
         peer: request.peer,

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::limits::SETTLED;
 use super::response::Response;
 
-/// One of the things that a subject shows. All things of a subject share one version counter, which never goes back.
+/// One of the things that a subject shows. All things of a subject share one version counter, which never decreases.
 /// So a thing that disappears and returns is not mistaken for the earlier one.
 #[derive(Debug)]
 pub(super) struct Thing {
@@ -21,7 +21,8 @@ pub(super) struct Thing {
 pub(super) enum Lack {
     /// The observer was not sent the newest version of the thing at this index.
     News(usize),
-    /// The observer was sent the newest version of this thing some time ago, and may not have received it.
+    /// The newest version of the thing at this index was sent some time ago, but the observer may not have received
+    /// it.
     Unsure(usize),
 }
 

@@ -26,9 +26,9 @@ pub(super) fn is_command(code: Code) -> bool {
     code.class() == 0 && !Method::of(code).is_some_and(Method::is_safe)
 }
 
-/// All requests that the datagram can be read as, one for each possible length of its token. The stated length comes
-/// first, as RFC 7252 and RFC 8974 define it, and then every other length. Messages that only read, or are no
-/// requests, are skipped.
+/// Reads the datagram in every possible way: one request for each possible length of its token. The length that the
+/// datagram states comes first, as RFC 7252 and RFC 8974 define it, and then every other length. Requests that only
+/// read are skipped, and so are messages that are no requests.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -37,16 +37,17 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
 }
 
 /// The possible lengths of the token, including the bytes of an extended length. The lengths that the four bits may
-/// mean come first, and then all others.
+/// state come first, then all other lengths.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
     let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
     let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);
     iter::once(said).chain(extended.filter(|length| *length != said)).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// Reads the request behind the token. Options are read until one is invalid or cut off. The bytes from there on are
-/// the payload; if they contain a payload marker, only the bytes behind the last marker are. An old client's command
-/// may stand there. Returns `None` if the options name no path.
+/// Reads the request that follows the token. Options are read until one is invalid or cut off. If a payload marker
+/// comes next, the payload follows it. Otherwise the payload is what follows the last marker in the remaining bytes,
+/// or all of these bytes if they have no marker. It may be the command of an old client. Returns `None` if the
+/// options name no path.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
     let (mut path, mut proxy, mut number) = (Vec::new(), None, 0_usize);
     for _ in 0..OPTIONS {
@@ -69,7 +70,7 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
         [MARKER, payload @ ..] => payload,
         _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
-    // Bytes beyond the longest body are not read: a command stands at the beginning of the payload.
+    // Only the first `BODY` bytes are read, because a command is at the beginning of the payload.
     let payload = payload[..payload.len().min(BODY)].to_vec();
     Some(Request {
         peer,
@@ -92,7 +93,7 @@ fn segments(address: &[u8]) -> Vec<String> {
     behind.split('/').filter(|segment| !segment.is_empty()).map(str::to_owned).collect()
 }
 
-/// Reads the first option: the delta of its number, its value as far as it has arrived, and the bytes behind the
+/// Reads the first option: the delta of its number, the part of its value that has arrived, and the bytes after the
 /// option. `None` for a reserved form, or if the head of the option is cut off.
 fn option(bytes: &[u8]) -> Option<(usize, &[u8], &[u8])> {
     let (head, rest) = bytes.split_first()?;
@@ -194,7 +195,7 @@ mod tests {
         }
     }
 
-    /// Reading one datagram must not delay others.
+    /// Reading one datagram must not delay the other datagrams.
     #[test]
     fn no_more_than_so_many_options_are_read() {
         let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
@@ -203,7 +204,7 @@ mod tests {
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
-    /// Reading one datagram must not delay others.
+    /// Reading one datagram must not delay the other datagrams.
     #[test]
     fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
         let long = message(2, b"", &URGENT, &[b'x'; 60_000]);

@@ -83,7 +83,7 @@ pub struct RefusedRequest {
     pub peer: SocketAddr,
     /// The request's method and path, such as `POST /commands/start`.
     pub asked: String,
-    /// The reason, without `refused: `, the beginning of the answer.
+    /// The reason, without the prefix `refused: ` that the answer has.
     pub words: String,
 }
 
@@ -102,8 +102,8 @@ pub struct Counts {
     pub long_answers: usize,
     /// Our messages that wait for an acknowledgement, or for their turn to be sent.
     pub reliable: usize,
-    /// Addresses of other machines, networks of other machines, and peers with a message id counter: at most `PEERS`
-    /// of each.
+    /// Number of stored addresses of other machines, of networks of other machines, and of peers with a message id
+    /// counter. At most `PEERS` of each are stored.
     pub peers: usize,
 }
 
@@ -117,8 +117,8 @@ pub struct Endpoint {
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
-    /// Open requests whose sender gets an empty acknowledgement if the answer takes too long. Each has the time at
-    /// which this acknowledgement is due. In the order of arrival.
+    /// Open requests whose senders get an empty acknowledgement if the answer takes too long, in the order of
+    /// arrival. Each is stored with the time at which this acknowledgement is due.
     patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
     ids: LinkedHashMap<SocketAddr, u16>,
@@ -126,7 +126,7 @@ pub struct Endpoint {
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<RefusedRequest>,
     is_urgent: fn(&Request) -> bool,
-    /// Text in the refusal of an urgent request. It says that the request took effect all the same.
+    /// Text in the refusal of an urgent request. It says that the request took effect although it is refused.
     took_effect: &'static str,
     out: VecDeque<Transmit>,
 }
@@ -138,12 +138,12 @@ struct Open {
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
-    /// The request, if it asks to observe: the registration needs it.
+    /// The request. Stored only if it asks to observe, because the registration needs it.
     request: Option<Box<Request>>,
     /// The key under which the answer is stored if it does not fit into one message; `None` for a request that only
     /// reads.
     kept_as: Option<Box<BodyKey>>,
-    /// Number of times that the effect of urgent requests had been undone when this request arrived.
+    /// The value of `Exchanges::undone` when this request arrived.
     undone: u64,
     etags: Vec<ETag>,
     block1: Option<Block>,
@@ -196,9 +196,9 @@ impl Endpoint {
         Endpoint { is_urgent, took_effect, ..self }
     }
 
-    /// Sets how often the effect of urgent requests may have been undone so far. Call this before each datagram.
-    /// While the number is unchanged, a repeated urgent message gets the same answer as before. After a change, a
-    /// repeated urgent message is passed to the application again.
+    /// Sets the number of events so far that may have undone the effect of urgent requests. Call this before each
+    /// datagram. While the number is unchanged, a repeated urgent message gets the same answer as before. After a
+    /// change, a repeated urgent message is passed to the application again.
     pub fn handle_undone(&mut self, count: u64) {
         self.exchanges.undone = count;
     }

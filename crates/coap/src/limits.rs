@@ -18,7 +18,7 @@ pub const BODY: usize = 16 * 1024;
 /// size.
 pub const ASSEMBLIES: usize = 64;
 
-/// How long a message id of a peer stands for the same message (RFC 7252, section 4.8.2).
+/// Time in which a peer uses a message id for a single message (RFC 7252, section 4.8.2).
 pub const EXCHANGE_LIFETIME: Duration = Duration::from_secs(247);
 
 /// Maximum number of messages stored with their answers, each of some 1.2 kB at most. Beyond the limit, the sender
@@ -55,12 +55,13 @@ pub const RELIABLE_PEERS: usize = 4096;
 /// Maximum number of observations: enough for every screen and device of a site.
 pub const OBSERVERS: usize = 2048;
 
-/// From this number of observations on, a new observer is soon asked for an acknowledgement. Observers that are gone
-/// are then known before the table is full.
+/// From this number of observations on, a new observer is soon asked for an acknowledgement. So observers that have
+/// disappeared are noticed before the table is full.
 pub const UNPROVED_OBSERVERS: usize = 256;
 
 /// Time in which an observer must answer its first request for an acknowledgement. While there are
-/// `UNPROVED_OBSERVERS` or more, an observer that has not done so loses its place when it registers again.
+/// `UNPROVED_OBSERVERS` or more observations, an observer that has not answered in this time loses its place when it
+/// registers again.
 pub const UNPROVED: Duration = Duration::from_secs(5);
 
 /// Maximum number of observations of one peer: enough to observe each resource several times.
@@ -95,8 +96,8 @@ pub(super) const READING: Duration = Duration::from_secs(1);
 /// overflows on either side.
 pub(super) const BURST: usize = 32;
 
-/// A thing may be sent without asking for an acknowledgement. If it does not change for this time, it is sent again
-/// with such a request. The time is longer than a second, because many things change every second. If the
+/// A thing that was sent without asking for an acknowledgement is sent again with such a request, once it has not
+/// changed for this time. The time is longer than a second, because many things change every second. If the
 /// acknowledgement were lost, the next change would be delayed.
 pub(super) const SETTLED: Duration = Duration::from_millis(1500);
 
@@ -126,9 +127,9 @@ pub(super) const ECHO_AGE: Duration = Duration::from_secs(60);
 /// after them, so they must not take long.
 pub(super) const COMMANDS_WAITING: usize = 128 * 1024;
 
-/// Maximum size of the urgent requests in the backlog, in bytes. A request of 64 KiB leaves more room to others than
-/// it takes. When the backlog is full, further urgent requests are dropped, because the waiting ones take effect one
-/// after the other.
+/// Maximum size of the urgent requests in the backlog, in bytes. A request of 64 KiB leaves most of this room free.
+/// When the room is full, further urgent requests are dropped, because the requests that wait take effect one after
+/// the other.
 pub(super) const URGENT_WAITING: usize = 256 * 1024;
 
 /// Maximum size of the acknowledgements and resets in the backlog, in bytes: all observers may acknowledge at once.

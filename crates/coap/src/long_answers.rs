@@ -22,7 +22,7 @@ struct Answered {
     answer: Arc<Response>,
     /// Where the first unread block begins, in bytes.
     next: usize,
-    /// Number of times that the effect of urgent requests had been undone when the request arrived.
+    /// The value of `Exchanges::undone` when the request arrived.
     undone: u64,
 }
 
@@ -41,8 +41,9 @@ impl LongAnswers {
         }
     }
 
-    /// Whether the request asks for the block behind the last one that was sent, so that it is no new request.
-    /// Returns false if the effect of the urgent request may have been undone since.
+    /// Whether the request continues a stored answer, by asking for the block after the last one that was sent.
+    /// Returns false if `undone` has changed since the stored answer's request, because the urgent request may have
+    /// to act again.
     pub(super) fn is_next(&self, key: &BodyKey, block: Block, undone: u64, now: Duration) -> bool {
         let kept = self.0.get(key).filter(|kept| kept.undone == undone && !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())

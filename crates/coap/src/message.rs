@@ -26,7 +26,8 @@ pub(super) struct Token {
 pub(super) enum Received {
     /// Not a CoAP message, or a message that gets no answer.
     Nothing,
-    /// A message that cannot be read, or that a server never receives. A CON is answered with a RST of this id.
+    /// A message that cannot be read, or that no client may send to a server. A CON is answered with a RST of this
+    /// id.
     Malformed(MessageKind, u16),
     Ack(u16),
     Rst(u16),
@@ -173,8 +174,8 @@ const fn kind(first: u8) -> MessageKind {
     }
 }
 
-/// Length in bytes that the packet has when it is written. A datagram that was longer ended in a payload marker
-/// without a payload.
+/// Length in bytes of the packet when it is written. A received datagram that is longer than this ended in a payload
+/// marker without a payload.
 fn written_length(packet: &Packet) -> usize {
     let mut before = 0;
     let mut length = 4 + packet.get_token().len();

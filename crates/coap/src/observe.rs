@@ -31,7 +31,8 @@ pub(super) struct Acknowledging {
     /// When the observer was last asked for an acknowledgement. Before the first request, the time of its
     /// registration.
     asked: Duration,
-    /// When the observer was first asked for an acknowledgement after its last one. `None` if it owes none.
+    /// When the observer was first asked after its latest acknowledgement. `None` if no acknowledgement is
+    /// outstanding.
     unanswered: Option<Duration>,
     is_proved: bool,
 }
@@ -42,10 +43,12 @@ pub struct SubjectId(u64);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crowd {
-    /// The new observation itself: its peer has too many, or its path is too long. No other observation makes room.
+    /// Only the new observation: its peer has too many observations, or its path is too long. No other observation is
+    /// removed for it.
     Itself,
     Network(Network),
-    /// All observations from other machines. Observations from this machine never make room for them.
+    /// All observations from other machines. No observation from this machine is removed for one from another
+    /// machine.
     Beyond,
     All,
 }
@@ -272,8 +275,8 @@ impl Observers {
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
-    /// A notification of the thing's newest version, in place of the one with `version` that is on its way. `None` if
-    /// there is no newer version.
+    /// A notification of the thing's newest version. It replaces the notification of `version`, which is on its way.
+    /// `None` if there is no newer version.
     pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
@@ -309,8 +312,8 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// Returns the body from which the requested further block is read. It is the body that a notification began,
-    /// even if the state has changed since. `None` if this peer does not observe such a body.
+    /// Returns the body from which the requested further block is read: the body whose first block was sent in a
+    /// notification, even if the state has changed since. `None` if this peer does not observe such a body.
     pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
         let id = self.observer_of(request)?;
         let observer = self.observers.get_mut(&id)?;
@@ -339,7 +342,7 @@ impl Observers {
         self.of_peer(request.peer).find(is_this)
     }
 
-    /// Schedules every observation of a peer again, when no message to this peer is on its way any more.
+    /// Schedules every observation of a peer again. Call this when no message to this peer is on its way any more.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
         for id in ids {
@@ -351,8 +354,8 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
-    /// Says which observations leave no room for a new one; `None` if there is room. Observations from this machine
-    /// never make room for observations from other machines.
+    /// Says which group of observations leaves no room for a new one; `None` if there is room. Observations from this
+    /// machine never make room for observations from other machines.
     pub(super) fn crowd(&self, request: &Request) -> Option<Crowd> {
         let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
         let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
@@ -414,7 +417,7 @@ impl Observers {
 }
 
 impl Observer {
-    /// Notes that this response was sent to the observer, or only its first block.
+    /// Notes that this response was sent to the observer, either whole or only its first block.
     fn begin(&mut self, response: &Arc<Response>) {
         self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
         if self.is_reading {

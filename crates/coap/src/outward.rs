@@ -21,7 +21,7 @@ impl Endpoint {
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
-        // An observed answer is valid as long as a notification is: until the next one.
+        // The answer that starts an observation is valid until the next notification, as each notification is.
         let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
         let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
@@ -147,7 +147,7 @@ impl Endpoint {
         let on_its_way = self.reliable.about(peer);
         let is_its_own = matches!(on_its_way, Some(About::Notification(whose, ..)) if whose == observer);
         if is_its_own || (notification.confirm && on_its_way.is_some()) {
-            // The observer gets its turn when the message that is on its way to the peer has arrived (`go_on`).
+            // The observer gets its turn later, in `go_on`, when no message to the peer is on its way any more.
             return;
         }
         let message = message_of(notification);
@@ -228,8 +228,8 @@ impl Endpoint {
         if response.code.is_success() || response.body.is_empty() {
             return self.challenge(reply_to, now);
         }
-        // The response without its body is short enough. Its code says more than a challenge to a peer that cannot
-        // prove its address.
+        // The response is sent without its body, and is then short enough. Its code is more useful than a challenge
+        // to a peer that cannot prove its address.
         self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 

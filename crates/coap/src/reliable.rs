@@ -131,8 +131,8 @@ impl Reliable {
         }
     }
 
-    /// The next message that was not acknowledged in time. A message that has to be repeated already counts as sent;
-    /// call `replace` if there is newer content.
+    /// Returns the next message that was not acknowledged in time. If the message must be repeated, the caller sends it
+    /// and this function notes `now` as the time of sending. Call `replace` if there is newer content.
     pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
         let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
         self.due.remove(&(due, peer));

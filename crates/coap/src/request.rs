@@ -1,4 +1,4 @@
-//! A request as the application sees it, with its blocks put together and its options read. The answer stands in
+//! A request as the application sees it, with its blocks put together and its options read. The answer is defined in
 //! `response`. Messages, tokens and retransmissions are not visible here.
 
 use std::net::SocketAddr;

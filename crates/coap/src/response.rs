@@ -22,7 +22,7 @@ impl ETag {
         Some(ETag { bytes, length: u8::try_from(given.len()).ok()? })
     }
 
-    /// Its 1 to 8 bytes.
+    /// The tag's 1 to 8 bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
@@ -77,7 +77,7 @@ impl Response {
     }
 }
 
-/// The application's answer to a request, with what can be observed.
+/// The application's answer to a request, and what observers of the resource see.
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// The response to the sender of the request.

@@ -34,8 +34,8 @@ impl<T> Shares<T> {
         self.change(peer, |things| drop(things.pop_front()));
     }
 
-    /// Removes and returns the oldest entry of the largest port at the largest address. The largest is the one with
-    /// the most entries.
+    /// Removes and returns one entry of the address with the most entries: the oldest entry of its port with the most
+    /// entries.
     pub(super) fn take_from_the_largest(&mut self) -> Option<T> {
         let (_, ip) = *self.sizes.last()?;
         let (_, port) = *self.addresses.get(&ip)?.sizes.last()?;

@@ -12,7 +12,7 @@ use crate::units::{Epoch, OrderId, Pose, Seq, Ticket, WallTime};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// A halt raised after `order.epoch` cancels the order.
+    /// An order for a robot. A stop that raises the epoch above `order.epoch` cancels the order.
     Order(RobotId, Order),
     Halt(RobotId),
     Led(RobotId, bool),
@@ -81,8 +81,8 @@ pub struct Stamp {
     pub wall: WallTime,
 }
 
-/// The entries of one input. They are stored together or not at all, so that the journal never ends in the middle of
-/// an input.
+/// All entries that one input (a command, a report or a timeout) causes. They are stored together or not at all, so
+/// the journal never ends in the middle of an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The number of the first entry. The other entries follow without a gap.

@@ -4,8 +4,8 @@
 //! Every layer has the same methods. `handle_command`, `handle_event` and `handle_timeout` take inputs.
 //! `poll_effect` and `poll_timeout` return the results.
 
-/// Declares an enum with one fixed word for each variant. With `ALL` in front, it also declares the list of all
-/// variants in their order.
+/// Declares an enum with one fixed word for each variant. With `ALL` in front, the macro also declares the list of
+/// all variants in their order.
 macro_rules! named {
     (ALL by $by:ident; $(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
         named! { by $by; $(#[$meta])* $vis enum $name { $($(#[$doc])* $variant = $word,)* } }

@@ -41,7 +41,7 @@ pub trait Driver: fmt::Debug + Send {
     /// Begins an order, or reports at once why it cannot begin.
     fn handle_order(&mut self, order: Order, now: Now);
 
-    /// Halts the robot, whatever it does. A photo is not a motion, so it goes on.
+    /// Halts the robot, whatever the robot is doing. A photo is not a motion, so it goes on.
     fn handle_halt(&mut self, now: Now);
 
     fn handle_led(&mut self, blinks: bool, now: Now);
@@ -57,8 +57,9 @@ pub trait Driver: fmt::Debug + Send {
     /// When the next action is due, counted from the start of the run.
     fn poll_timeout(&self) -> Option<Duration>;
 
-    /// The robot's state that the next run of the program needs. `None` if it has not changed, and always for a robot
-    /// that knows its own state. Store it before sending more to the robot and before passing on later reports.
+    /// The robot's state that the next run of the program needs. `None` if the state has not changed since the last
+    /// call. Always `None` for a robot that remembers its own state. Store the state before sending more to the
+    /// robot and before passing on later reports.
     fn poll_memory(&mut self) -> Option<String> {
         None
     }

@@ -90,8 +90,8 @@ impl FromStr for Family {
 /// Maximum number of draws of a hall. The last hall is used even if too few of its cells can be reached.
 const DRAWN: usize = 1000;
 
-/// Draws a hall of this family. It is drawn again until more than a third of its cells can be reached, but at most
-/// `DRAWN` times. A hall in which luggage blocks the way out of home would leave nothing to search.
+/// Draws a hall of this family. A new hall is drawn until more than a third of the cells can be reached, but at most
+/// `DRAWN` halls. A hall in which luggage blocks the way out of home would leave nothing to search.
 #[must_use]
 pub fn hall(family: Family, columns: usize, lines: usize, dice: &mut RandomStream) -> Hall {
     let mut hall = drawn(family, columns, lines, dice);

@@ -1,4 +1,4 @@
-//! A copy of the true hall on which walks are fast to compute. It knows which cells a robot can reach.
+//! A copy of the true hall on which walks are fast to compute. The copy also contains which cells a robot can reach.
 
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;

@@ -36,7 +36,7 @@ pub struct Held {
     /// upper bound was given.
     pub within: Option<f64>,
     /// Of the time with only a lower bound, the share in which the remaining time was not below it. `None` if there
-    /// was no such time.
+    /// was no time with only a lower bound.
     pub at_least: Option<f64>,
 }
 

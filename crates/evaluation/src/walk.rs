@@ -1,5 +1,5 @@
 //! A search without a mission, move by move: strategy, known cells, and the true hall. Its moves are those of a
-//! mission in which the operator declares everything safe. It takes a hundredth of the time.
+//! mission in which the operator declares everything safe. A walk takes a hundredth of the time of such a mission.
 
 use hallsweep_core::command::Move;
 use hallsweep_core::search::Gait;
@@ -35,8 +35,8 @@ pub struct Walk {
     pub found_after: u64,
     /// Number of cells and pieces whose content is known.
     pub known: usize,
-    /// Sum over all known cells and pieces: the number of moves before the content became known. A piece there would
-    /// have been found at that moment.
+    /// Sum over all known cells and pieces: the number of moves before the content became known. If the cell had
+    /// contained a piece, the piece would have been found at that moment.
     pub known_after: u64,
     /// All cells in which the robot stood, in order. `None` if the caller does not need them.
     pub trail: Option<Vec<Cell>>,
@@ -257,7 +257,7 @@ impl Walk {
     }
 }
 
-/// A hash of one fact about a cell. The hash of several facts is the exclusive or of their hashes.
+/// A hash of one fact about a cell. The hash of several facts is the XOR of their hashes.
 fn mixed(cell: Cell, salt: u64) -> u64 {
     let place = (u64::from(cell.x.cast_unsigned()) << 32) | u64::from(cell.y.cast_unsigned());
     let mut x = place.wrapping_add(salt.wrapping_mul(0x2545_F491_4F6C_DD1D)).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -30,8 +30,8 @@ pub struct Broker {
     pub(crate) readers: Arc<Readers>,
     /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,
-    /// Limits the log lines about refusals of all clients together. A limit for each client would not do, because a
-    /// client may reconnect for ever.
+    /// Limits the log lines about refusals of all clients together. A limit for each client would not be enough,
+    /// because a client may reconnect for ever.
     pub(crate) lines: Lines,
     /// Randomly seeded, so that no client can construct two texts with the same fingerprint.
     hasher: RandomState,
@@ -115,7 +115,7 @@ impl Broker {
         let message = self.message(draft);
         let is_kept =
             !retain || self.rights.is_for_commands(topic) || self.retained.keep(&Payer::Program, &message, Duration::ZERO);
-        // The message is retained first, so that a client that subscribes between the two steps gets it.
+        // The message is retained before it is sent, so that a client that subscribes in between gets it.
         self.send(&message, &self.readers.of(topic, None));
         is_kept
     }

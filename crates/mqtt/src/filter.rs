@@ -21,7 +21,7 @@ pub enum Unfit {
     /// `#` or `+` in a place where section 4.7.1 forbids it.
     #[error("the topic or filter has `#` or `+` in a wrong place")]
     Wildcards,
-    /// `$share/…` without a name, or without a filter behind the name (MQTT 5, section 4.8.2).
+    /// `$share/…` without a name, or without a filter after the name (MQTT 5, section 4.8.2).
     #[error("a shared subscription must be `$share/NAME/FILTER`, and NAME must not contain `+` or `#`")]
     Share,
 }
@@ -77,7 +77,7 @@ pub fn topic(topic: &str) -> Result<(), Unfit> {
     if topic.starts_with('$') { Err(Unfit::Dollar) } else { Ok(()) }
 }
 
-/// Checks a filter, which must not be empty. A shared filter is refused for its `$`.
+/// Checks a filter, which must not be empty. A shared filter is refused because it begins with `$`.
 ///
 /// # Errors
 /// `Unfit::Long`, `Unfit::Deep`, `Unfit::Dollar` or `Unfit::Wildcards`.

@@ -32,9 +32,9 @@ pub enum PacketKind {
 pub struct Frame {
     /// The kind, from the upper half of the first byte, where 0 is malformed.
     pub kind: PacketKind,
-    /// The four flag bits beside the kind. They have been checked, except in a PUBLISH.
+    /// The four flag bits in the lower half of the first byte. They have been checked, except in a PUBLISH.
     pub flags: u8,
-    /// Length of the fixed header in bytes, 2 to 5. The body begins behind it.
+    /// Length of the fixed header in bytes, 2 to 5. The body begins after it.
     pub head: usize,
     /// Length of the whole packet in bytes, the fixed header included.
     pub length: usize,
@@ -60,14 +60,14 @@ pub enum Malformed {
     /// The packet ends within the field with this name.
     #[error("a packet ends within its {0}")]
     Short(&'static str),
-    /// The number of extra bytes behind the last field. In a PUBLISH such bytes are the payload, so they are no
-    /// error.
+    /// The number of extra bytes after the last field. In a PUBLISH such bytes are the payload, so they are no error.
     #[error("{0} bytes follow the end of a packet")]
     Trailing(usize),
     /// A field with this name is not a valid text by MQTT 5, section 1.5.4.
     #[error("the {0} of a packet is not UTF-8, or has a U+0000 in it")]
     Text(&'static str),
-    /// A byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bits beside the QoS.
+    /// A byte with a QoS of 3. In a SUBSCRIBE of MQTT 3.1.1, also a byte with any bit set that does not belong to the
+    /// QoS.
     #[error("{0:#04x} is not a QoS")]
     Qos(u8),
     /// The DUP flag is set at QoS 0, at which no message is sent twice (section 3.3.1.1).
@@ -86,8 +86,8 @@ pub enum Malformed {
     /// More filters than this broker accepts in one packet. The standard sets no limit.
     #[error("a packet names more than {PACKET_FILTERS} filters")]
     ManyFilters,
-    /// The flags have the reserved bit, a QoS of 3, or parts of a will without a will. In MQTT 3.1.1, they may also
-    /// have a password without a name (section 3.1.2).
+    /// Invalid flags of a CONNECT: the reserved bit, a QoS of 3, or flags of a will without a will. In MQTT 3.1.1,
+    /// also a password without a name (section 3.1.2).
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),
     /// The identifier of an unknown property, or of a property that this packet must not have (MQTT 5, table 2-4).
@@ -205,6 +205,7 @@ impl PacketKind {
 /// Finds the packet at the head of a stream; `None` until all of it has arrived. `limit` is the maximum length of the
 /// whole packet in bytes.
 ///
+/// # Errors
 /// When the first bytes cannot begin a valid packet, or when the packet is longer than `limit`.
 pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
     let Some(&first) = stream.first() else { return Ok(None) };

@@ -105,7 +105,7 @@ pub(crate) const LAG: usize = QUEUE / 4;
 /// Flooding publishers wait for a subscriber while messages of more than this many bytes wait for it.
 pub(crate) const LAG_BYTES: usize = QUEUE_BYTES / 4;
 
-/// After passing on messages of this weight, a client's connection checks whether readers are behind. It is a part of
+/// After passing on messages of this weight, a client's connection checks whether readers lag behind. It is a part of
 /// `LAG`, because other clients may publish at the same time.
 pub(crate) const PIECE: usize = LAG / 4;
 
@@ -119,8 +119,8 @@ pub(crate) const RELIEF_BYTES: usize = LAG_BYTES / 2;
 pub(crate) const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Longest wait of a publisher for the first subscriber that does not read. It is short, because an urgent message
-/// may come behind the messages that the publisher has sent. When several subscribers stop reading, each wait is half
-/// as long as the one before.
+/// may follow the messages that the publisher has sent. When several subscribers stop reading, each wait is half as
+/// long as the one before.
 pub(crate) const STILL: Duration = Duration::from_millis(40);
 
 /// A wait that would be shorter than this is left out.
@@ -133,7 +133,8 @@ pub(crate) const FORGIVEN: Duration = Duration::from_secs(10);
 /// Upper bound of the doubled `FORGIVEN`.
 pub(crate) const FORGIVEN_LONGEST: Duration = Duration::from_secs(640);
 
-/// If this time passes without another such wait, `FORGIVEN` starts from its first value again.
+/// If this time passes after the end of `FORGIVEN` without another wait in vain for the subscriber, the doubling
+/// starts again from the first value.
 pub(crate) const MENDED: Duration = Duration::from_secs(60);
 
 /// A message of n bytes counts as 1 + n / `LONG` messages (rounded down) when a flood is recognised.

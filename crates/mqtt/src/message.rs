@@ -25,8 +25,8 @@ pub struct Message {
     expires_at: Option<Duration>,
     /// The client that published the message. `None` for a message of the program, and for a client's will.
     publisher: Option<SubscriberId>,
-    /// The stamp of the latest retained message when this message was made. Messages that are retained later have
-    /// higher stamps.
+    /// The stamp of the message that was retained last when this message was made. A stamp is a sequence number:
+    /// messages that are retained later have higher stamps.
     pub(crate) stamp: u64,
     /// Total size in bytes of all messages in memory.
     alive: Arc<AtomicUsize>,

@@ -1,6 +1,6 @@
-//! The bytes that wait to be sent to one client, in order. Some are its own bytes. Others are payloads of long
-//! messages, which all receivers share. Buffers that grew large are released when their bytes have been sent. The
-//! limits of the outbox are not decided here.
+//! The bytes that wait to be sent to one client, in order. Some belong to this client alone. Others are payloads of
+//! long messages, which all receivers share. Buffers that grew large are released when their bytes have been sent.
+//! The limits of the outbox are not decided here.
 
 use std::collections::VecDeque;
 use std::io::IoSlice;
@@ -37,8 +37,8 @@ struct Piece {
 }
 
 impl Outbox {
-    /// The buffer to append to; its contents are sent last. A full buffer is first put behind the complete pieces, so
-    /// no buffer grows large.
+    /// The buffer to append to; its contents are sent last. A full buffer is first appended to the complete pieces,
+    /// so no buffer grows large.
     pub fn end(&mut self) -> &mut BytesMut {
         if self.last.len() > CHUNK - SPARE {
             self.seal();

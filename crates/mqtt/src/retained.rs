@@ -170,7 +170,7 @@ impl Shelf {
         !over.is_empty()
     }
 
-    /// Stores a message if the pool and the share of its key have room; otherwise returns it.
+    /// Stores a message if there is room both in total and in the share of its key; otherwise returns the message.
     fn put(&mut self, entry: RetainedEntry) -> Result<(), RetainedEntry> {
         let bytes = entry.message.cost();
         let share = match &entry.payer {

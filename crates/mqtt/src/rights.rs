@@ -29,8 +29,8 @@ pub(crate) enum Payer {
 /// The program's rules about topics. The answer for a topic is cached until the client publishes on another topic.
 /// The rules must not block. The program itself may publish anywhere.
 pub trait Rights: Debug + Send + Sync {
-    /// Whether commands are accepted on this topic. The listener gets messages on such a topic before any subscriber
-    /// does. They are never retained.
+    /// Whether commands are accepted on this topic. Messages on such a topic go to the listener before any subscriber
+    /// gets them, and are never retained.
     fn is_for_commands(&self, topic: &str) -> bool;
 
     /// Whether a client may publish on this topic. This is not called for topics of commands, where the listener

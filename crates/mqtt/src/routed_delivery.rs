@@ -34,8 +34,8 @@ pub struct RoutedDelivery {
 }
 
 impl RoutedDelivery {
-    /// Begins the delivery. The message counts as waiting for its readers at once, since flooding publishers wait for
-    /// readers that are behind.
+    /// Begins the delivery. From now on the message counts as waiting for its readers, since flooding publishers wait
+    /// for readers that lag behind.
     pub(crate) fn begin(message: Arc<Message>, readers: &[TopicReader], has_room: bool) -> RoutedDelivery {
         for reader in readers {
             reader.subscriber.expect(&message);
@@ -43,7 +43,7 @@ impl RoutedDelivery {
         RoutedDelivery { message, readers: readers.to_vec(), has_room }
     }
 
-    /// The topic. A router finds the subscribers by it.
+    /// The topic, by which a router finds the subscribers.
     #[must_use]
     pub fn topic(&self) -> &str {
         self.message.topic()

@@ -49,16 +49,17 @@ pub struct Subscriber {
     /// Weight of the messages in the queue, and of messages that a router has on their way to this subscriber.
     lag: AtomicUsize,
     waiting: Mutex<Vec<Waker>>,
-    /// The time since which every check found the subscriber behind, in milliseconds on the clock of all connections.
-    /// The value is 0 if it is not behind.
+    /// Since when every check found that the subscriber lags behind, in milliseconds on the clock of all connections.
+    /// The value is 0 if it does not lag behind.
     behind_since_ms: AtomicU64,
-    /// The time since which the client has read nothing, on the same clock. The value is 0 if it reads.
+    /// Since when the client has read nothing, in milliseconds on the clock of all connections. The value is 0 if it
+    /// reads.
     still_since_ms: AtomicU64,
-    /// The time until which no publisher waits for the subscriber, on the same clock.
+    /// Until when no publisher waits for the subscriber, in milliseconds on the clock of all connections.
     forgiven_until_ms: AtomicU64,
     /// How long no publisher waits for the subscriber after it is forgiven, in milliseconds. It doubles each time.
     forgiven_for_ms: AtomicU64,
-    /// The time when the subscriber was last forgiven, on the same clock.
+    /// When the subscriber was last forgiven, in milliseconds on the clock of all connections.
     forgiven_at_ms: AtomicU64,
     /// Messages that were retained after this stamp may be new to the subscriber, because it missed a message.
     missed: AtomicU64,
@@ -210,8 +211,8 @@ impl Subscriber {
         }
     }
 
-    /// Removes and returns the next message to send, if any. Without a window, returns no message that needs an
-    /// acknowledgement: the client has to acknowledge earlier messages first.
+    /// Removes and returns the next message to send, if any. If `has_window` is false, returns no message that needs
+    /// an acknowledgement: the client has to acknowledge earlier messages first.
     pub(crate) fn next(&self, has_window: bool) -> Option<Delivery> {
         let mut queue = self.queue();
         queue.waiting.front().filter(|next| has_window || next.qos == Qos::Zero)?;
@@ -289,7 +290,8 @@ impl Subscriber {
         is_behind
     }
 
-    /// Whether the subscriber is connected and more than `LAG` or `LAG_BYTES` behind.
+    /// Whether the subscriber is connected and lags behind: messages of more weight than `LAG`, or of more bytes than
+    /// `LAG_BYTES`, wait for it.
     pub(crate) fn lags(&self) -> bool {
         let queue = self.queue();
         queue.presence == Presence::Here && (self.lag.load(Ordering::Relaxed) > LAG || queue.bytes > LAG_BYTES)
@@ -322,8 +324,8 @@ impl Subscriber {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes whether the client has stopped reading. It has if its outbox is full, even if it reads a little now and
-    /// then. It also has if its window is full and it acknowledges nothing.
+    /// Notes whether the client has stopped reading. A client has stopped if its outbox is full, even if it reads a
+    /// little now and then. It has also stopped if its window is full and it acknowledges nothing.
     pub(crate) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
         match (is_full, is_unacknowledged) {
             (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
@@ -335,9 +337,9 @@ impl Subscriber {
     }
 
     /// Ends a publisher's wait for this subscriber. `still` is how long the publisher waits for a subscriber that
-    /// does not read. If this subscriber was behind for `still` without reading, or behind for `PATIENCE`, no
-    /// publisher waits for it for a while. This time grows with each call. Returns false if publishers have to go on
-    /// waiting, for example because the subscriber caught up in between.
+    /// does not read. If this subscriber lagged behind for `still` without reading, or for `PATIENCE`, no publisher
+    /// waits for it for a while. This time grows with each call. Otherwise nothing changes and the call returns
+    /// false, for example because the subscriber caught up in between.
     pub(crate) fn forgive(&self, now: Duration, still: Duration) -> bool {
         let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
         let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
@@ -355,8 +357,8 @@ impl Subscriber {
         true
     }
 
-    /// Notes that the subscriber has caught up. A subscriber that was forgiven only once is waited for again at once.
-    /// A subscriber that was forgiven repeatedly is not, so that it cannot slow others down by reading now and then.
+    /// Notes that the subscriber has caught up. If it was forgiven only once, publishers wait for it again at once.
+    /// If it was forgiven repeatedly, they do not, so that it cannot slow them down by reading now and then.
     fn relieve(&self) {
         self.behind_since_ms.store(0, Ordering::Relaxed);
         if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {

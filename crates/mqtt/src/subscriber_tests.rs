@@ -30,7 +30,7 @@ fn reads_down_to(subscriber: &Subscriber, most: usize) {
     }
 }
 
-/// Puts the subscriber behind, and lets a publisher wait for it for `PATIENCE`, up to the time `until`.
+/// Makes the subscriber lag behind, and lets a publisher wait for it for `PATIENCE`, up to the time `until`.
 fn stall(subscriber: &Subscriber, until: Duration) {
     owe(subscriber, LAG + 1);
     assert!(subscriber.is_behind(until - PATIENCE));
@@ -107,8 +107,8 @@ fn whoever_has_caught_up_in_between_is_not_forgiven() {
     assert!(!lag.is_behind(NOW + 2 * PATIENCE), "now it does not");
 }
 
-/// An urgent message behind a flood is not delayed for long by a subscriber that does not read, and no healthy
-/// subscriber is mistaken for one.
+/// An urgent message after a flood is not delayed for long by a subscriber that does not read. A healthy subscriber
+/// is not mistaken for such a subscriber.
 #[test]
 fn whoever_does_not_read_is_waited_for_only_a_moment() {
     let behind = || {

@@ -1,6 +1,6 @@
-//! Finds urgent messages in a client's bytes before anything else is read or checked. They are found behind any
-//! amount of other data, and even in malformed packets. Only the part of a packet that names the command has to
-//! arrive, and it may arrive in any pieces. `frame`, `packet` and `connection` find errors in packets later.
+//! Finds urgent messages in a client's bytes before anything else is read or checked. They are found after any amount
+//! of other data, and even in malformed packets. Only the part of a packet that names the command has to arrive, and
+//! it may arrive in any pieces. `frame`, `packet` and `connection` find errors in packets later.
 
 use std::collections::HashMap;
 
@@ -10,8 +10,8 @@ use super::limits::{ALIASES, PROPERTIES, TOPIC};
 use super::packet::properties::Property;
 use super::packet::{PacketFields, Version};
 
-/// Number of bytes searched in a packet that arrives in pieces. An urgent payload is at the beginning, behind the
-/// topic and the properties of MQTT 5. It is at most a few KiB long.
+/// Number of bytes searched in a packet that arrives in pieces. An urgent payload is at most a few KiB long. It
+/// begins right after the topic and the properties of MQTT 5.
 const LOOKED_AT: usize = 8 * 1024 + PROPERTIES;
 
 /// An incomplete packet is searched again when it has grown by 1/`MORE` since the last search.
@@ -155,7 +155,7 @@ impl Head {
         }
     }
 
-    /// The topic of a PUBLISH and the bytes behind it, in each possible reading. A QoS of 3 is invalid, so it is
+    /// The topic of a PUBLISH and the bytes after it, in each possible reading. A QoS of 3 is invalid, so it is
     /// unknown whether an id follows, and both readings are tried.
     fn readings(self, packet: &[u8]) -> [Option<(&[u8], &[u8])>; 2] {
         let nothing = [None, None];
@@ -174,7 +174,7 @@ impl Head {
     }
 }
 
-/// The part of a PUBLISH of MQTT 5 behind its topic and id, as far as it has arrived.
+/// The part of a PUBLISH of MQTT 5 after its topic and id, as far as it has arrived.
 #[derive(Default)]
 struct Five<'a> {
     /// A bit for each topic alias that the properties name; a valid packet names at most one.
@@ -216,7 +216,7 @@ impl<'a> Five<'a> {
                 correlation = Some(data);
             }
         }
-        // Behind an invalid property it is unknown where the next property begins. So any three bytes that look like
+        // After an invalid property it is unknown where the next property begins. So any three bytes that look like
         // an alias count as one.
         for said in fields.rest().windows(3) {
             if let [ALIAS, high, low] = said {
@@ -303,7 +303,7 @@ mod tests {
     }
 
     proptest! {
-        /// Other packets may come before it, and the bytes may arrive in any pieces.
+        /// Other packets may come before the urgent message, and the bytes may arrive in any pieces.
         #[test]
         fn every_urgent_message_is_found_once_and_where_it_begins(
             packets in prop::collection::vec(any_packet(), 1..8),
@@ -386,7 +386,7 @@ mod tests {
         assert!(found(&mut search, [&stop[..]]).is_empty(), "nobody knows where it begins");
     }
 
-    /// In MQTT 5, properties stand before the payload.
+    /// In MQTT 5, properties come before the payload.
     #[test]
     fn a_word_is_found_behind_the_properties_of_mqtt_5_when_that_is_spoken() {
         let plain = publish(0x30, "word", b"\0stop");

@@ -111,8 +111,8 @@ impl Colour {
 }
 
 impl Bag {
-    /// Makes a piece that has no description in its file, such as a piece of a benchmark map. Its number determines
-    /// kind and colour, so that neighbouring pieces differ.
+    /// Makes a piece that has no description in its file, such as a piece of a benchmark map. The piece's number
+    /// determines kind and colour, so that neighbouring pieces differ.
     pub(crate) fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
         Bag::of_kind(BagKind::ALL[pick(piece, BagKind::ALL.len(), 1)], piece, cells)
     }

@@ -12,7 +12,7 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// Makes a curve from keyframes (seconds, °C), which must be sorted by time. Returns `None` if there are none.
+    /// Makes a curve from keyframes (seconds, °C), which must be sorted by time. Returns `None` if `keys` is empty.
     pub(super) fn through(keys: Vec<(f64, Celsius)>) -> Option<Curve> {
         (!keys.is_empty()).then_some(Curve { keys })
     }
@@ -25,13 +25,14 @@ impl Curve {
         self.at_s(since_start.as_secs_f64())
     }
 
-    /// The first whole second after `after` at which the temperature in tenths of a degree is not `shown`.
+    /// The first whole second later than `after` at which the temperature, rounded to tenths of a degree, differs
+    /// from `shown`.
     pub(super) fn next_change(&self, after: u64, shown: i64) -> Option<u64> {
         let differs = |second: u64| tenths(self.at_s(seconds(second))) != shown;
         let mut first = after + 1;
         for (at, _) in &self.keys {
-            // Between two keyframes the temperature only rises or only falls. So once it differs from `shown`, it
-            // differs up to the second before the next keyframe.
+            // Between two keyframes the temperature only rises or only falls. So once the temperature differs from
+            // `shown`, it keeps differing up to the second before the next keyframe.
             let last = whole_second_before(*at);
             if first > last {
                 continue;
@@ -66,8 +67,8 @@ pub(super) fn tenths(temperature: Celsius) -> i64 {
     (temperature.degrees() * 10.0).round() as i64
 }
 
-/// The first second in `first..=last` for which `holds` is true. `holds` must be true at `last`, and stay true once
-/// it is.
+/// The first second in `first..=last` for which `holds` is true. Once `holds` is true, it must stay true up to
+/// `last`, and it must be true at `last`.
 fn first_that(mut first: u64, mut last: u64, holds: impl Fn(u64) -> bool) -> u64 {
     while first < last {
         let middle = first + (last - first) / 2;

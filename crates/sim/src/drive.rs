@@ -93,8 +93,8 @@ impl Chassis {
 /// Returns the same angle in `-π..=π`.
 #[must_use]
 pub fn normal(angle: f64) -> f64 {
-    // An angle within these limits is returned unchanged to the last bit. So a body that has not moved is still
-    // exactly at the centre.
+    // An angle within these limits is returned unchanged to the last bit. So a body that has not moved still equals
+    // its exact centred pose.
     if angle.abs() <= PI {
         return angle;
     }

@@ -5,8 +5,8 @@ use super::bag::Bag;
 use super::hall::{Hall, Truth};
 use hallsweep_core::units::{Cell, Piece};
 
-/// The 64-bit FNV-1a hash. It is the same on every machine and in every version. The standard library's hashes are
-/// not.
+/// The 64-bit FNV-1a hash. Unlike the standard library's hashes, it is the same on every machine and in every
+/// version.
 pub(super) struct Fingerprint(u64);
 
 impl Fingerprint {

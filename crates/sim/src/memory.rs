@@ -1,5 +1,5 @@
-//! What a real robot and its hall would still be like after the program has died: the robot's place, its motion, the
-//! age of the hall. The program that runs the robot stores this state, and `simulator::recall` continues from it.
+//! The state that remains after the program has died, as with a real robot and hall: the robot's place, its motion,
+//! the age of the hall. The program that runs the robot stores this state, and `simulator::recall` continues from it.
 //!
 //! ```text
 //!            pose: the cell and heading of the last completed order
@@ -31,7 +31,7 @@ const ROUNDING: i64 = 2;
 pub struct SimMemory {
     /// The cell and heading of the robot after its last completed order.
     pub pose: Pose,
-    /// Distance of the robot outside the hall from home, in steps, before the entrance. 0 if it is in the hall.
+    /// Number of steps from home to a robot that stands outside, before the entrance. 0 if the robot is in the hall.
     pub outside: u8,
     pub stands: Astray,
     pub taken: Taken,
@@ -174,7 +174,8 @@ impl Astray {
         BodyPose { x_m: centre.x_m + ahead_m * dx, y_m: centre.y_m + ahead_m * dy, theta }
     }
 
-    /// The point on the way to `end` after this share (0–1) of the way. A motion has constant speed.
+    /// The point that is reached on the way to `end` after this share (0–1) of the motion's time. The speed is
+    /// constant.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a cell and a turn")]
     fn towards(self, end: Astray, share: f64) -> Astray {
         let between = |from: i64, to: i64| from + ((to - from) as f64 * share) as i64;

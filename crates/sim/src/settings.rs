@@ -1,4 +1,5 @@
-//! The settings of the simulated robot. Where the settings come from and the speed of simulated time are not here.
+//! The settings of the simulated robot. The program that runs the robot reads the settings, and sets the speed of
+//! simulated time.
 
 use std::time::Duration;
 
@@ -35,8 +36,8 @@ pub struct SimSettings {
 pub enum Camera {
     #[default]
     Rendered,
-    /// A picture of only two pixels that still differ from piece to piece. For runs in which nobody looks at the
-    /// photos.
+    /// A picture of only two pixels, which still differs from piece to piece. It is for runs in which nobody looks at
+    /// the photos.
     Stub,
 }
 

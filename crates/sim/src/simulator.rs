@@ -42,7 +42,8 @@ pub struct Sim {
     now: Duration,
     /// The cell and heading of the robot after its last completed order.
     pose: Pose,
-    /// Distance of the robot outside the hall from home, in steps. It faces the entrance. 0 if it is in the hall.
+    /// Number of steps from home to a robot that stands outside and faces the entrance. 0 if the robot is in the
+    /// hall.
     outside: u8,
     /// Where the robot really stands while it does not move.
     body: BodyPose,
@@ -365,7 +366,8 @@ impl Sim {
 }
 
 impl Work {
-    /// When the work ends. `None` while a photo is being developed elsewhere, because the end then depends on that.
+    /// When the work ends. `None` while a photo is being developed elsewhere, because the work then ends when the
+    /// photo is ready.
     const fn ends(&self) -> Option<Duration> {
         match self {
             Work::Drive { motion, .. } => Some(motion.ends),

@@ -41,8 +41,8 @@ pub(super) fn cells_in_range(cell_m: f64) -> u16 {
     (RANGE_M / cell_m - (0.5 - BODY_HALF)).floor().max(0.0) as u16
 }
 
-/// How far a robot can drive from the centre of its cell before it touches a wall or luggage in the next cell. In
-/// cells. `None` if the next cell is free.
+/// Distance that a robot can drive from the centre of its cell before it touches a wall or luggage in the next cell,
+/// in cells. `None` if the next cell is free.
 pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
     inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
 }

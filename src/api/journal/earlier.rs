@@ -1,6 +1,7 @@
 //! Reads entries of earlier versions. Up to format 4, the journal stored requests, refusals and causes as English
 //! sentences. Each sentence becomes the code with fields that later formats store. The sentences here are those of
-//! the earlier versions, whatever the program says today. A sentence that no earlier version wrote is left as it is.
+//! the earlier versions, and must not follow today's wording. A sentence that no earlier version wrote stays a
+//! sentence.
 
 use serde_json::{Map, Value, json};
 
@@ -190,8 +191,8 @@ fn one_of<'s>(sentences: impl IntoIterator<Item = &'s Sentence>, words: &str) ->
     })
 }
 
-/// Compares `words` with a sentence, and returns the values of the sentence's fields; `None` if they do not match.
-/// Text between two fields is searched from the left.
+/// Compares `words` with a sentence, and returns the values of the sentence's fields; `None` if they do not match. If
+/// the text between two fields occurs several times, the leftmost occurrence that fits is used.
 fn fields(sentence: &str, words: &str) -> Option<Map<String, Value>> {
     let Some((before, behind)) = sentence.split_once('{') else { return (sentence == words).then(Map::new) };
     let words = words.strip_prefix(before)?;
@@ -265,8 +266,8 @@ fn cell(words: &str) -> Option<Value> {
     Some(json!({ "x": side(x)?, "y": side(y)? }))
 }
 
-/// Reads holds separated by `; `. The reason of a store's failure may come before the holds. The reason may contain
-/// `; ` itself, so the known holds are split off from the end, and the rest is the reason.
+/// Reads holds separated by `; `. The reason why the store cannot write may come before the holds. This reason may
+/// contain `; ` itself. So the known holds are split off from the end, and the rest is the reason.
 fn held(sentence: &str) -> Option<Value> {
     let mut rest = sentence.strip_prefix("not possible while held: ")?;
     let mut holds = Vec::new();

@@ -37,8 +37,8 @@ pub(super) enum Shape {
         file: String,
         digest: String,
     },
-    /// All entries before this one come from this archive file. The archive begins after the entry `behind`. The page
-    /// of that entry has the digest `page`.
+    /// All entries before this one come from this archive file. The archive file begins after the entry with the
+    /// number `behind`. The page of the entry `behind` has the digest `page`.
     Unpacked {
         file: String,
         digest: String,

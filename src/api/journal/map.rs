@@ -38,7 +38,7 @@ pub(super) fn rows(map: &HallMap) -> Vec<Row> {
 
 pub(super) fn map(rows: &[Row]) -> Result<HallMap, Unparsed> {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
-    // A new map already knows the home cell. Here every cell must come from the stored map, home too.
+    // A new map has a mark at the home cell. The mark is removed, because all marks must come from the stored map.
     map.mark(Cell::HOME, Mark::Unknown, Revision(1));
     rows.iter().try_for_each(|row| draw(&mut map, row))?;
     Ok(map)

@@ -1,5 +1,5 @@
-//! Reasons of refusals in the journal. If a door refused in its own words, these words are stored beside the code, in
-//! every version.
+//! Reasons of refusals in the journal. A refusal that a door wrote in its own words is stored with its code and these
+//! words.
 
 use serde_json::{Value, json};
 
@@ -49,7 +49,8 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
     Coded::new(refused.code(), fields)
 }
 
-/// Reads a refusal. Only refusals by doors, of earlier versions and in exported lines have a sentence.
+/// Reads a refusal. A sentence beside the code occurs only in three cases: a door refused in its own words, an
+/// earlier version wrote the refusal, or the line was exported.
 pub(super) fn read(coded: &Coded) -> Result<Refused, Unparsed> {
     let Some(words) = coded.field::<Option<String>>("words")? else { return value(coded) };
     let earlier = earlier::refused(&coded.code, &words).and_then(|coded| value(&coded).ok());

@@ -77,7 +77,9 @@ impl RetrievalShape {
 
 /// Checks how far outside the hall a robot stands, in steps from home. A distance above `Place::FURTHEST` is refused.
 pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
-    (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("no robot can stand {steps} steps outside")))
+    (steps <= Place::FURTHEST)
+        .then_some(steps)
+        .ok_or_else(|| Unparsed(format!("no robot can stand {steps} steps outside the hall")))
 }
 
 pub(super) fn outside(shapes: &BTreeMap<String, u8>) -> Result<BTreeMap<RobotId, u8>, Unparsed> {

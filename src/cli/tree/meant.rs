@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use behaviour_trees::{Catalogue, Document, Element, Tree, mock};
 
-/// Stands for all leaves without a mock of their own.
+/// The name that means every leaf without a mock of its own.
 const ALL_OTHERS: &str = "*";
 
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +25,8 @@ pub(super) fn check(all: &[Meant<'_>], document: &Document, tree: &Tree, catalog
 /// A leaf's path, name and kind.
 type Leaf<'a> = [&'a str; 3];
 
-/// The leaves of the tree, then the leaves of the whole file. The leaves of the file have no path, so their name
-/// takes its place.
+/// The leaves of the tree, then the leaves of the whole file. A leaf of the file has no path, so its name is used as
+/// the path.
 fn leaves<'a>(document: &'a Document, tree: &'a Tree) -> Vec<Leaf<'a>> {
     let name = |leaf: &'a Element| leaf.name.as_deref().unwrap_or(&leaf.id);
     let of_file = mock::leaves(document).into_iter().map(|leaf| [name(leaf), name(leaf), &*leaf.id]);

@@ -1,5 +1,6 @@
-//! Tells the loop of this door that there is a newer state, at a limited rate. Tells the endpoint which subjects may
-//! be sent to observers again. The endpoint finds out which of them have changed.
+//! Tells the loop of this door, at a limited rate, that there is a newer state. Also tells the endpoint which
+//! subjects may be sent to observers again; a subject is what several observers watch. The endpoint finds out which
+//! subjects have changed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

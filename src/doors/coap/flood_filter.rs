@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
-/// Maximum strictness: one of 2^7 datagrams of a kind passes. If this machine sends to itself as fast as it can, that
-/// is still some thousand a second.
+/// Maximum strictness: one of 2^7 datagrams of a kind passes. Even then some thousand datagrams a second pass if this
+/// machine sends to itself as fast as it can.
 const FINEST: u32 = 7;
 
 /// Time without overload after which twice as many datagrams pass.
@@ -32,7 +32,7 @@ pub(super) struct FloodFilter {
     words: &'static [[u8; 4]],
     /// Strictness for reads, commands and signs. With the value n, one of 2^n datagrams passes.
     fine: [u32; 3],
-    /// Time of the last change or flood. More datagrams pass when `CALM` has passed since then.
+    /// Time of the last change or flood. The filter becomes less strict when `CALM` has passed since then.
     since: Duration,
 }
 
@@ -94,8 +94,8 @@ impl FloodFilter {
     }
 }
 
-/// Builds the filter as a program for the classic Berkeley packet filter. It sees a datagram from the UDP header on.
-/// It drops a datagram that is shorter than the position it reads.
+/// Builds the filter as a program for the classic Berkeley packet filter. The program sees each datagram from its UDP
+/// header on. A datagram that ends before the position that the program reads is dropped.
 #[cfg(target_os = "linux")]
 fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
     use socket2::SockFilter;
@@ -107,7 +107,8 @@ fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2
     let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
     let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
     let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
-    // These four steps let a random share of the datagrams pass. The others continue with the next step.
+    // These four steps let a random share of the datagrams pass. For the other datagrams, the filter continues after
+    // these steps.
     let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
     let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
     steps.extend(one_in(reads));
@@ -184,7 +185,7 @@ mod tests {
         assert!(stops.iter().all(|stop| FloodFilter::new(WORDS).kind(stop) == 3));
     }
 
-    /// `kind` must give each datagram the kind by which the system filters it.
+    /// `kind` must return the same kind as the one by which the system filters the datagram.
     #[test]
     fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
         let filter = FloodFilter::new(WORDS);

@@ -26,13 +26,13 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// sockets of this thread get their turns.
 const TURN: Duration = Duration::from_millis(1);
 
-/// Maximum time in one turn for receiving, and again for answering urgent requests. `HEARING_BYTES` limits the bytes
-/// of each.
+/// Maximum time in one turn for receiving datagrams. Answering urgent requests may take the same time once more.
+/// `HEARING_BYTES` limits the bytes of each of the two.
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
-/// Maximum number of turns in a row in which only urgent requests are answered. More datagrams are received in that
-/// many turns than the system queues for a socket.
+/// Maximum number of turns in a row in which only urgent requests are answered. In that many turns, more datagrams
+/// are received than fit into the system's queue for a socket.
 const HEARINGS: u32 = 20;
 
 struct Driver<A> {
@@ -88,7 +88,7 @@ pub async fn serve<A: Application>(
 
 impl<A: Application> Driver<A> {
     /// Handles received datagrams for a limited time. If more arrive than can be answered, receiving comes first. So
-    /// a STOP behind the datagrams of others is found (safety S1, S7).
+    /// a STOP that follows the datagrams of other senders is found (safety S1, S7).
     async fn turn(&mut self) {
         if self.backlog.has_urgent() {
             // Nothing is received while a STOP waits. Otherwise a datagram that came later could be handled before
@@ -177,8 +177,8 @@ impl<A: Application> Driver<A> {
         self.settle(now);
     }
 
-    /// Passes requests to the application and datagrams to the network, until none are left. Beyond the maximum
-    /// number under way, commands are refused.
+    /// Passes requests to the application and datagrams to the network, until none are left. When the maximum number
+    /// of commands is under way, further commands are refused.
     fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (kind, asked) = (RequestKind::of(request.method), &self.application);
@@ -213,8 +213,8 @@ impl<A: Application> Driver<A> {
 }
 
 /// Whether the datagrams of an overloaded turn are a flood: more than harmless clients send. A few datagrams in a
-/// whole turn are no flood. In such a turn this thread had to wait for others, and a filter would drop datagrams of
-/// innocent clients.
+/// whole turn are no flood. In such a turn this thread had to wait for other threads, and a filter would drop
+/// datagrams of innocent clients.
 fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }

@@ -11,8 +11,8 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// Requested size of each of the two buffers in bytes, because all observers may acknowledge at the same time. If a
-/// datagram does not fit, the client sends it again.
+/// Requested size in bytes of the receive buffer and of the send buffer. They are large, because all observers may
+/// acknowledge at the same time. If a datagram does not fit, the client sends it again.
 const ROOM: usize = 4 * 1024 * 1024;
 
 /// Maximum size of a datagram in bytes. No datagram is longer, so none is cut off, and the endpoint can recognise a

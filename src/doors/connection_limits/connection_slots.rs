@@ -48,7 +48,7 @@ struct SlotTable {
     held: usize,
     holders: HashMap<u64, SlotHolder>,
     /// The order of eviction. It is kept sorted, because searching all connections for each newcomer would delay the
-    /// STOPs of others.
+    /// STOPs of other senders.
     queues: EvictionQueues,
 }
 
@@ -184,8 +184,8 @@ impl SlotTable {
         self.holders.len() < most || self.cut(yielding.first)
     }
 
-    /// Ensures that one more connection of this kind fits within `most`, and evicts one if necessary. Returns false
-    /// if none can be evicted.
+    /// Ensures that one more connection of this kind fits within `most`, and evicts a connection if necessary.
+    /// Returns false if no connection can be evicted.
     fn bounded(&mut self, most: usize, head: QueueHead) -> bool {
         head.many < most || self.cut(head.first)
     }

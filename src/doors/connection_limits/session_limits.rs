@@ -48,7 +48,7 @@ pub(in crate::doors) struct SessionLimits(Arc<Mutex<SessionTable>>);
 
 #[derive(Debug)]
 struct SessionTable {
-    /// Maximum number of all sessions. One key may have `share` of them, and another `share` is reserved for
+    /// Maximum number of all sessions. One key may have at most `share` of them. The same number is reserved for
     /// operators.
     most: usize,
     share: usize,

@@ -36,8 +36,8 @@ pub(super) fn range(text: &str) -> Option<(&str, f32)> {
     Some((media, quality.map_or(1.0, |q| q.parse::<f32>().unwrap_or(0.0).clamp(0.0, 1.0))))
 }
 
-/// Returns the quality of an offer, and how exactly a range of the header names it. If several ranges match, the most
-/// exact one counts.
+/// Returns the quality that the header gives to an offer, and how exactly the matching range names the offer. If
+/// several ranges match, the most exact range counts.
 fn rank(offer: &str, ranges: &[(&str, f32)]) -> (f32, u8) {
     let family = offer.split('/').next().unwrap_or_default();
     let exactness = |media: &str| match media.strip_suffix("/*") {

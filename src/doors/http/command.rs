@@ -29,8 +29,8 @@ pub(super) async fn stop(sender: CommandSender) -> CommandAnswer {
     give(&sender, Command::Stop, None).await
 }
 
-/// Carries out any command except STOP. `number` is the number of the luggage or alarm that the command is about. A
-/// move that was recognised as a STOP is carried out as STOP, whatever else the request contains.
+/// Handles every command route except that of STOP. `number` is the number of the luggage or alarm that the command
+/// is about. If the body of a `move` says STOP, the request is carried out as STOP, whatever else it contains.
 pub(super) async fn command(
     kind: CommandKind,
     sender: CommandSender,
@@ -74,7 +74,7 @@ impl FromRequestParts<HttpDoor> for CommandSender {
 }
 
 impl CommandSender {
-    /// Whether a STOP was recognised in this request. Other faults in the request do not matter.
+    /// Whether a STOP was recognised in this request, even if the request has faults.
     pub(super) fn has_pressed_stop(&self) -> bool {
         self.pressed.as_ref().is_some_and(Pressed::is_there)
     }
@@ -103,8 +103,8 @@ impl CommandSender {
     }
 }
 
-/// Reads the command id from the header `Idempotency-Key`. The id is bare, or quoted as in the draft of the header (a
-/// structured string, RFC 9651).
+/// Reads the command id from the header `Idempotency-Key`. The id may have no quotes, or be quoted as in the draft of
+/// this header (a structured string, RFC 9651).
 pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };

@@ -11,7 +11,7 @@ pub(super) fn tag(run: &str, revision: impl std::fmt::Display, format: &str) -> 
 }
 
 /// Answers 304 when the client already has this version, otherwise with the result of `body`. Both answers carry the
-/// tag. Clients must ask again each time.
+/// tag, and tell the client to ask again before each use (`no-cache`).
 pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() -> Response) -> Response {
     let mut response = if is_known(request, tag) { StatusCode::NOT_MODIFIED.into_response() } else { body() };
     let tag = HeaderValue::from_str(tag).expect("a tag is a run id, a number and a format, all printable");

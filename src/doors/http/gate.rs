@@ -85,7 +85,7 @@ impl HttpDoor {
         self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
     }
 
-    /// Returns the owner of any valid key in these headers. Wrong keys beside it do not matter.
+    /// Returns the owner of any valid key in these headers. Further keys that are wrong do not matter.
     pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
         let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
         by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
@@ -150,8 +150,8 @@ pub(super) fn by_path(path: &str) -> command::Door {
 }
 
 /// Answers a sender without credentials. A browser that requests a page is redirected to the sign-in page, which
-/// leads back afterwards. For any other request of a browser, the sign-in page says that the command was not carried
-/// out. A program gets a problem that says what to send.
+/// leads back to the requested page. For any other request of a browser, the sign-in page says that the command was
+/// not carried out. A program gets a problem that says what to send.
 fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
         door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
@@ -168,7 +168,7 @@ fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
 }
 
 /// Returns the credentials of a request. A bearer token takes precedence over the cookie. Any other kind of
-/// authorization is meant for a proxy; the cookie counts then.
+/// authorization is meant for a proxy; in that case the cookie is used.
 fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
     if let Some(token) = tokens(headers).next() {
         return Shown::Token(token);

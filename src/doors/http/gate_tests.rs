@@ -16,8 +16,8 @@ const PERSON: (&str, &str) = ("accept", "text/html,*/*;q=0.8");
 /// A request (method, path, headers, body), and its answer (status, problem code).
 type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a str);
 
-/// Returns the recorded refusals. Records pass through the loop's queue in order. When a STOP sent after them is
-/// answered, all of them are recorded.
+/// Returns the recorded refusals. The loop handles its queue in order, so when it answers this STOP, all earlier
+/// refusals are recorded.
 async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
     assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
     let noted = std::mem::take(&mut *app.noted.lock().unwrap());

@@ -55,7 +55,7 @@ impl Hosts {
         Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
     }
 
-    /// Whether a host is this program. The host may have a port.
+    /// Whether a host name means this program. A port after the name is ignored.
     fn knows(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let name = plain(authority.host());

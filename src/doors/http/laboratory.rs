@@ -31,7 +31,7 @@ use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
 
 /// Limits for runs that are being computed or wait. A run takes less than a tenth of a second. A key may have at most
-/// three runs. Four of the twelve places are reserved for keys that have fewer than two.
+/// three runs. Four of the twelve places are reserved for keys that have fewer than two runs.
 const RUNS: QuotaLimits = QuotaLimits { most: 12, of_one_key: 3, kept: 4, few: 2 };
 
 /// Computes one run after the other. Many users of the laboratory therefore occupy only one thread, and STOP does not
@@ -195,7 +195,7 @@ mod tests {
         assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
     }
 
-    /// Safety S9: one run is computed while others wait. A key may have only a few of them.
+    /// Safety S9: one run is computed while others wait. The number of runs of one key is limited.
     #[tokio::test]
     async fn one_key_has_a_few_runs_and_some_places_are_kept_for_keys_that_have_few() {
         let places = Laboratory::default().places;

@@ -20,8 +20,8 @@ struct Late {
 }
 
 impl Lines {
-    /// Writes a line, unless this span already has its maximum. `now` is the time since this door was created. Before
-    /// the next written line, the number of omitted lines is logged.
+    /// Writes a line, unless `MOST` lines were already written in the present `SPAN`. `now` is the time since this
+    /// door was created. If lines were omitted, their number is logged before the next line.
     pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
         let left_out = {
             let mut late = self.0.lock().unwrap_or_else(PoisonError::into_inner);

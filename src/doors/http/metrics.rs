@@ -37,7 +37,7 @@ pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) ->
 }
 
 /// Converts OpenMetrics to the text format of Prometheus, version 0.0.4. In that format, the family of a counter has
-/// the same name as its samples. An info metric is a gauge. Units and the end mark do not exist.
+/// the same name as its samples. An info metric is a gauge. The format has no units and no end mark.
 fn in_text_format(open_metrics: &str) -> String {
     let mut text = String::with_capacity(open_metrics.len());
     let mut help = "";

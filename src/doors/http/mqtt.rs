@@ -39,16 +39,16 @@ const READ: usize = 4 * 1024;
 /// Maximum size of a client's WebSocket message in bytes: the size of the largest allowed MQTT packet, and some room.
 const LONGEST: usize = 512 * 1024;
 
-/// Maximum number of bytes that wait for a client that does not read, answers to its pings included. Beside those
-/// answers, a message of the broker still fits.
+/// Maximum number of unsent bytes for a client that does not read. They include the answers to the client's pings.
+/// There is room for these answers and for one more message of the broker.
 const UNREAD: usize = 3 * BETWEEN;
 
 /// Maximum time for sending the remaining bytes after the broker has dropped a client. Also the maximum time for the
 /// closing message.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Maximum number of connections that are still closing after the broker has dropped them. The broker does not count
-/// these.
+/// Maximum number of connections that are still closing after the broker has dropped them. The broker's own limit
+/// does not count these connections.
 const LEAVING: usize = 64;
 
 #[derive(Debug)]
@@ -105,8 +105,8 @@ impl fmt::Debug for Hall {
     }
 }
 
-/// `GET mqtt`: opens a WebSocket. A browser lets pages of other origins open one too, and sends the cookies along.
-/// Such requests are refused here, as a POST from another origin would be.
+/// `GET mqtt`: opens a WebSocket. Browsers also let pages of other origins open a WebSocket, and send the cookies
+/// along. Such requests are refused here, as a POST from another origin would be.
 pub(super) async fn mqtt(
     State(door): State<HttpDoor>,
     peer: Peer,
@@ -171,7 +171,7 @@ async fn carry(
 }
 
 /// Waits until the broker has dropped the client. Then gives the client time to read the remaining bytes, unless the
-/// connection is evicted for others.
+/// connection is evicted before.
 async fn left(let_go: oneshot::Receiver<()>, leaving: PendingConnections, address: IpAddr) {
     let _ = let_go.await;
     leaving.linger(address, tokio::time::sleep(FAREWELL)).await;

@@ -27,7 +27,8 @@ impl Peer {
     }
 }
 
-/// Reads the sender that the gate has stored. On a route without a gate there is none, and the request is refused.
+/// Reads the sender that the gate has stored. On a route without a gate no sender is stored, and the request is
+/// refused.
 impl<S: Send + Sync> FromRequestParts<S> for LetIn {
     type Rejection = Problem;
 

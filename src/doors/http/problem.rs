@@ -20,8 +20,8 @@ pub(super) struct Detail {
     pub(super) of_core: Option<Refused>,
 }
 
-/// Returns the text of a problem without a `Refused`. The text for a refusal by the core needs the values in its
-/// `Refused`. Without them, the English detail is shown.
+/// Returns the text of a problem that has no `Refused` value. The phrase of a refusal by the core cannot be made
+/// without that value, so such a refusal gets a general phrase with the English detail.
 pub(super) fn in_words(language: Language, code: &str, detail: &str) -> String {
     let code = if CODES.iter().any(|(known, _)| *known == code) { "refused" } else { code };
     language.say_of("problem", code).with("detail", detail).to_string()

@@ -40,7 +40,8 @@ impl Query {
         self.only_with_many(known, &[])
     }
 
-    /// Refuses a query with a name that is in neither list, or with a name of `once` that occurs twice.
+    /// Refuses a query with a name that is in neither list, or with a name that is in `once` and occurs several
+    /// times.
     pub(super) fn only_with_many(&self, once: &[&str], many: &[&str]) -> Result<(), Problem> {
         for (name, values) in &self.0 {
             let is_single = once.contains(&name.as_str());

@@ -28,7 +28,7 @@ pub(super) const HALL_BYTES: usize = 64 * 1024;
 /// Maximum size in bytes of a compressed hall file after unpacking. A large image fits.
 const UNPACKED_BYTES: u64 = 4 * 1024 * 1024;
 
-/// Maximum size of a form's other fields beside the hall, in bytes.
+/// Maximum size of all fields of a form other than the hall, in bytes.
 const BESIDE_HALL: usize = 4 * 1024;
 
 /// Time before the rate of a body is checked for the first time.
@@ -43,10 +43,10 @@ pub(super) struct JsonPayload {
     body: Bytes,
 }
 
-/// A JSON body that may be as large as a hall.
+/// A JSON body that contains a hall, at most `HALL_BYTES` long.
 pub(super) struct HallPayload(pub(super) JsonPayload);
 
-/// A hall file as it was sent, at most as large as a hall. A larger file can be sent compressed.
+/// A hall file as it was sent, at most `HALL_BYTES` long. A larger file can be sent compressed.
 pub(super) struct HallFile {
     bytes: Bytes,
     is_packed: bool,
@@ -54,7 +54,7 @@ pub(super) struct HallFile {
 
 pub(super) struct Form<T>(pub(super) T);
 
-/// The fields of a form. One field may be as large as a hall.
+/// The fields of a form that contains a hall. The body has at most `HALL_BYTES + BESIDE_HALL` bytes.
 pub(super) struct HallForm<T>(pub(super) T);
 
 pub(super) struct Named(pub(super) String);
@@ -287,7 +287,7 @@ fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     }
 }
 
-/// Returns a field of a form without blanks around it. A missing or empty field is refused.
+/// Returns a field of a form without white space at its ends. A missing or empty field is refused.
 pub(super) fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
     let given = value.map(str::trim).filter(|text| !text.is_empty());
     given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))

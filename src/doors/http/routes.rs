@@ -214,8 +214,8 @@ fn old_console() -> Vec<RouteRow> {
 pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);
-    // Routes that require a right answer a wrong method differently from the other routes. A row that answers wrong
-    // methods itself keeps its own answer.
+    // For routes that require no right, everyone gets status 405 for a wrong method. For all other routes, only
+    // senders who may look get this status. A row that answers wrong methods itself keeps its own answer.
     let with = |router: Router<HttpDoor>, rows: Vec<RouteRow>, need| {
         let route = |router: Router<HttpDoor>, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))

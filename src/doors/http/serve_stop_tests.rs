@@ -57,7 +57,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
     stops(&app, 40).await;
 }
 
-/// Safety S8: the answer is the one to a STOP.
+/// Safety S8: if the request reaches its handler, it gets the answer to a STOP.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     let (app, address) = open_app(SLOTS).await;
@@ -251,7 +251,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
             halted += 1;
             stops(&app, halted).await;
             let mut pieces = client(address, &beginning);
-            // This status shows that the body was read so far.
+            // This status shows that the bytes sent so far were read.
             assert_eq!(answered(&mut pieces), format!("HTTP/1.1 {status}"), "{headers}");
             pieces.write_all(br#"","move":"h""#).unwrap();
             halted += 1;

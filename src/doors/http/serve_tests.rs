@@ -202,7 +202,7 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
 }
 
 /// Safety S8, S9: the bytes of such a connection are not HTTP, even if they look like it. The connection has no
-/// slot, and is not evicted for another one.
+/// slot, and is not evicted to make room.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot() {
     let mut app = app(searching());

@@ -1,5 +1,5 @@
-//! The state as one open stream sees it: always the newest snapshot, never a queue. A slow reader misses the states
-//! between. When the program ends, all streams end at once. `events` and the console's `live` decide what is sent.
+//! The state as one open stream sees it: always the newest snapshot, never a queue. A slow reader misses intermediate
+//! states. When the program ends, all streams end at once. `events` and the console's `live` decide what is sent.
 
 use std::sync::Arc;
 use std::time::Duration;

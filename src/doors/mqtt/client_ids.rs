@@ -11,8 +11,8 @@ use tokio::sync::{Notify, watch};
 use crate::runtime::clock::Clock;
 use mqtt_gate::Session;
 
-/// Maximum number of clients that are remembered now or have a reserved place for later. Beyond it an absent client
-/// is forgotten. Of the owner with the most remembered clients, the one that connected first is forgotten.
+/// Maximum number of clients that are remembered now or have a reserved place for later. When the maximum is reached,
+/// an absent client is forgotten: of the owner with the most remembered clients, the client that connected first.
 const REMEMBERED: usize = 128;
 
 /// Maximum time that a new client waits until an older client with the same name has left.

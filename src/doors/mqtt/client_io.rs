@@ -231,7 +231,7 @@ impl ClientIo {
         if came || goes_on {
             self.connection.handle_come(self.clock.since_start());
         }
-        // Messages to other clients are passed on before the client gets their acknowledgements.
+        // Messages of this client are passed on to other clients before this client gets the acknowledgements.
         let told = !(heard && length == TurnLength::Short) && self.tell_client(cx)?;
         self.connection.handle_timeout(self.clock.since_start())?;
         Ok(told || heard || came || goes_on)

@@ -1,6 +1,6 @@
 //! Serves one client. While there is little traffic, the hearing thread serves it, because waking another thread
 //! takes longer than passing on a short message. Otherwise a task of its own serves it, on the gate's thread. Only
-//! one of the two has access to `client_io` at a time, which works the same for both.
+//! one of these two threads uses `client_io` at a time, and `client_io` works in the same way on both.
 //!
 //! ```text
 //!   hear-mqtt  a message ─► Feeder::put wakes the publisher's service ─► ClientIo ─► Subscriber::put wakes a reader's ─► ClientIo ─► its socket

@@ -144,7 +144,7 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     }
 }
 
-/// A client that will be remembered gets no such notice. Neither does a client that does not want to be remembered.
+/// A client that wants to be remembered and cannot be is told so. Other clients get no such notice.
 #[test]
 fn a_client_of_mqtt_5_that_cannot_be_remembered_is_told_so() {
     let told = |session_expiry_s, is_remembered| {

@@ -1,6 +1,6 @@
-//! Runs on the hearing thread (safety S7). It reads a client's input in turns, searches it for a STOP, which halts at
-//! once, and passes it on. All other work for a client is done on other threads, apart from short turns of
-//! `client_service`.
+//! Runs on the hearing thread (safety S7). Reads the input of each client in turns, searches it for a STOP, and passes
+//! all input on. A STOP halts the robot as soon as it is found. All other work for a client is done on other threads,
+//! apart from short turns of `client_service`.
 
 use std::cell::RefCell;
 use std::io;

@@ -101,7 +101,7 @@ fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
             // Topics on which no client may publish.
             5 => raw(0x30, &[topic, junk_of_topics(id)].concat(), None, payload),
             6 => raw(0x30, &[b"/", topic].concat(), None, payload),
-            // The STOP is followed by bytes that are not a packet, or stands between packets that no client sends.
+            // The STOP is followed by bytes that are not a packet, or is sent between packets that no client sends.
             7 => [plain, vec![0x30, 0x80, 0x80, 0x80, 0x80]].concat(),
             _ => [vec![0xF7, 1, 7], plain, vec![0x20, 0]].concat(),
         }
@@ -155,8 +155,8 @@ async fn nothing_else_halts() {
     assert_eq!(scene.halted().await, 0);
 }
 
-/// Safety S1: each STOP halts although the input is not taken. The first is behind many bytes, the second is sent
-/// while the first still waits. The third was received before the connection ends.
+/// Safety S1: each of the three STOPs halts although the input is not taken. The first STOP follows many bytes. The
+/// second is sent while the first still waits. The third is received before the connection ends.
 #[tokio::test]
 async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_is_taken() {
     let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);

@@ -51,7 +51,7 @@ struct ReadAhead {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Pieces of at most `READ` bytes with little unused capacity. The memory of a piece is free when the piece is
+    /// Pieces of at most `READ` bytes with little unused capacity. The memory of a piece is freed when the piece is
     /// taken.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
@@ -120,8 +120,8 @@ impl Feeder {
         }
     }
 
-    /// Puts in bytes that arrived in the epoch `came`. `halted` has the positions of packets that have halted the
-    /// robot. Beside each position is the epoch that the halt began.
+    /// Puts in bytes that arrived in the epoch `came`. `halted` lists the packets that have halted the robot: the
+    /// position of each packet, and the epoch that its halt began.
     pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
         let mut state = self.0.state();
         if state.left.is_some() {

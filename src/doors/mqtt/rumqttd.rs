@@ -27,8 +27,8 @@ use mqtt_gate::{RoutedDelivery, Router, Subscriber};
 /// Maximum number of clients with a link to rumqttd. Connected, remembered and leaving clients count.
 const LINKS: usize = 2 * CONNECTIONS;
 
-/// Maximum number of topics and filters passed to one rumqttd. rumqttd never forgets any of them, so beyond this
-/// number a new one replaces it.
+/// Maximum number of topics and filters passed to one rumqttd. rumqttd never forgets any of them, so a new rumqttd
+/// replaces it when this number is exceeded.
 const SHOWN: usize = 16 * 1024;
 
 /// Maximum number of messages under way through rumqttd. Beyond this number the oldest message is delivered directly.
@@ -44,10 +44,11 @@ const LATE: Duration = Duration::from_millis(150);
 /// Number of segments per filter in which rumqttd stores messages.
 const SEGMENTS: usize = 3;
 
-/// Size of a segment in bytes. Less than this is under way to a subscriber that the publisher waits for.
+/// Size of a segment in bytes. While publishers wait for a subscriber, fewer bytes than this are under way to that
+/// subscriber.
 const SEGMENT_BYTES: usize = 256 * 1024;
 
-/// Number of messages that rumqttd passes to one link before it serves the others.
+/// Number of messages that rumqttd passes to one link before it serves the other links.
 const BATCH: u64 = 200;
 
 /// Prefix of every topic and filter: rumqttd panics when a topic does not begin with an ASCII character.
@@ -59,7 +60,7 @@ pub struct RumqttdRouter(Arc<Mutex<State>>);
 #[derive(Debug)]
 struct State {
     engine: Engine,
-    /// All subscriptions. The next engine needs them.
+    /// All subscriptions. They are passed on to the next engine when the engine is replaced.
     subscribers: HashMap<usize, RouterReader>,
     /// Messages under way, oldest first. The first one has the number `first`.
     transit: VecDeque<(RoutedDelivery, Duration)>,
@@ -195,7 +196,7 @@ impl State {
         }
     }
 
-    /// Drops the oldest delivery, which delivers it to every subscriber that has not received it yet.
+    /// Drops the oldest delivery. This passes the message to every subscriber that has not received it yet.
     fn pass_first(&mut self) {
         if self.transit.pop_front().is_some() {
             self.first += 1;

@@ -72,4 +72,4 @@ missions-moment-first = First
 missions-moment-previous = Previous
 missions-moment-next = Next
 missions-moment-last = Last
-missions-seconds-since = Times are seconds since the retrieval began, by the clock. The same data for programs:
+missions-seconds-since = Times are in seconds since the retrieval began. The same data for programs:

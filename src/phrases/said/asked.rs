@@ -6,7 +6,7 @@ use hallsweep_core::command::{Carries, Command, Door, Issuer, LuggageRef, Move, 
 use hallsweep_core::units::{Celsius, LuggageId};
 
 impl Language {
-    /// Words for a request. If a verdict has no number, `meant` is the piece that it was about.
+    /// Words for a request. If a verdict does not name its piece, `meant` is the piece that the verdict was about.
     pub fn asked(self, asked: &Asked, meant: Option<LuggageId>) -> String {
         match asked {
             Asked::Command(command) => self.command(command, meant),

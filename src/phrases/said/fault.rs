@@ -6,7 +6,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::world::alarm::AlarmCause;
 
 impl Language {
-    /// Words for a fault. They stand within sentences, so they have no full stop.
+    /// Words for a fault, without a full stop, because they become part of a sentence.
     pub fn fault(self, fault: &FaultCause) -> String {
         match fault {
             FaultCause::NoWayHome => self.say("fault-noWayHome").to_string(),
@@ -17,7 +17,7 @@ impl Language {
         }
     }
 
-    /// Words for the reason why a piece was not fetched. They stand within sentences, so they have no full stop.
+    /// Words for the reason why a piece was not fetched, without a full stop, because they become part of a sentence.
     pub fn not_fetched(self, why: &NotFetched) -> String {
         let said = match why {
             NotFetched::Pair(fault, None) => self.say_of("not-fetched", fault.name()),

@@ -1,6 +1,7 @@
 //! Values of the core as phrases. The English phrases are the core's own sentences, which programs and records use;
-//! tests compare the two. One phrase differs: in a verdict without a number, the piece stands before the note here.
-//! Words from outside, such as those of a robot or a disk, stay as they are.
+//! tests compare phrases and sentences. One phrase differs: if a verdict does not name its piece, the phrase adds the
+//! piece before the note, and the core's sentence adds it after the note. Words from outside, such as those of a
+//! robot or a disk, stay as they are.
 
 mod asked;
 mod fact;
@@ -44,8 +45,8 @@ impl Language {
         self.say(if is_put_away { "missions-archived-while" } else { "missions-under-way" }).with("phase", phase)
     }
 
-    /// The result of a mission. It also says how many places were not searched, and of which kind the searching robot
-    /// was.
+    /// The result `came_to` of a mission, followed by the number of places that were not searched and the kind of the
+    /// searching robot.
     pub fn headline(self, came_to: &str, state: &PersistentState) -> String {
         let searcher = state.conditions.as_ref().and_then(|conditions| conditions.venue.robots.first());
         let unsearched = match state.map.unsearched() {

@@ -59,7 +59,8 @@ impl Language {
         said.to_string()
     }
 
-    /// Joins the words for the holds. The store's reason comes first, because it may be the cause of other holds.
+    /// Joins the words for the holds. The reason why the store cannot write comes first, because it may be the cause
+    /// of other holds.
     fn holds(self, holds: &[Hold], store_failure: Option<&str>) -> String {
         let store = store_failure.map(|why| self.say("refused-held-store").with("why", why).to_string());
         let others =

@@ -14,8 +14,8 @@ use hallsweep_core::rng::RandomStream;
 /// Photos are written in pieces of this many bytes.
 const PIECE: usize = 16 << 10;
 
-/// Maximum number of waiting pieces, of input or of output; then reading or reporting pauses. A single photo may have
-/// more pieces.
+/// Maximum number of waiting pieces of input, and of output. At the maximum, reading pauses, or reporting pauses. A
+/// single photo may have more pieces.
 const WAITING: usize = 64;
 
 pub(super) struct Connection {

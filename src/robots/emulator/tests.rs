@@ -1,4 +1,4 @@
-//! Tests of the emulator: what a program at its other end sees.
+//! Tests of the emulator: what a connected program sees.
 
 use std::time::Duration;
 

@@ -38,9 +38,9 @@ const OFTEN: u32 = 3;
 /// Maximum length of a timer. When it ends, the link checks its state again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// Runs an external robot until the core's loop has dropped its end of the channels. If there is a file, it has
-/// everything that the next program must know. The file is written before the robot or anybody else learns of the
-/// consequences.
+/// Runs an external robot until the core's loop has dropped its end of the channels. If there is a file, it stores
+/// everything that the next program must know. A change is written to the file before anything that follows from the
+/// change is sent to the robot or to the core.
 pub(super) async fn run(
     robot: RobotId,
     driver: Box<dyn Driver>,
@@ -84,11 +84,11 @@ struct ExternalLink {
     /// When the last connection was made. `brief` is the number of brief connections in a row.
     connected: Duration,
     brief: u32,
-    /// A report that the core's loop has not taken yet. While it waits, only halts are received, so that reports
-    /// cannot pile up.
+    /// A report that the core's loop has not taken yet. While it waits, no orders and no input are received, so that
+    /// reports cannot pile up.
     report: Option<RobotEvent>,
     drawing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The core knew of this number of halts when it sent the order that was begun last.
+    /// Number of halts that the core knew of when it sent the latest order that this link began.
     obeyed: u64,
     is_led_told: bool,
     /// The file, while it is not being written.
@@ -278,8 +278,8 @@ impl ExternalLink {
         }
     }
 
-    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
-    /// may arrive before the halt. The driver's answer to a halt is sent even during a write.
+    /// Halts the robot. Does nothing if the latest order was sent after the halt. Such an order may arrive here
+    /// before the halt does. The driver's answer to a halt is sent even during a write.
     async fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.driver.handle_halt(self.clock.now());

@@ -2,8 +2,8 @@
 //! small file in the data folder. The file is replaced as a whole and not flushed, which is enough to survive
 //! `kill -9`. The driver decides the contents of the file.
 //!
-//! After a failed write, the file has a position that the robot has left. Then the file is renamed, and the new name
-//! says that it is out of date.
+//! After a failed write, the file has an old position of the robot. So the file is renamed, and the new name says
+//! that the file is out of date.
 
 use std::fs;
 use std::io;

@@ -33,7 +33,7 @@ enum ProtocolKind {
 }
 
 enum ExternalMemory {
-    /// Nothing is known, and nothing will be written.
+    /// There is no stored position, and no position will be stored.
     Nothing,
     Here(MemoryFile, Option<Box<VirtualRobot>>),
     /// The position of the robot is unknown, for this reason.

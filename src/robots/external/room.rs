@@ -1,4 +1,4 @@
-//! Reads from the scene file of a virtual robot's page where everything is, in the form that the driver needs.
+//! Reads the room and its obstacles from the scene file of a virtual robot's page, in the form that the driver needs.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -21,7 +21,7 @@ const CALL: Duration = Duration::from_secs(3);
 /// Maximum time to send a few bytes. A robot that does not accept them in this time counts as disconnected.
 const SENDING: Duration = Duration::from_millis(500);
 
-/// Maximum time for the other side to close.
+/// Maximum time for the other side to close the connection.
 const CLOSING: Duration = Duration::from_millis(500);
 
 /// Maximum number of bytes to read at once.
@@ -146,8 +146,8 @@ impl Wire {
         tokio::time::timeout(SENDING, sent).await.unwrap_or_else(|_| Err(late()))
     }
 
-    /// Drops the connection. A serial device is dropped on another thread, because the system may wait for unsent
-    /// bytes.
+    /// Drops the connection. A serial device is dropped on another thread, because the system may wait until unsent
+    /// bytes are sent.
     pub(super) fn abandon(self) {
         if let Wire::Serial(port) = self {
             tokio::task::spawn_blocking(move || drop(port));
@@ -185,7 +185,8 @@ pub(super) fn own_address(robot: &RobotId) -> Ipv4Addr {
     Ipv4Addr::new(127, 64 + sum % 128, high, low)
 }
 
-/// Connects from the address `own`. Returns `None` when the robot is on another machine, or when this fails.
+/// Connects from the address `own`. Returns `None` when the robot is on another machine, or when no connection can be
+/// made.
 async fn from_ourselves(at: &str, own: Option<Ipv4Addr>) -> Option<TcpStream> {
     let own = own?;
     let is_here = |address: &SocketAddr| matches!(address.ip(), IpAddr::V4(ip) if ip.is_loopback());

@@ -1,6 +1,6 @@
 //! The hall that a user has chosen in the simulator. It is stored in the data folder, so that a restart continues in
-//! this hall. The file has two lines of its own, followed by a hall file. The chosen hall applies while the settings
-//! name the same hall as when it was chosen.
+//! this hall. The file consists of two additional lines, followed by the text of a hall file. The chosen hall applies
+//! while the settings name the same hall as when it was chosen.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -39,7 +39,7 @@ pub(super) struct Begin {
     /// The settings of the robot, for a new simulation in another hall.
     pub(super) settings: SimSettings,
     pub(super) speed: Speed,
-    /// Every state that must not be forgotten is written here before anybody learns of it.
+    /// Everything that must not be forgotten is written to this file before the core gets a report of it.
     pub(super) state_file: Option<SimStateFile>,
     pub(super) floor: Floor,
     pub(super) remote: Remote,
@@ -99,7 +99,7 @@ struct SimLink {
     /// Reports of the link itself, sent before the robot's next report.
     said: VecDeque<RobotEvent>,
     developing: Option<(OrderId, JoinHandle<Photo>)>,
-    /// The core knew of this number of halts when it sent the order that was begun last.
+    /// Number of halts that the core knew of when it sent the latest order that this link began.
     obeyed: u64,
     /// The state file, while it is not being written.
     state_file: Option<SimStateFile>,
@@ -280,7 +280,8 @@ impl SimLink {
             state_file.move_to(&hall);
         }
         if self.floor.moved.has_changed().is_err() {
-            // Pieces that were lifted before belong to the previous hall, and no more pieces will be lifted.
+            // The lifted pieces belong to the previous hall. Their sender has ended, so no more pieces will be
+            // lifted.
             self.floor.moved = watch::channel(Moved::new()).1;
         }
         self.floor = Floor::new(hall, self.floor.moved.clone());
@@ -294,8 +295,8 @@ impl SimLink {
         self.sim.handle_led(blinks);
     }
 
-    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
-    /// may arrive before the halt.
+    /// Halts the robot. Does nothing if the latest order was sent after the halt. Such an order may arrive here
+    /// before the halt does.
     fn halt(&mut self, count: u64) {
         if self.obeyed < count {
             self.sim.handle_halt(self.now());

@@ -30,7 +30,7 @@ pub(in crate::robots) struct SimPair {
 }
 
 enum PairRecollection {
-    /// Nothing is known, and nothing will be written.
+    /// There is no stored position, and no position will be stored.
     Nothing,
     Here(PairStateFile, Option<Box<PairMemory>>),
     /// The pair was left in another hall, as the state file in this folder says.

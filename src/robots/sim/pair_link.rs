@@ -93,7 +93,7 @@ struct PairLink {
     report: Option<(Which, RobotEvent)>,
     /// Reports of the link itself, sent before the pair's next report.
     said: VecDeque<(Which, RobotEvent)>,
-    /// For each robot, the core knew of this number of halts when it sent the order that was begun last.
+    /// For each robot: the number of halts that the core knew of when it sent the latest order that this link began.
     obeyed: [u64; 2],
     /// The state file, while it is not being written.
     state_file: Option<PairStateFile>,
@@ -256,8 +256,8 @@ impl PairLink {
         }
     }
 
-    /// Halts the robot. Does nothing if the order that was begun last was sent after the halt, since such an order
-    /// may arrive before the halt.
+    /// Halts the robot. Does nothing if the latest order was sent after the halt. Such an order may arrive here
+    /// before the halt does.
     fn halt(&mut self, which: Which, count: u64) {
         if self.obeyed[which.index()] < count {
             let now = self.now();

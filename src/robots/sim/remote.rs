@@ -1,6 +1,6 @@
 //! Passes the simulator's controls to the links of simulated robots. Only the latest state of the controls
-//! counts, and each link applies it when it can. A move to another hall is passed to each link in turn. It takes
-//! place when the links are ready and the core has agreed.
+//! counts, and each link applies it when it can. A move to another hall is passed to each link in turn. The move
+//! takes place when the links are ready and the core has agreed.
 //!
 //! ```text
 //!   controls ── speed, pause, faults ─────────► every link      (latest state)
@@ -67,13 +67,14 @@ impl Remote {
 
     pub(super) fn say_ready(&mut self) {
         if let Some(ready) = self.under_way.as_mut().and_then(|under_way| under_way.ready.take()) {
-            // The requester may have given up. Then it sends no decision either.
+            // The requester may have stopped waiting. In this case it sends no decision either.
             let _ = ready.send(());
         }
     }
 
-    /// Waits for the next change. Takes no change unless the link has nothing under way (`has_settled`). If the
-    /// controls change several times, only the last change is applied, so that the resulting reports cannot pile up.
+    /// Waits for the next change. Receives a change only when the link has no report to deliver and writes no file
+    /// (`has_settled`). If the controls change several times, only the last change is applied, so that the resulting
+    /// reports cannot pile up.
     pub(super) async fn news(&mut self, has_settled: bool) -> News {
         let Remote { controls, moves, under_way } = self;
         let is_moving = under_way.is_some();

@@ -27,7 +27,7 @@ pub(in crate::robots) struct SimRobot {
 }
 
 enum SimRecollection {
-    /// Nothing is known, and nothing will be written.
+    /// There is no stored position, and no position will be stored.
     Nothing,
     /// The contents of the state file, if there was one.
     Here(Box<SimStateFile>, Option<Box<SimMemory>>),

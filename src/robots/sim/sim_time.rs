@@ -68,8 +68,8 @@ impl SimTime {
         *self = SimTime { real, simulated: simulated.max(self.at(real)), ..*self };
     }
 
-    /// The real time of a simulated moment, or an earlier time at which to check again. Without a moment it is the
-    /// time of the next check.
+    /// The real time of a simulated moment, or an earlier time at which to check again. If there is no such moment,
+    /// it is the time of the next check.
     pub(super) fn comes(&self, simulated: Option<Duration>, real: Duration) -> Duration {
         let wait = simulated.and_then(|at| self.until(at, real));
         real + wait.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT)

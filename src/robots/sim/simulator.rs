@@ -2,7 +2,7 @@
 //! robots into another hall.
 //!
 //! A move has these steps. Every link delivers its reports and begins nothing more. The core agrees, records the
-//! move, and marks the robots as unreached. The pair is moved, then the other robots. The hall is stored for a
+//! move, and marks the robots as not yet reached. The pair is moved, then the other robots. The hall is stored for a
 //! restart, and each robot reports its position. A kill in between leaves some robots and the record in different
 //! halls, which the next start corrects (`app::data_folder`).
 

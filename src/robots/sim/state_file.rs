@@ -2,10 +2,10 @@
 //! small file in the data folder. The contents are `SimMemory`, the format is in `hallsweep_sim::page`; `link`
 //! decides when to write.
 //!
-//! A real hall keeps its state by itself; for a simulated hall this file does it. So writing is as cheap as possible:
-//! 1 KiB in place for each order that begins or ends. The system has the bytes at once, so they survive `kill -9`.
-//! Nothing is flushed to the disk, so a power cut may lose the last seconds. Everything that must survive a power cut
-//! is in the journal.
+//! A real hall does not change when the program ends; a simulated hall would be lost without this file. So writing is
+//! as cheap as possible: 1 KiB in place for each order that begins or ends. The system has the bytes at once, so they
+//! survive `kill -9`. Nothing is flushed to the disk, so a power cut may lose the last seconds. Everything that must
+//! survive a power cut is in the journal.
 
 use std::io;
 use std::path::Path;
@@ -68,8 +68,8 @@ impl SimStateFile {
         Ok((state_file, Some(memory)))
     }
 
-    /// A state file for a robot that is newly put into this hall. The first write replaces an existing file. So this
-    /// is only for a folder without such a file, or for a robot that leaves its previous hall.
+    /// A state file for a robot that is newly put into this hall. The first write replaces an existing file. So call
+    /// this only for a folder without such a file, or for a robot that leaves its previous hall.
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
         // The searching robot's file keeps the name that it had when there was only one robot.
         let name = if *robot == RobotId::discovery() { names::SIMULATED } else { names::SIMULATED_FURTHER };

@@ -1,5 +1,6 @@
-//! Pages that were handed to the store but are not stored yet. For each page the time until it is stored is measured.
-//! Its entries are counted once they are on record. Lost entries are not counted until they are recorded anew.
+//! Pages that were handed to the store but are not stored yet. A page is a group of journal entries. The time until
+//! each page is stored is measured. The entries of a page are counted once the page is stored. Lost entries are not
+//! counted until they are recorded anew.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,8 +15,8 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{LuggageId, Pose, Seq};
 
-/// Maximum number of waiting pages, and of waiting facts that are counted. If the disk hangs, the disk is given up
-/// long before this number is reached. Beyond it, further pages are ignored.
+/// Maximum number of waiting pages, and of waiting facts that will be counted. At this number, further pages are
+/// ignored. A disk that hangs counts as failed long before this number is reached.
 const WAITING: usize = 64 * 1024;
 
 /// Pages that are not stored yet, and the state of the mission after the stored pages.
@@ -26,8 +27,8 @@ pub struct HandedPages {
     pages: VecDeque<(Seq, Duration)>,
     counted: VecDeque<(Seq, CountedFact)>,
     phase: PhaseName,
-    /// The phase before the present one. When a mission is archived, this is its last phase, because the next phase
-    /// is recorded before the archiving.
+    /// The phase before the present phase. When a mission is archived, `left` is the last phase of the mission,
+    /// because the following phase is recorded before the archiving.
     left: PhaseName,
     pose: Pose,
     luggage: LuggageId,
@@ -158,8 +159,8 @@ impl CountedFact {
     }
 
     /// The command of an entry, to be counted. Accepted STOPs that share an entry are counted one by one. Refusals
-    /// that share an entry count once, as the last of them. Their number is recorded beside words from outside, which
-    /// could say anything.
+    /// that share an entry count as one refusal, of the last command, because the entry does not name the other
+    /// commands.
     fn command(asked: &Asked, refused: Option<&Refused>) -> CountedFact {
         let asked = if let Asked::Many { last, .. } = asked { last } else { asked };
         let shared = if let Asked::Stops { count, .. } = asked { Some(*count) } else { None };

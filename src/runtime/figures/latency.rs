@@ -11,8 +11,8 @@ use prometheus_client::metrics::{MetricType, TypedMetric};
 
 use super::nanos;
 
-/// Upper bounds of the buckets, in nanoseconds. The first is the time that a fast thread takes. After the last, a
-/// disk that hangs is given up.
+/// Upper bounds of the buckets, in nanoseconds. The first bound is the time that a fast thread needs. A disk that
+/// hangs counts as failed before the last bound.
 const BOUNDS: [u64; 14] = [
     10_000,
     25_000,
@@ -58,7 +58,8 @@ impl EncodeMetric for Latency {
         let bounds = BOUNDS.into_iter().map(seconds).chain([UNBOUNDED]);
         let counts = self.0.counts.iter().map(|count| count.load(Ordering::Relaxed));
         let buckets: Vec<(f64, u64)> = bounds.zip(counts).collect();
-        // The sum of all buckets, so that sum and buckets agree even if other threads add values meanwhile.
+        // The count is the sum of the buckets just read, so that the count and the buckets agree even if other
+        // threads add values meanwhile.
         let count = buckets.iter().map(|(_, count)| count).sum();
         encoder.encode_histogram::<NoLabelSet>(seconds(self.0.nanos.load(Ordering::Relaxed)), count, &buckets, None)
     }

@@ -66,8 +66,8 @@ struct Families {
     answers: Latency,
     /// Time from when a STOP halts the robots until the loop handles it.
     stopping: Latency,
-    /// Time at which the oldest STOP that the loop has not handled yet was raised. In nanoseconds since the start; 0
-    /// if there is none.
+    /// Time at which the oldest unhandled STOP was raised, in nanoseconds since the start; 0 if the loop has handled
+    /// every STOP.
     unheard: AtomicU64,
 }
 
@@ -122,7 +122,7 @@ impl Figures {
     /// Notes that a STOP is raised. Must be called before the loop can see the STOP.
     pub(super) fn raise_stop(&self) {
         self.0.stops.inc();
-        // If several STOPs are not handled yet, the first one has waited longest.
+        // Keeps the time of an earlier unhandled STOP, because that STOP has waited longer.
         let now = nanos(self.0.clock.since_start()).max(1);
         let _ = self.0.unheard.compare_exchange(0, now, Ordering::Relaxed, Ordering::Relaxed);
     }
@@ -256,7 +256,7 @@ mod tests {
         }
     }
 
-    /// In paused time, only the durations for which the test waits pass.
+    /// The clock of the test is paused, so only the test's own waits take time.
     #[tokio::test(start_paused = true)]
     async fn of_several_stops_that_are_unheard_the_first_is_measured() {
         let figures = Figures::default();

@@ -1,5 +1,5 @@
 //! A family of figures with labels. All values of the labels are known from the start. The library's own families
-//! create a new series for every label value that is asked for, behind a lock.
+//! would take a lock, and create a new series for every unknown label value.
 
 use std::fmt;
 use std::sync::Arc;

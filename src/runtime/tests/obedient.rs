@@ -1,5 +1,5 @@
-//! For tests of the doors: a loop without a mission. It accepts every command, unless the test asks it to refuse
-//! commands. It stores what it received.
+//! For tests of the doors: a loop without a mission. The loop accepts every command, unless the test sets a refusal.
+//! The test can read the commands and refusals that the loop received.
 
 use std::sync::{Arc, Mutex};
 

@@ -65,9 +65,10 @@ pub(super) fn check_archives(journal: &Connection, folder: &Folder, files: &[Pat
     Ok(ArchiveCheck { archives: archives.len(), faults })
 }
 
-/// Returns a sentence about the fault between `archive` and the next part of the chain, if there is one; `later`
-/// names this part. An archive from which the journal was unpacked must begin where this part begins. The journal or
-/// another archive must continue it.
+/// Checks that `archive` and the next part of the chain fit together; returns a sentence if they do not. `later`
+/// names the next part, which begins after the page `begins`. This page must be in the archive. For an archive from
+/// which the journal was unpacked, the rule differs: both begin after the same page, and the journal or another
+/// archive must contain the last page of the archive.
 fn between<'a>(
     begins: Head,
     later: &str,

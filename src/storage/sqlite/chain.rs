@@ -72,7 +72,7 @@ pub(super) fn page_before(connection: &Connection, seq: Seq) -> Result<Option<He
     Ok(connection.prepare_cached(sql)?.query_row([whole(seq.0)?], head).optional()?)
 }
 
-/// The page after which the journal begins. This is the last archived page, if there is one.
+/// The last page before the first entry of the journal, if entries have left the journal.
 pub(super) fn anchor(connection: &Connection) -> Result<Head, Fault> {
     let first = rows::first(connection)?.unwrap_or(Seq(1));
     if first == Seq(1) { Ok(NOTHING) } else { Ok(page_before(connection, first)?.unwrap_or(NOTHING)) }

@@ -192,8 +192,9 @@ fn begins_behind(connection: &Connection, folder: &Folder, findings: &mut Findin
     Ok(anchor.seq)
 }
 
-/// Advice on unreadable entries that loses no sound entries. In this case the tables are not compared with the
-/// entries. The tables were built when all entries could be read, so they contain more.
+/// Advice for a journal with unreadable entries. Who follows the advice loses no readable entry. The tables of such a
+/// journal are not compared with the entries. The tables were built when all entries could be read, so they contain
+/// more.
 fn advice(folder: &Folder) -> String {
     let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
     let then = if goes_on {

@@ -11,7 +11,7 @@ use crate::api::journal::Unparsed;
 use crate::storage::names::{self, Name};
 use hallsweep_core::units::Seq;
 
-/// Files that must be moved together: each is incomplete without the others.
+/// Files that must be moved together: each is incomplete without the other files.
 pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm, journal.head and the folder photos";
 
 /// Advice when `journal.head` does not belong to the journal.
@@ -27,10 +27,10 @@ pub(super) enum Fault {
     File(io::Error),
     /// SQLite found the structure of the journal broken; the text has SQLite's findings.
     Damaged(String),
-    /// The journal is missing or empty, but its write-ahead log is not.
+    /// The journal is missing or empty, but there is a write-ahead log with contents.
     OnlyLog,
     OnlyPhotos,
-    /// What is at this path cannot be the named file, for this reason.
+    /// The file with this name cannot be used; the text is the reason.
     Unusable(Name, String),
     /// The user who runs the program may not read this file or folder.
     Closed(PathBuf),
@@ -44,7 +44,7 @@ pub(super) enum Fault {
     Foreign,
     /// This version does not understand an entry.
     Unparsed(Seq, Unparsed),
-    /// The last entry differs from the one that was read at the start.
+    /// The last entry differs from the last entry that was read at the start.
     Changed,
     /// The journal was once written up to this entry, but now ends before it.
     CutOff(Seq),
@@ -54,7 +54,7 @@ pub(super) enum Fault {
     Unchained(Seq),
     InUse,
     Unwritable,
-    /// A photo's file is missing or changed; the words begin with the file.
+    /// A photo is missing or changed, or has no digest on record; the text says what is wrong.
     Photo(String),
     Number(u64),
     /// The pages were declared lost because writing them took too long.

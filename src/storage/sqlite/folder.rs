@@ -103,8 +103,8 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
-    /// Fails when something has the name of a journal file but cannot be one (safety R5). SQLite would block on a
-    /// pipe, and would report a folder as a disk error.
+    /// Fails when something has the name of a journal file but cannot be a journal file (safety R5). SQLite would
+    /// block on a pipe, and would report a folder as a disk error.
     pub(super) fn check_journal(&self) -> Result<(), Fault> {
         self.check_plain(&[names::JOURNAL, names::LOG, names::LOG_INDEX])?;
         self.check_log()
@@ -151,8 +151,8 @@ impl Folder {
         std::fs::metadata(names::LOCK.within(&self.path)).ok().map(|file| identity(&file))
     }
 
-    /// Creates what is missing: the folder, private to its owner, and an empty, private journal file. SQLite gives
-    /// the files that it creates beside the journal the same mode.
+    /// Creates what is missing: the folder, private to its owner, and an empty journal file, with the rights that
+    /// `files::open` gives. SQLite gives the files that it creates beside the journal the same mode.
     pub(super) fn create(&self) -> Result<(), Fault> {
         self.create_path()?;
         if !self.journal().exists() {

@@ -117,7 +117,7 @@ pub(super) fn is_held(connection: &Connection, head: &Head) -> Result<(), Fault>
     if rows::last_up_to(connection, None)? < head.seq {
         return Err(Fault::CutOff(head.seq));
     }
-    // The file cannot belong to a journal that has no chain.
+    // A head file cannot belong to a journal that has no chain.
     let is_chained = schema::format(connection)? == schema::Format::Current;
     let there = if is_chained { chain::page_of(connection, head.seq)? } else { None };
     if there == Some(*head) { Ok(()) } else { Err(Fault::Another(head.seq)) }

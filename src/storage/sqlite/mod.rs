@@ -81,7 +81,7 @@ pub struct Opened {
     pub store: Box<dyn Store>,
     /// Reads what was stored, even while nothing can be written.
     pub archive: Arc<dyn Archive>,
-    /// The stored state; `None` when there is none, or when it cannot be read.
+    /// The stored state; `None` when no state is stored, or when it cannot be read.
     pub recalled: Option<Recalled>,
     /// Why nothing can be written, in words for an operator; the store's status says the same.
     pub failure: Option<String>,

@@ -1,5 +1,5 @@
-//! The state of a mission at moments in its past, computed from the entries up to each moment. For each moment there
-//! is also other data that a page shows.
+//! The state of a mission at moments in its past, computed from the entries up to each moment. A moment also has the
+//! other data that a page of the console shows, such as temperatures.
 
 use rusqlite::{Connection, OptionalExtension};
 
@@ -17,8 +17,8 @@ const NOT_LONG: u64 = 20_000;
 /// Number of readings that is enough to know the latest reading of each source, and whether the hall had cooled down.
 const READINGS: usize = 128;
 
-/// Number of poses to search for the path behind the robot. There are several poses for one cell when the robot turns
-/// there.
+/// Number of last poses from which the path of the robot is computed. A cell has several poses when the robot turns
+/// in it.
 const POSES: usize = 192;
 
 type Stood = (Seq, Sound<PersistentState>);
@@ -83,8 +83,8 @@ fn by_time(
     Ok(Some(found))
 }
 
-/// The state after the entry `seq`. It is computed from the earlier state `before` if that is shorter. `None` when
-/// the needed entries are deleted.
+/// The state after the entry `seq`. It is computed from the earlier state `before`, unless a state snapshot came
+/// between the two. `None` when the needed entries are deleted.
 fn stood(
     connection: &Connection,
     mission: MissionId,

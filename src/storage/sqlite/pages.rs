@@ -26,7 +26,8 @@ pub(super) struct Pages {
 }
 
 impl Pages {
-    /// Opens the journal for writing, and creates it when there is none. The last entry of the journal must be `kept`.
+    /// Opens the journal for writing, or creates a journal. The number of the last entry, without entries that were
+    /// declared lost, must equal `kept`.
     pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
         folder.has_journal()?;
         folder.create()?;
@@ -71,8 +72,8 @@ impl Pages {
         chain::end(&self.connection)
     }
 
-    /// Fails if the files are not those that were opened. Data written to a removed file is lost, and without the
-    /// lock file a second hallsweep could write.
+    /// Fails if the journal or the lock file was replaced or removed since it was opened. Data written to a removed
+    /// file is lost, and without the lock file a second hallsweep could write.
     fn is_in_place(&self) -> Result<(), Fault> {
         let gone = |error: &std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
         match self.folder.journal_identity() {
@@ -89,8 +90,8 @@ impl Pages {
     /// records this loss.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
         self.is_in_place()?;
-        // On a small disk the log itself may take the space. If this checkpoint fails, the log grows, which does no
-        // harm.
+        // On a small disk the write-ahead log may use the space that this transaction needs, so the log is emptied first.
+        // If that fails, the transaction is still tried.
         let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
@@ -131,8 +132,8 @@ pub(super) fn write(
 }
 
 /// The mission of an entry, and the mission under way after the entry. Entries that lead to the beginning of a
-/// mission belong to it, such as the command that began it. The phase after a mission does not belong to it, although
-/// this phase is recorded before the mission's end.
+/// mission belong to the mission, such as the command that began it. The phase that follows a mission does not belong
+/// to the mission, although this phase is recorded before the mission's end.
 fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
     let (entry, rest) = (&page.entries[place], &page.entries[place..]);
     if let Fact::MissionArchived(mission, _) = &entry.fact {
@@ -147,7 +148,7 @@ fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<M
     (under_way.filter(|_| !follows).or(ahead), under_way)
 }
 
-/// The mission under way from this entry on, if the entry changes it.
+/// The mission under way after this entry. The outer `None` means that the entry does not change the mission.
 fn begun(entry: &Entry) -> Option<Option<MissionId>> {
     if let Fact::MissionBegan(mission, _) = &entry.fact {
         return Some(Some(*mission));

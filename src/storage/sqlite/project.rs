@@ -85,7 +85,7 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
 }
 
 /// Records the phase of a mission. The first phase is recorded just before the mission's beginning, so this may also
-/// add the mission. Its beginning then adds the strategy.
+/// add the mission. The entry of the beginning then adds the strategy.
 fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
                ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
@@ -117,8 +117,8 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
 }
 
-/// Applies a state snapshot. It also has facts that may be lost after a failure of the store: the beginning of a
-/// mission, the end of the previous mission, and luggage.
+/// Applies a state snapshot. A snapshot repeats facts whose own entries may have been lost in a failure of the store:
+/// the beginning of a mission, the end of the previous mission, and luggage.
 fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = state.under_way.then_some(state.mission);
     let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;

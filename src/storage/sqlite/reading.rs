@@ -78,7 +78,7 @@ impl ReadOnlyJournal {
 /// Rebuilds the tables that follow from the journal, in one transaction; returns the number of entries read.
 pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
-    // Fails when there is no journal, so that none is created.
+    // Fails when there is no journal, so that rebuilding does not create a journal.
     drop(ReadOnlyJournal::open(path)?);
     if folder.is_archive() {
         return Err(Unreadable(format!("{} is an archive, and archives are never changed", path.display())));

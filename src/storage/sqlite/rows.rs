@@ -1,4 +1,5 @@
-//! Entries as rows of the table `events`: selects entries, and reads them as they were known at a given entry.
+//! Entries as rows of the table `events`: selects entries, and reads each as it was known when a given later entry
+//! was written.
 
 use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_iter};
@@ -20,8 +21,8 @@ const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', N
 /// Forces the use of the index: without it the query would scan every entry.
 const BY_NAME: &str = "INDEXED BY named_commands";
 
-/// Which entries to read; by default all. With the upper bound `before`, entries are read as they were known at this
-/// bound.
+/// Which entries to read; by default all. With the upper bound `before`, entries are read as they were known just
+/// before this entry was written.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EntryFilter {
     pub(super) after: Option<Seq>,
@@ -41,11 +42,11 @@ pub(super) enum Kinds {
     Verdicts,
     Retrieval,
     Timeline,
-    /// Entries that a start or a past moment shows in the log.
+    /// Entries for the log that the console shows after a start, or for a past moment.
     Told,
     OfArchives,
     Temperatures,
-    /// Entries that tell the path behind the robot: its positions, and where a new path begins.
+    /// Entries that tell the path of the robot: its positions, and where a new path begins.
     Way,
 }
 
@@ -89,7 +90,7 @@ pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fau
     Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
 }
 
-/// The last entry up to and including `most`; 0 when there is none.
+/// The number of the last entry up to and including `most`; 0 when there is no such entry.
 pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<Seq, Fault> {
     let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
     let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;

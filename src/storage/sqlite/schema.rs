@@ -48,7 +48,7 @@ pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     }
 }
 
-/// Migrates a file in one transaction, so that the file has its old format after a kill.
+/// Migrates a file in one transaction, so that a kill leaves the file in its old format.
 pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
     // A file of another program is refused; an empty file is of format 0.
     format(connection)?;

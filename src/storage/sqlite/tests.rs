@@ -1,4 +1,4 @@
-//! Tests of the store on disk, through its ports and by looking at the files themselves.
+//! Tests of the store on disk, through the traits `Store` and `Archive` and by looking at the files themselves.
 
 mod archives;
 mod chain;

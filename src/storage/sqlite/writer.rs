@@ -1,6 +1,6 @@
 //! The thread that writes: it takes pages, stores them in one transaction, and reports that they are stored. After a
-//! failure it retries until something can be written (safety R3). A second thread, the watchman, gives pages up when
-//! the disk hangs.
+//! failure it retries until something can be written (safety R3). A second thread, the watchman, declares pages lost
+//! when the disk hangs.
 //!
 //! ```text
 //!   pages ─► writing ── kept ─► word.kept
@@ -35,16 +35,16 @@ const MARGIN: usize = 256 * 1024;
 pub(super) struct Patience {
     /// Pause between two attempts after a failure.
     pub(super) retry: Duration,
-    /// The watchman gives up a batch after looking at it this number of times.
+    /// Number of looks at a batch after which the watchman declares the batch lost.
     pub(super) looks: u32,
-    /// Time between two of these looks.
+    /// Time between two looks of the watchman.
     pub(super) look: Duration,
     /// Maximum wait for the last pages at the end of the program.
     pub(super) end: Duration,
 }
 
 impl Patience {
-    /// Retries once a second, and gives a batch up after 5 s. At the end it waits one second, because the whole
+    /// Retries once a second, and declares a batch lost after 5 s. At the end it waits one second, because the whole
     /// program must end within two seconds.
     pub(super) const USUAL: Patience =
         Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
@@ -194,8 +194,8 @@ impl Writer {
     }
 }
 
-/// Gives up a batch when the writer has worked on it for `patience.looks` looks. This is needed because a disk that
-/// hangs reports no error.
+/// Declares a batch lost when the writer has worked on it for `patience.looks` looks. This is needed because a disk
+/// that hangs reports no error.
 pub(super) fn watch(status: &WriterStatus, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
     let mut seen = (None, 0);
     while ended.recv_timeout(patience.look) == Err(RecvTimeoutError::Timeout) {

@@ -69,7 +69,7 @@ impl WriterStatus {
     }
 
     /// Reports that the batch is stored up to `last`. `losses` is the number of losses when the batch was begun.
-    /// Returns false when the batch was given up meanwhile: then the caller must delete it.
+    /// Returns false if the batch was declared lost in the meantime; then the caller must delete the batch.
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
@@ -80,7 +80,7 @@ impl WriterStatus {
         stands
     }
 
-    /// Reports that the batch failed, unless it was given up before.
+    /// Reports that the batch failed, unless the batch is already declared lost.
     pub(super) fn fail(&self, losses: u64, words: &str) {
         let mut work = self.work();
         work.busy = false;
@@ -131,7 +131,8 @@ impl WriterStatus {
         work.busy.then_some(work.batches)
     }
 
-    /// Gives the batch up if it is still being written. Pages handed over after it are lost with it.
+    /// Declares the batch lost if it is still being written. Pages that were handed over after the batch are lost
+    /// too.
     pub(super) fn give_up(&self, batch: u64, words: &str) {
         let work = self.work();
         if work.busy && work.batches == batch && !self.fails(&work) {
@@ -194,8 +195,8 @@ mod tests {
         assert!(status.is_failing() && !status.is_announced());
     }
 
-    /// Safety R3: the watchman may have looked just before the batch ended. The next batch must not be given up in
-    /// its place.
+    /// Safety R3: the watchman may have looked just before the batch ended. The next batch must not be declared lost
+    /// instead.
     #[test]
     fn a_batch_that_is_over_is_not_given_up_in_place_of_the_next() {
         let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);

@@ -17,14 +17,15 @@ use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Label, Live, MOST_NODES, MOST_TEXT, Node, NodeKind, Shape, Tree};
 use crate::fnv1a;
 
-/// Maximum number of nodes, and of bytes of attributes, when a file is checked. All trees of the file count, each
-/// with its subtrees. Without this limit, two hundred trees could each use a subtree of the largest size.
+/// Maximum number of nodes, and of bytes of attributes, when a file is checked. They are counted over all trees of
+/// the file, each with its subtrees. Without this limit, two hundred trees could each use a subtree of the largest
+/// size.
 const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
-    /// Builds a tree of a document on a blackboard. `main` names the tree; without a name it is the main tree.
-    /// Several trees can be built on one blackboard. They share the entries in their main scopes that have the same
-    /// name.
+    /// Builds a tree of a document on a blackboard. `main` is the ID of the tree; `None` means the main tree. Several
+    /// trees can be built on one blackboard. If their main scopes have entries with the same name, the trees share
+    /// these entries.
     ///
     /// # Errors
     /// The first fault of the file, with its place. Entries may already have been created on the blackboard.
@@ -39,7 +40,7 @@ impl Tree {
         document.whole(catalogue, &mut findings);
         let (built, _) = Tree::built(document, tree, catalogue, blackboard, &mut findings);
         findings.first()?;
-        // The only notes made here are about nodes that this engine cannot perform.
+        // The only notes of a build are about nodes that this engine cannot perform.
         findings.notes().first().map_or(Ok(built), |note| Err(note.clone()))
     }
 
@@ -138,7 +139,7 @@ impl Document {
         }
     }
 
-    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP refuses from version 4.10 on.
+    /// Notes the names of trees, nodes and ports that BehaviorTree.CPP 4.10 and later versions refuse.
     fn names(&self, findings: &mut Findings) {
         let ids = self.trees.iter().map(|tree| (tree.place, &tree.id, false));
         let models = self.models.iter().flat_map(|model| {

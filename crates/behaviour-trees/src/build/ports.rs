@@ -110,7 +110,7 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (PortForm::EntryName, _) => {
-                // The text is the name, with or without braces, because an entry that holds the name of another entry
+                // The text, with or without braces, is the name itself: an entry that holds the name of another entry
                 // is not supported. Only a name in braces creates the entry.
                 let name = pointer.unwrap_or(text);
                 let slot = match pointer {
@@ -234,7 +234,8 @@ impl<'a> Builder<'a> {
     }
 
     /// Opens the scope of a subtree with the ports of its `<SubTree>`. Ports that are missing there are taken from
-    /// the model of the tree. Returns the scope, and the slots of its own entries that were given a text.
+    /// the model of the tree. Returns the scope, and the slots of the subtree's own entries to which a text was
+    /// written.
     pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> (usize, Vec<Slot>) {
         let has_autoremap = element.attribute(AUTOREMAP).is_some_and(|attribute| {
             let truth = Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool());
@@ -293,7 +294,7 @@ fn looks_like(written: &str) -> Option<Reason> {
     (meant != written).then(|| Reason::Misspelt { written: written.to_owned(), meant })
 }
 
-/// Checks a literal further than its type: no time may be negative, and the elements of a queue must have the type of
+/// Checks more than the type of a literal: no time may be negative, and the elements of a queue must have the type of
 /// the loop.
 fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Binding) -> Result<(), TreeError> {
     let place = element.attribute(port.name).map_or(element.place, |attribute| attribute.place);

@@ -1,6 +1,6 @@
-//! Maps names to entries. A subtree has its own blackboard, and its `<SubTree>` may bind names to entries outside.
-//! Names are mapped when a tree is built. The real blackboard has only entries. The names of a subtree's entries
-//! begin with the path of the subtree.
+//! Maps names to entries. Each subtree seems to have its own blackboard, and its `<SubTree>` may bind names to
+//! entries outside. Names are mapped when a tree is built. There is only one real blackboard. In it, the names of a
+//! subtree's entries begin with the path of the subtree.
 
 use std::collections::{BTreeMap, BTreeSet};
 

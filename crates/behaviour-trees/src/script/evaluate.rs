@@ -117,8 +117,8 @@ fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> 
     }
 }
 
-/// Returns a value as a part of a text. A number that is not of a whole type has six decimals, as from
-/// `std::to_string`.
+/// Returns a value in the form in which it is joined to a text. A number that is not of a whole type has six
+/// decimals, as from `std::to_string`.
 fn joined(value: &Value) -> String {
     match value {
         Value::Number(number) => format!("{number:.6}"),

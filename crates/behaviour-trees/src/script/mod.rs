@@ -108,7 +108,7 @@ pub enum ScriptError {
     /// The script has no statement. Blanks and `;` are not statements.
     #[error("the script is empty")]
     Empty,
-    /// A part of the script does not fit the part before it. This is the first such part.
+    /// A part of the script does not fit the part before it. The fields describe the first such part.
     #[error("expected {wanted} at character {at}, found {found}")]
     Unexpected {
         /// The place of this part, in bytes from 0.

@@ -88,7 +88,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
     }
 
-    /// Starts a sequence or a fallback again. Skipped children are then counted from 0.
+    /// Marks a sequence or a fallback as running. If the node was idle, skipped children are counted from 0 again.
     fn begin(&mut self, at: usize) {
         let live = &mut self.live[at];
         if live.status == Status::Idle {

@@ -40,7 +40,7 @@ impl<L: Leaves> TreeRun<'_, L> {
             let said = self.tick(child)?;
             match said {
                 Status::Running => return Ok(Status::Running),
-                // The number of attempts is kept.
+                // A skipped child neither counts as an attempt nor resets the count.
                 Status::Skipped => {
                     self.reset(child);
                     return Ok(Status::Skipped);
@@ -49,7 +49,7 @@ impl<L: Leaves> TreeRun<'_, L> {
                 Status::Success | Status::Failure if said == retried => {
                     self.live[at].count = self.live[at].count.saturating_add(1);
                     if retried == Status::Failure {
-                        // The child may have changed the limit.
+                        // The child may have written the entry with the limit.
                         most = self.number(at, node, 0)?;
                     }
                     self.reset(child);

@@ -105,7 +105,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         Ok(if self.holds(at, script)? { Status::Success } else { Status::Failure })
     }
 
-    /// Returns the script of a node that has one. The list is in the order of the nodes.
+    /// Returns the script of this node, which must have one. The list of scripts is sorted by node.
     pub(super) fn script_of(&self, at: usize) -> &'a Script {
         let shape: &'a Shape = self.shape;
         let number = u32::try_from(at).unwrap_or(u32::MAX);

@@ -214,7 +214,7 @@ impl<'a, L: Leaves> TreeRun<'a, L> {
         }
     }
 
-    /// Halts all running nodes: first those below the root, then nodes that may still run separately.
+    /// Halts all running nodes, from the root down. A node that runs without a running parent is halted too.
     pub(crate) fn halt_all(&mut self) {
         for at in 0..self.live.len() {
             if self.live[at].status == Status::Running {

@@ -27,8 +27,8 @@ const MOST_MODELS: usize = 500;
 /// Maximum number of ports of a model. Each use of a leaf binds all its ports.
 const MOST_PORTS: usize = 256;
 
-/// Maximum number of attributes of an element. It is more than any node has ports. Each attribute is compared with
-/// all others.
+/// Maximum number of attributes of an element. No node that people write has so many ports. Each attribute is
+/// compared with all others, so more attributes would take long.
 const MOST_ATTRIBUTES: usize = 64;
 
 /// Reads the text of a file, which may have at most [`LONGEST_FILE`] bytes.
@@ -114,7 +114,7 @@ struct Lines<'x> {
     /// Where each line begins, in bytes. Without this list, searching for each node would take quadratic time.
     starts: Vec<usize>,
     /// The byte offset that was looked up last, and its column. The next lookup is usually a little further on, so
-    /// columns are counted from here. Otherwise a file of one long line would be slow.
+    /// its column is counted from here. Without this, a file of one long line would be slow.
     last: Cell<(usize, usize)>,
 }
 

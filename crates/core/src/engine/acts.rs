@@ -70,8 +70,8 @@ impl Engine {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
-        // Readings are recorded only when they change. Without this, a mission with a constant temperature would have
-        // no recorded reading. The operator's reading is not repeated, because it may be old.
+        // Readings are recorded only when they change. Without this loop, a mission with a constant temperature would
+        // have no recorded reading. The operator's reading is not repeated, because it may be old.
         for (source, celsius) in self.world.thermometer.readings() {
             self.record(Fact::Temperature(source, celsius));
         }
@@ -100,8 +100,8 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, why: Option<HoldReason>) {
-        // This hold is about the link of the searching robot. During a retrieval, it is about the link of any robot
-        // that the retrieval needs. All other robots have their own holds for their links.
+        // As a hold of the mission, `RobotLink` concerns the searching robot. During a retrieval, it concerns every
+        // robot that the retrieval needs. Every other robot has its own hold for its link.
         if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching();
         } else {
@@ -166,7 +166,8 @@ impl Engine {
         if self.state.led_blinking != blinks {
             self.world.touch(Resource::Robot);
             self.record(Fact::Led(blinks));
-            // A blinking LED shows that a mission has begun, so the LED begins to blink only after that is recorded.
+            // A blinking LED shows that a mission has begun, so the LED begins to blink only after the beginning is
+            // recorded.
             if !blinks {
                 self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
@@ -192,7 +193,8 @@ impl Engine {
         self.raise(Hold::Alarm, None);
     }
 
-    /// Ends the hold if each alarm is acknowledged, or is about a piece whose danger is recorded.
+    /// Ends the hold `alarm` when no reason for it is left. A reason is an unacknowledged call to the operator, or an
+    /// unacknowledged alarm about a piece whose danger is not recorded.
     pub(super) fn end_alarm_hold(&mut self) {
         let dangerous = |id: LuggageId| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());

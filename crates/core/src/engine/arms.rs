@@ -13,8 +13,8 @@ use crate::world::hall_map::Mark;
 use crate::world::resource::Resource;
 
 impl Engine {
-    /// Handles a new state of a robot's arm. A lifted piece is in no cell. A piece that is set down is where it was
-    /// held.
+    /// Handles a new state of a robot's arm. A lifted piece occupies no cell. A piece that is set down occupies the
+    /// cell over which the robot held it.
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
         let before = std::mem::replace(&mut known.arm, arm);
@@ -26,8 +26,9 @@ impl Engine {
         let off_floor = |arm: ArmState| arm.holds.filter(|_| !arm.on_floor);
         match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
-            // The piece fell where it was held. Robots that lose a piece report this once more, maybe much later. A
-            // robot that fetches by itself is excluded, because it releases the piece at home on purpose.
+            // The piece fell down where the robot held it. Robots that lose a piece report the loss once more, maybe
+            // much later. A robot that fetches by itself is excluded, because it releases the piece at home on
+            // purpose.
             (Some(parcel), None) if !self.searches(robot) => self.piece_set_down(parcel.place),
             (None, None) if before.holds.is_none() => self.found_set_down(arm),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
@@ -54,8 +55,8 @@ impl Engine {
         self.note_retrieval(Some(Retrieval { piece: BTreeSet::new(), ..retrieval }));
     }
 
-    /// Returns the obstacles that touch the piece and were not recognised as another piece. They may have been part
-    /// of this piece.
+    /// Returns the obstacles that touch the piece and were not recognised as another piece. These obstacles may have
+    /// been part of the piece.
     fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
         let recognised = |cell: &Cell| {
             let recorded = self.state.luggage.iter().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
@@ -88,8 +89,8 @@ impl Engine {
         }
     }
 
-    /// Whether this is the piece being fetched. The camera's number decides. A piece that was recorded without a
-    /// number is recognised by its place.
+    /// Whether `parcel` is the piece being fetched. The number that the camera recognises decides. A piece that was
+    /// recorded without a number is recognised by its place.
     pub(super) fn is_wanted_parcel(&self, parcel: Parcel) -> bool {
         let Some(retrieval) = &self.state.retrieval else { return false };
         let is_there = retrieval.piece.is_empty() || parcel.place.cell().is_some_and(|cell| retrieval.piece.contains(&cell));

@@ -1,7 +1,7 @@
-//! Journal entries that several items share (safety A5, A6). A sender that repeats the same kind of item endlessly
-//! can fill neither the disk nor the queue of records. The first items of a sender get one entry each. Later items
-//! are counted, and from time to time one entry holds their number. `refusals` and `stops` decide what the entries
-//! say.
+//! Journal entries that several items share (safety A5, A6). An item is a STOP or a refusal. A sender that repeats
+//! the same kind of item endlessly can fill neither the disk nor the queue of records. The first items of a sender
+//! get one entry each. Later items are counted, and from time to time one entry records their number. `refusals` and
+//! `stops` decide what the entries say.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::command::Door;
 pub(super) struct CoalescingLimits {
     /// Number of items for which a sender gets one entry each. Later items share entries.
     pub(super) burst: u32,
-    /// Time after which a sender may have one more entry for a single item.
+    /// Time after which a sender may again have one item with an entry of its own.
     pub(super) earned: Duration,
     /// Minimum time between two shared entries of a sender.
     pub(super) every: Duration,
@@ -42,7 +42,7 @@ pub(super) struct CoalescedEntry<T> {
 
 #[derive(Clone, Debug)]
 struct Tally<T> {
-    /// Number of items that may still get an entry each.
+    /// Number of items that may still get an entry of their own.
     room: u32,
     /// When `room` last grew, or the last shared entry was written.
     since: Duration,
@@ -60,7 +60,7 @@ impl<T> CoalescedEntries<T> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
         if !is_known && self.senders.len() >= limits.senders {
-            // A sender is forgotten only if nothing about it would be lost.
+            // A sender is forgotten only if it has no unwritten items and its full burst is available again.
             self.senders.retain(|_, tally| {
                 tally.earn(limits, now);
                 tally.unwritten.is_some() || tally.room != limits.burst

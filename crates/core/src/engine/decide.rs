@@ -73,7 +73,7 @@ impl Engine {
             Guard::Driving => Some(Refused::Driving),
             Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
             Guard::IntoObstacle => {
-                // The first cell that a move would enter, or the destination of a goto.
+                // The cell that a single move would enter, or the destination of a goto.
                 let pose = self.state.pose;
                 let entered = context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell);
                 entered.filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
@@ -108,8 +108,8 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    // The photo may have been taken by an earlier robot. The present robot may stand in another
-                    // place.
+                    // The photo may have been taken when another robot searched. The present robot may stand in
+                    // another place.
                     let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
                     let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
                     forbids(!is_before || !is_open, Refused::NotInspected(id))
@@ -154,8 +154,8 @@ impl Engine {
         }
     }
 
-    /// Returns the refusal of a verdict if the piece has a verdict already, stored or on its way to the store. Only a
-    /// danger may still replace a safe that is on its way.
+    /// Returns the refusal of a verdict if the piece already has a verdict, even one that is not stored yet. There is
+    /// one exception: a danger may replace a safe that is not stored yet.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage?;
         let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
@@ -171,8 +171,8 @@ impl Engine {
         self.inspected().filter(|id| self.state.luggage.get(*id).is_some_and(|luggage| luggage.is_pending()))
     }
 
-    /// Returns the cause of the fault if it persists, so that START must be refused. A cell that was free and is now
-    /// blocked does not count, because it may be tried again.
+    /// Returns the cause of the fault if this cause persists, so that START must be refused. A cell that was free and
+    /// is now blocked does not count, because the robot may try it again.
     pub(super) fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
         let cause = phase.fault()?;
         let stands = match cause {

@@ -23,8 +23,8 @@ impl Engine {
         self.outbox.record(self.now.wall, fact)
     }
 
-    /// Applies a fact at once. The fact is recorded with the next entry, or after a second at the latest. A later
-    /// fact of this kind replaces a fact that still waits, so many such facts make few entries.
+    /// Applies a fact at once. The fact is recorded with the next entry, or after a second at the latest. If another
+    /// fact arrives here in this time, it replaces the waiting fact, so many such facts make few entries.
     pub(super) fn record_soon(&mut self, fact: Fact) {
         self.state.follow(&fact, self.now.wall, self.world.revision());
         self.outbox.record_soon(self.now, fact);
@@ -34,10 +34,10 @@ impl Engine {
         self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 
-    /// Writes a command into the log and the journal, even if it was refused (safety A6). An accepted reading of a
-    /// sensor is left out.
+    /// Writes a command into the log and the journal, even if the command was refused (safety A6). Accepted readings
+    /// of sensors are left out.
     pub(super) fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
-        // An accepted stop is recorded elsewhere, after it has taken effect.
+        // `record_stop` records an accepted stop, after the stop has taken effect.
         let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
         if is_left_out && refused.is_none() {
             return;

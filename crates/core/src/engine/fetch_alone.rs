@@ -40,8 +40,8 @@ impl Engine {
         }
     }
 
-    /// Releases the piece at home. The intention is recorded before the act. If the piece is no longer held
-    /// afterwards, it was released into the container.
+    /// Releases the piece at home. The stage `LettingGo` was recorded before. If the robot no longer holds the piece
+    /// in this stage, it has released the piece into the container.
     pub(super) fn let_go(&mut self) -> Turn {
         let robot = self.robots.searching();
         match robot.arm.holds {
@@ -96,7 +96,7 @@ impl Engine {
         self.state.retrieval.iter().flat_map(|retrieval| retrieval.piece.iter().copied())
     }
 
-    /// Returns the shortest way to a cell beside the piece. At its end, the robot faces the piece.
+    /// Returns the shortest way to a cell beside the piece. At the end of the way, the robot faces the piece.
     fn way_to_piece(&mut self) -> Option<Vec<Move>> {
         let sides = |cell: Cell| Heading::ALL.map(|heading| (cell, heading));
         let sides: Vec<(Cell, Heading)> = self.piece_to_fetch().flat_map(sides).collect();
@@ -104,8 +104,8 @@ impl Engine {
         ways.min_by_key(Vec::len)
     }
 
-    /// Returns the way to the place from which the robot faces this cell of the piece with this heading. The cells
-    /// between them need not be visited. It is enough that the robot has seen that they are free.
+    /// Returns the way on which the robot comes up to this cell of the piece with this heading. The last cells in
+    /// front of the piece need not be visited. It is enough that the robot has seen that they are free.
     fn way_before(&mut self, piece: Cell, heading: Heading) -> Option<Vec<Move>> {
         let back = |cell: &Cell| Some(cell.ahead(heading.opposite()));
         let mut before = std::iter::successors(back(&piece), back);

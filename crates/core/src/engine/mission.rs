@@ -1,5 +1,5 @@
-//! The part of a mission that is lost when the program ends: the planned way, the past way, and the records on their
-//! way to the store. `crate::state` has the part that is kept.
+//! The part of a mission that is lost when the program ends: the planned way, the past way, and the records that are
+//! not stored yet. `crate::state` has the part that survives.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::search::pace::Pace;
 use crate::state::fact::Fact;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
 
-/// Maximum number of cells behind the robot that are shown.
+/// Maximum number of passed cells that are shown.
 pub(crate) const TRAIL: usize = 48;
 
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ pub(crate) struct Mission {
     pub(crate) gait: Gait,
     /// The cells that the robot has passed, the latest last.
     pub(crate) trail: VecDeque<Cell>,
-    /// Whether the move by hand of the present phase has been ordered.
+    /// Whether the robot already has the order for the present move by hand.
     pub(crate) is_driven: bool,
     pub(crate) recording: Vec<Recording>,
     /// The verdicts on their way to the store, at most one for each piece.

@@ -97,14 +97,15 @@ pub struct Engine {
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// The camera's latest answer to a search for a parcel. It is kept until the behaviour trees have read it.
+    /// The camera's latest answer to a search for a parcel. The answer stays here until the behaviour trees have read
+    /// it.
     seen: Option<Option<Parcel>>,
     /// The behaviour trees of the pair, while the pair fetches.
     team: Option<Ticked>,
     /// The state of the trees after their last tick, for snapshots.
     trees: Arc<TreesView>,
     is_ending: bool,
-    /// Total of all clock changes since the program started, in milliseconds, as far as they are recorded.
+    /// Total of all recorded clock changes since the program started, in milliseconds.
     clock_set_ms: i64,
     taken: Option<Arc<Snapshot>>,
 }
@@ -138,8 +139,8 @@ impl Engine {
         }
     }
 
-    /// Handles a command. An accepted command is answered by `Effect::Answer` with this ticket, once everything that
-    /// must be recorded first is stored.
+    /// Handles a command. The answer to an accepted command is an `Effect::Answer` with the returned ticket. It is
+    /// sent once everything that must be recorded first is stored.
     ///
     /// # Errors
     /// The refusal and its reason. A refused command is written to the log and the journal, and changes nothing else.
@@ -163,8 +164,8 @@ impl Engine {
             return repeated;
         }
         let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
-        // A sender may name an epoch that no stop has raised yet. The epoch at the command's arrival is then used, so
-        // that a later stop still makes the command outdated.
+        // A sender may name an epoch that is higher than the present one. The epoch at the command's arrival is then
+        // used, so that a later stop still makes the command outdated.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),
@@ -271,8 +272,8 @@ impl Engine {
 
     /// Returns the next effect: first the halts, then the pages for the store, then all others, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
-        // Records on their way to the store are not in the state yet. After a restart from this state they would be
-        // missing.
+        // Luggage and verdicts that are not stored yet are not in the state. A record of the state must wait for
+        // them: after a restart from this record they would be missing.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up(self.state.size_in_entries()) && !in_flight {
             self.record_state();
@@ -280,8 +281,8 @@ impl Engine {
         self.outbox.poll()
     }
 
-    /// Returns the number of the last entry that was sent to the store. A new refusal is recorded when this entry is
-    /// stored.
+    /// Returns the number of the last entry that was sent to the store. Once this entry is stored, a refusal that was
+    /// just returned is stored too.
     #[must_use]
     pub fn written(&self) -> Seq {
         self.outbox.written()
@@ -295,7 +296,8 @@ impl Engine {
         [self.robots.due(), self.watchdog.due(), silence, self.tick_due()].into_iter().chain(records).flatten().min()
     }
 
-    /// Returns everything that can be shown at this moment. It is the same `Arc` until something changes.
+    /// Returns everything that can be shown at this moment. The returned `Arc` stays the same until something
+    /// changes.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
         self.look();
         let current = self.taken.as_ref().filter(|taken| taken.revision == self.world.revision());
@@ -330,9 +332,9 @@ impl Engine {
         self.look();
     }
 
-    /// Carries out an accepted command, and answers it once all its consequences are stored. A stop waits for no
-    /// record. While the store cannot write, commands are answered at once. Commands that the table still accepts
-    /// then are recorded already, or need no record.
+    /// Carries out an accepted command, and answers it once all its consequences are stored. The answer to a stop
+    /// waits for no record. While the store cannot write, every answer is sent at once. The table then accepts only
+    /// commands that are recorded already, or need no record.
     fn carry_out(&mut self, request: &Request, count: u64, input: Input, step: Step, context: &InputContext) -> Ticket {
         // The stop already took effect when it was raised, ahead of the queue. If a command has released the robot
         // since then, this stop must not halt it again.
@@ -386,7 +388,7 @@ impl Engine {
         if let (Outcome::Before(Some(luggage)), Command::Verdict { verdict, .. }) = (&outcome, &request.command)
             && let Some(stands) = self.verdict_kept(*luggage).filter(|stands| stands != verdict)
         {
-            // Another verdict replaced this one before it was stored.
+            // Another verdict replaced this verdict before this verdict was stored.
             return Some(Err(Refused::Decided { luggage: *luggage, verdict: stands }));
         }
         let ticket = self.outbox.next_ticket();

@@ -1,5 +1,5 @@
-//! The resource model: everything that is shown, with a revision for each part. The mission decides what may
-//! change and when. This module makes the changes and counts them.
+//! The resource model: everything that is shown, with a revision for each part. The mission decides which changes are
+//! made, and when. This module makes them and counts revisions.
 
 use std::sync::Arc;
 

@@ -19,8 +19,8 @@ use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::resource::Resource;
 
-/// Maximum number of decisions without an order. More decisions mean that the search has an error. A correct search
-/// can give up at most as many goals in a row as a large hall has unknown cells.
+/// Maximum number of consecutive decisions that lead to no order. A search that exceeds it has an error: a correct
+/// search discards at most as many goals in a row as a large hall has unknown cells.
 const TURNS: usize = 100_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Engine {
     }
 
     /// Whether a robot may move now. Every motion of a robot passes this gate. A lost link and the wait for START
-    /// hold only the robot that they concern. Every other hold holds all robots.
+    /// stop only the robot that they concern. Every other hold stops all robots.
     pub(super) fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
         let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
         let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
@@ -162,8 +162,8 @@ impl Engine {
         on_the_way && self.is_home() && self.robots.searching().controller.open().is_none()
     }
 
-    /// Whether the robot has already backed up, although the engine still waits for that. This happens if the program
-    /// was killed after the robot had backed up.
+    /// Whether the robot has already backed up, although the phase still says that it is backing up. This happens if
+    /// the program was killed after the robot had backed up.
     fn has_backed_up(&self) -> bool {
         let robot = self.robots.searching();
         let stands = robot.controller.is_free() && !robot.off_centre;

@@ -57,7 +57,7 @@ impl Engine {
         }
     }
 
-    /// Notes that a known piece is in this cell as well. The piece to be lifted is then larger.
+    /// Notes that a known piece also covers this cell. A retrieval of this piece then includes the cell.
     fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
         let Obstacle::Luggage(piece) = obstacle else { return };
         let is_known = self.state.pieces.contains(&piece);

@@ -30,7 +30,8 @@ const AHEAD: usize = 64;
 /// After a loss of entries, nothing new is shown until the whole state is recorded again.
 const NEVER: Seq = Seq(u64::MAX);
 
-/// The results of commands and the found pieces, after one input.
+/// What is shown only after it is recorded: the results of commands and the found pieces, as they are after one
+/// input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StateView {
     pub(super) mission: MissionId,
@@ -60,7 +61,7 @@ pub(super) struct OnRecord {
     /// Nothing new is shown before this entry is stored, because an earlier entry was lost.
     floor: Seq,
     emptied: u64,
-    /// The old map, kept until the emptying of the map is recorded.
+    /// The old map, which is shown until the emptying of the map is recorded.
     before: Option<HallMap>,
     /// Whether the LED was told to blink. A blinking LED also shows that a mission has begun.
     pub(super) lit: bool,

@@ -10,8 +10,8 @@ use crate::robot::RobotId;
 use crate::state::fact::{Entry, Fact};
 use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
-/// Number of entries after which the whole state is recorded, so that the next start reads few entries. A large state
-/// has a larger number (`TIMES_ITS_SIZE`).
+/// Number of entries after which the whole state is recorded, so that the next start reads few entries. For a large
+/// state, the number is larger (`TIMES_ITS_SIZE`).
 const SUM_UP_AFTER: u64 = 10_000;
 
 /// Minimum number of entries between two records of the whole state, as a multiple of the size of the state
@@ -19,18 +19,18 @@ const SUM_UP_AFTER: u64 = 10_000;
 /// large hall. At a start, the program reads a quarter of a million entries per second.
 const TIMES_ITS_SIZE: u64 = 4;
 
-/// Maximum time that the epoch of a stop waits for another entry. After that it is recorded by itself.
+/// Maximum time that the epoch of a stop waits for the next entry. After this time, it gets an entry of its own.
 const SOON: Duration = Duration::from_secs(1);
 
 /// Maximum number of commands that are recorded again after the store has failed. A person who clicks fast needs
-/// about an hour for this number.
+/// about an hour to send this number of commands.
 const COMMANDS: usize = 1024;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
     page: Vec<Entry>,
-    /// A fact that is recorded with the next entry, or by itself at this time.
+    /// A fact that waits for the next entry, and the time at which it stops waiting and is recorded alone.
     soon: Option<(Entry, Duration)>,
     /// Whether the page must end with the whole state.
     sums_up: bool,
@@ -54,7 +54,7 @@ pub(super) struct Outbox {
 struct Unkept {
     seq: Seq,
     entry: Entry,
-    /// The answer if the command is lost. `None` if the command was refused, or does not wait for its record.
+    /// The answer if the command is lost. `None` if the command was refused, or was already answered.
     if_lost: Option<Refused>,
 }
 
@@ -114,8 +114,8 @@ impl Outbox {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER.max(TIMES_ITS_SIZE * size)
     }
 
-    /// Records a fact with the next entry, or after a second at the latest. A later fact of this kind replaces a fact
-    /// that still waits, so many such facts make few entries.
+    /// Records a fact with the next entry, or after a second at the latest. If another fact arrives here in this
+    /// time, it replaces the waiting fact, so many such facts make few entries.
     pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
         let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
         self.soon = Some((Entry { wall: now.wall, fact }, due));
@@ -160,8 +160,8 @@ impl Outbox {
         }
     }
 
-    /// Sends the commands again that were lost when the store failed, each with the answer that its sender got. Later
-    /// commands are not lost: the store still has them and stores them now.
+    /// Sends to the store, once more, the commands that were lost when the store failed. Each is recorded with the
+    /// answer that its sender got. Later commands are not lost: the store still has them and stores them now.
     pub(super) fn repeat_commands(&mut self) {
         let lost = self.lost;
         let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
@@ -225,7 +225,7 @@ impl Outbox {
         }
     }
 
-    /// Changes the entry for which answers about this piece wait, because a new verdict has replaced the old one.
+    /// Makes the answers about this piece wait for entry `seq`, because a new verdict has replaced the old one.
     pub(super) fn defer(&mut self, luggage: LuggageId, seq: Seq) {
         for waiting in &mut self.waiting {
             if waiting.luggage == Some(luggage) && waiting.verdict.is_some() {

@@ -19,7 +19,7 @@ use crate::world::temperature::{SourceReading, Thermometer};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
-    /// The last entry of the journal up to that moment. Every entry has its own snapshot.
+    /// The number of the last journal entry up to that moment. Every entry has its own snapshot.
     pub seq: Seq,
     /// The state after that entry.
     pub state: PersistentState,
@@ -45,7 +45,7 @@ pub fn way_behind<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<Cell>
             &entry.fact,
             Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MapEmptied(_) | Fact::Strategy(_)
         ) {
-            // A new way begins where the robot stands.
+            // A new way begins at the cell where the robot stands.
             cells.drain(..cells.len().saturating_sub(1));
         }
     }
@@ -70,8 +70,8 @@ impl Past {
         thermometer.latest()
     }
 
-    /// Returns the state as the interfaces show it. `others` are the robots that do not search. The threshold that
-    /// was recorded then decides what is too hot. If none was recorded, the present threshold decides.
+    /// Returns the state as the interfaces show it. `others` are the robots that do not search. The threshold
+    /// recorded at that time decides what is too hot. If no threshold was recorded, the present one decides.
     #[must_use]
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, temperatures, latest } = self;

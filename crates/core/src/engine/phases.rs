@@ -25,8 +25,8 @@ impl Engine {
         self.perform_all(step.acts, context);
     }
 
-    /// Replaces the present phase by the phase of the step. If `step.depth` is not 0, it replaces the phase that many
-    /// interruptions below.
+    /// Replaces the phase that the step concerns by the phase of the step. That is the present phase if `step.depth`
+    /// is 0, otherwise the phase below that many interruptions.
     fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;
@@ -90,8 +90,8 @@ impl Engine {
         }
     }
 
-    /// Halts the robot, and returns the phase of the fault. A fault during a drive by hand interrupts the phase that
-    /// the drive had interrupted.
+    /// Halts the robot, and returns the phase of the fault. After a fault during a drive by hand, this phase remembers
+    /// the phase from before the drive, not the drive itself.
     fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
         let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_searching();

@@ -1,6 +1,6 @@
-//! The end of the program, and the engine after a restart. After a restart, the engine has its earlier state and is
-//! held. It completes everything that a kill of the program has interrupted (safety R1, R2). `crate::state` derives
-//! the state from the journal.
+//! The end of the program, and the engine after a restart. After a restart, the engine has its earlier state, and
+//! nothing moves before START. The engine completes everything that a kill of the program has interrupted (safety R1,
+//! R2). `crate::state` derives the state from the journal.
 
 use std::sync::Arc;
 
@@ -56,8 +56,8 @@ impl Engine {
         }
         engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
-        // A clock that was set back while the program was off is noticed. A clock that was set forward is not
-        // noticed.
+        // This notices a clock that was set back while the program was off. It cannot notice a clock that was set
+        // forward.
         let back_ms = now.wall.unix_ms.saturating_sub(told);
         if back_ms <= -CLOCK_SET_MS {
             engine.record(Fact::ClockSet(back_ms));
@@ -94,7 +94,7 @@ impl Engine {
     }
 
     /// Handles the end of the program. `by` names the signal. The robot halts and gets no further order. The mission
-    /// stays as it is, and it is held at the next start (safety R1).
+    /// stays as it is. After the next start, it waits for START (safety R1).
     pub fn handle_end(&mut self, by: &str, now: Now) {
         self.begin(now);
         self.is_ending = true;
@@ -103,7 +103,7 @@ impl Engine {
         self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
-    /// Records the items that wait for a shared entry. This must be the last call.
+    /// Records the stops and refusals that still wait for a shared entry. This must be the last call.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
         let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
@@ -159,7 +159,7 @@ impl Engine {
         self.planner.learn(&self.state.map);
         self.recall_team();
         let cell = self.state.pose.cell;
-        // A robot outside the entrance stands in no cell, and a parcel may now lie at home.
+        // A robot outside the entrance stands in no cell, so no cell is marked. A parcel may now lie at home.
         if self.steps_outside(self.robots.searching_id()) == 0 && self.state.map.at(cell) != Mark::Visited {
             self.mark(cell, Mark::Visited);
         }

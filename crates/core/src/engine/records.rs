@@ -1,4 +1,4 @@
-//! Luggage and verdicts on their way to the store. Nothing about them is shown, answered or acted on before they are
+//! Luggage and verdicts that are not stored yet. Nothing about them is shown, answered or acted on before they are
 //! stored (safety V3).
 
 use std::sync::Arc;
@@ -79,7 +79,7 @@ impl Engine {
         self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
     }
 
-    /// Handles the report that everything up to `seq` is stored. Everything that waited for these entries happens
+    /// Handles the report that all entries up to `seq` are stored. Everything that waited for these entries happens
     /// now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
@@ -148,8 +148,8 @@ impl Engine {
         self.send_answer(waiting.ticket, answer);
     }
 
-    /// Handles a failure of the store. Verdicts on their way are withdrawn, but a danger among them still raises an
-    /// alarm. Senders that wait for a record are told.
+    /// Handles a failure of the store. Verdicts that are not stored yet are withdrawn, but a danger among them still
+    /// raises an alarm. Senders whose commands may be lost get a refusal.
     pub(super) fn withdraw_unkept(&mut self) {
         for deciding in std::mem::take(&mut self.mission.deciding) {
             if deciding.verdict == Verdict::Danger {

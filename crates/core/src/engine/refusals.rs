@@ -1,7 +1,7 @@
 //! Limits the number of journal entries for refusals by the interfaces (safety A5, A6). A sender that is refused
-//! endlessly, perhaps with a viewer's key, must not fill the disk or the queue of records. A STOP waits in this queue
-//! too. After a burst, the refusals of a sender share an entry with their number. Refusals because of the state are
-//! not counted here, because they answer operators' own commands.
+//! endlessly, perhaps with a viewer's key, must not fill the disk or the queue of records, because STOPs need this
+//! queue too. After a burst, the refusals of a sender share an entry, which has their number. Refusals by the core
+//! are not counted here, because they answer operators' own commands.
 
 use std::time::Duration;
 
@@ -15,8 +15,8 @@ use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
 use crate::units::{Now, Seq};
 
-/// The burst is more than a person presses in a minute. After the burst there is one entry per period. The limit of
-/// senders is higher than the number of keys of all interfaces.
+/// The burst is larger than the number of commands that a person sends in a minute. After the burst, a sender gets
+/// one entry every 10 s. The limit `senders` is higher than the number of keys of all interfaces.
 pub(super) const LIMITS: CoalescingLimits =
     CoalescingLimits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 

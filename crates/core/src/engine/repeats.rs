@@ -11,8 +11,8 @@ use crate::refused::{OTHER_CONTENT, RefusalKind, Refused};
 use crate::state::fact::{Entry, Fact};
 use crate::units::{Epoch, LuggageId, Ticket};
 
-/// Maximum number of ids that are remembered. It is more than any client has under way. At the limit, the sender with
-/// the most ids (by name and address) loses its oldest id. A flood from one address therefore removes no id of
+/// Maximum number of ids that are remembered. No client has as many unanswered commands. At the limit, the sender
+/// with the most ids (by name and address) loses its oldest id. A flood from one address therefore removes no id of
 /// another sender.
 pub const IDS: usize = 1024;
 
@@ -131,8 +131,8 @@ impl Repeats {
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
             if let Fact::Command { issuer, id: Some(id), asked, luggage, refused, epoch } = fact {
-                // A command that was refused because it contradicts an earlier command did not use the id. A STOP never
-                // uses one.
+                // If a command was refused because it contradicts an earlier command, the id still belongs to the
+                // earlier command. A STOP never uses an id.
                 let contradicted = refused.as_ref().is_some_and(|refused| refused.code() == OTHER_CONTENT);
                 if contradicted || *asked == Asked::Command(Command::Stop) {
                     continue;
@@ -155,7 +155,8 @@ impl Content {
 }
 
 impl Outcome {
-    /// Whether the sender was told to try again. If so, the same id is a new attempt, and not a repeat.
+    /// Whether the sender was told to try again. If so, a command with the same id is a new attempt, and not a
+    /// repeat.
     fn is_to_be_tried_again(&self) -> bool {
         matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }

@@ -257,8 +257,8 @@ impl Engine {
         }
     }
 
-    /// Handles the end of a move, even if the answer is late. The robot now stands where the move led, and is no
-    /// longer off centre.
+    /// Handles the end of a move, even if the robot reports it late. The robot now stands at the end of the move, and
+    /// is no longer off centre.
     pub(super) fn moved(&mut self, robot: &RobotId, step: Move) {
         self.set_off_centre(robot, false);
         let before = self.pose_of(robot);
@@ -360,7 +360,7 @@ impl Engine {
         self.feed(Input::RobotFailed, &InputContext { fault: Some(FaultCause::Robot(words)), ..InputContext::default() });
     }
 
-    /// Handles an open order that a robot has not answered, although the deadline and the time of grace are over.
+    /// Handles an open order that is still unanswered when its deadline and the time of grace (`GRACE`) are over.
     pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
         let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);

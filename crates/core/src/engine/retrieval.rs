@@ -51,8 +51,8 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// Returns the first robot that is not at the place where a mission begins. It counts only if the retrieval can
-    /// continue and bring it there. While the robot that searches carries something, it counts in any case.
+    /// Returns the first robot that is not at the place where a mission begins, if the retrieval can continue and
+    /// bring this robot there. A searching robot that carries something is returned in any case.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
         let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
@@ -90,8 +90,8 @@ impl Engine {
         }
     }
 
-    /// Begins a failed retrieval again, with the present knowledge. While a robot holds something nothing changes, so
-    /// that the robots go out first.
+    /// Begins a failed retrieval again, with the present knowledge. While a robot holds something, nothing changes:
+    /// the robots must go out first.
     pub(super) fn retry_retrieval(&mut self) {
         let Some(retrieval) = self.state.retrieval.clone() else { return };
         let pair = Which::ALL.map(|which| self.base_view(which).arm);
@@ -107,8 +107,8 @@ impl Engine {
         }
     }
 
-    /// Marks the cells where a lost piece was found, and returns them. No robot holds the piece, and nobody knows
-    /// where it lies, so the search for it begins there.
+    /// Marks the cells where a lost piece once stood, and returns these cells. No robot holds the piece, and nobody
+    /// knows where it lies, so the robots look for it there.
     fn stands_again(&mut self, luggage: LuggageId) -> BTreeSet<Cell> {
         let piece = self.state.luggage.get(luggage).map(|luggage| self.cells_of(luggage)).unwrap_or_default();
         for cell in &piece {
@@ -140,7 +140,7 @@ impl Engine {
         }
     }
 
-    /// Returns the cells where anybody has met this piece.
+    /// Returns the cells where any robot has met this piece.
     fn cells_of(&self, luggage: &Luggage) -> BTreeSet<Cell> {
         let same = self.state.met_again.iter().filter(|(_, piece)| luggage.piece == Some(**piece)).map(|(cell, _)| *cell);
         same.chain([luggage.cell]).collect()
@@ -234,7 +234,7 @@ impl Engine {
         Turn::Again
     }
 
-    /// Resets the count of failures, so that the next stage has all its tries.
+    /// Resets the count of failures, so that earlier failures do not count in the next stage.
     pub(super) fn forget_failures(&mut self) {
         for which in Which::ALL {
             if let Some(robot) = self.robots.get_mut(&which.robot()) {

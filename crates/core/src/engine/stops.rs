@@ -1,7 +1,7 @@
-//! The answers to STOP, and the records of STOPs. Each answer waits until the robot stands, but never for long
-//! (safety S8). Each STOP of a sender gets its own entry. If there are more than a few per second, they share an
-//! entry. Endless STOPs therefore cannot fill the store (safety A5, A6). The halt itself was sent before, and waits
-//! for nothing.
+//! The answers to STOP, and the records of STOPs. Each answer waits until the robot stands, but only for a short time
+//! (safety S8). Each STOP of a sender gets its own entry. If a sender sends more than a few per second, the STOPs
+//! share entries. Endless STOPs therefore cannot fill the store (safety A5, A6). The halt itself was sent before, and
+//! waits for nothing.
 
 use std::collections::VecDeque;
 use std::net::IpAddr;
@@ -17,26 +17,26 @@ use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
 use crate::units::{Epoch, Ticket, WallTime};
 
-/// A person presses less often than this, and a disk can write more. `senders` limits how many recent senders are
-/// counted separately.
+/// A person presses STOP less often than these limits allow, and a disk can write more entries. `senders` limits how
+/// many recent senders are counted separately.
 const RECORDS: CoalescingLimits =
     CoalescingLimits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
 /// Maximum time that the answer to a stop waits for the robot's report that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Time within which a STOP with the same id counts as the same press of the button. A web page without an answer
-/// sends its STOP again. After the robot was released, such a STOP counts as a new press.
+/// Time within which a STOP with the same id counts as the same press of the button. A web page that gets no answer
+/// sends its STOP again. If the robot was released in between, the STOP counts as a new press.
 const SAME_PRESS: Duration = Duration::from_secs(60);
 
-/// Maximum number of remembered presses with an id. It is more than the number of open pages. At the limit, the
-/// oldest press is forgotten.
+/// Maximum number of remembered presses with an id. This exceeds the number of web pages that people have open. At
+/// the limit, the oldest press is forgotten.
 const PRESSES: usize = 128;
 
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
-    /// The waiting answers, oldest first, each with the latest time for it. The interfaces limit their number,
-    /// because each answer belongs to a sender that waits.
+    /// The waiting answers, oldest first, each with the time by which it must be sent. The interfaces limit their
+    /// number, because each answer belongs to a sender that waits.
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be given, if it was delayed because of an answer.
     put_off: Option<Duration>,
@@ -82,8 +82,8 @@ impl Engine {
         }
     }
 
-    /// Gives the next order, if there is one. After answers to stops the order is delayed, so that the robot still
-    /// stands in the revision that these answers name.
+    /// Gives the next order, if there is one. If stops are answered now, the order is delayed, so that the robot
+    /// still stands in the revision that these answers name.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
         if self.stops.waiting.is_empty() || self.robots.are_halting() {
@@ -148,8 +148,8 @@ impl Engine {
     }
 }
 
-/// Returns the name that distinguishes this sender from others. For a sender on this machine without a name, it is
-/// the address.
+/// Returns the name that distinguishes this sender from others. A sender on this machine that has no name is
+/// distinguished by its address.
 fn sender(issuer: &Issuer) -> Sender {
     let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
     let name = if is_here && *issuer.who == *OPERATOR { Arc::clone(&issuer.from) } else { issuer.key() };

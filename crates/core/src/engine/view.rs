@@ -123,8 +123,8 @@ impl Engine {
         }
     }
 
-    /// Returns the holds to show. A hold is shown as soon as it is raised. A hold that a command has cleared is shown
-    /// until that is recorded.
+    /// Returns the holds to show. A hold is shown as soon as it is raised. After a command has cleared a hold, the
+    /// hold is still shown until the clearing is recorded.
     fn holds_shown(&self) -> Vec<Hold> {
         let by_command = |hold: &Hold| hold.cleared_by_start() || matches!(hold, Hold::TooHigh | Hold::Alarm);
         let stands =

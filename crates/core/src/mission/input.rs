@@ -83,7 +83,7 @@ pub(crate) struct InputContext {
     pub(crate) strategy: Option<Strategy>,
     pub(crate) reading: Option<(Arc<str>, Celsius)>,
     pub(crate) fault: Option<FaultCause>,
-    /// The reason of the hold that the input raises, if there is one to tell.
+    /// The reason of the hold that the input raises, if the reason is known.
     pub(crate) why: Option<HoldReason>,
     /// The reason why there is no photo, as text.
     pub(crate) words: Option<String>,

@@ -23,18 +23,18 @@ impl Team {
         }
     }
 
-    /// Resumes a state, as if there had been no restart.
+    /// Returns the team in this state, as if there had been no restart.
     ///
     /// # Errors
-    /// If it is the state of other trees. The caller must then use a new team.
+    /// If the state belongs to other trees. The caller must then use a new team.
     pub fn resume(state: TeamState) -> Result<Team, StateError> {
         Team::new().resumed(state)
     }
 
-    /// Resumes a state with the trees of this team, without reading the trees again.
+    /// Returns the team in this state. It takes the trees of this team, so the files of the trees are not read again.
     ///
     /// # Errors
-    /// If it is the state of other trees.
+    /// If the state belongs to other trees.
     pub fn resumed(&self, state: TeamState) -> Result<Team, StateError> {
         let mut team = self.clone();
         for (tree, kept) in team.trees.iter_mut().zip(state.trees) {

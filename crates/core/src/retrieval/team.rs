@@ -127,8 +127,9 @@ impl Team {
         outcome
     }
 
-    /// Whether the next run must wait. The two robots report separately, so after a loss one may still report that it
-    /// holds the parcel. No run begins until both agree. If they still disagree after `REPORTING`, that is a fault.
+    /// Whether the next run must wait. The two robots report separately, so after a loss one robot may still report
+    /// that it holds the parcel. No run begins until both reports agree. If they still disagree after `REPORTING`,
+    /// that is a fault.
     fn waits_to_begin(&mut self, view: &View<'_>, since_last: Duration) -> bool {
         let [one, two] = view.bases.map(|base| base.arm.holds.is_some());
         let waits = self.said[SUPERVISOR] != Status::Running && one != two;

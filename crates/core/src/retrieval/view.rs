@@ -32,10 +32,11 @@ pub struct View<'a> {
     pub way_out: bool,
     /// The places of other robots, which both robots of the pair avoid.
     pub others: &'a [Place],
-    /// The known cells of the piece that is to be fetched next; empty if nothing is left to fetch. While the piece is
-    /// held, these are the cells that it has left free.
+    /// The known cells of the piece that is to be fetched next; empty if nothing is left to fetch. While the robots
+    /// hold the piece, these are the cells where it stood before, which are now free.
     pub piece: &'a BTreeSet<Cell>,
-    /// The only piece that may be fetched, if there is just one. No other piece then counts as recognised or as held.
+    /// The only piece that may be fetched; `None` if any piece may be fetched. If it is set, another piece counts
+    /// neither as recognised nor as held.
     pub wanted: Option<Piece>,
     /// Where the parcel is to be put: the target area, or the container.
     pub target: Place,

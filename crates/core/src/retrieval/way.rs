@@ -85,8 +85,8 @@ impl Floor<'_> {
         self.costs_of_a_base(area, to, |place| place == from).way(area, from, |place| place == to, next)
     }
 
-    /// Returns the places from which to lift a piece that covers these cells. The bases can get there from `bases`,
-    /// first the first base and then the second. Both can then carry the piece to `drop`, and the total way is the
+    /// Returns the places from which to lift a piece that covers these cells. Each base can get to its place from its
+    /// place in `bases`, the first base first. Both can then carry the piece to `drop`, and the total way is the
     /// shortest. `None` if the known map has no such places.
     #[must_use]
     pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
@@ -174,8 +174,8 @@ impl Floor<'_> {
         })
     }
 
-    /// Searches from `drop` to all trains. A train can take back every step, so a way that leads away from `drop`
-    /// also leads to it.
+    /// Searches from `drop` to all trains. A train can drive every step backwards, so each way that was found from
+    /// `drop` can also be used towards `drop`.
     fn costs_of_a_train(&self, area: Bounds, drop: Place, is_enough: impl Fn(Train) -> bool) -> Costs {
         let free = |place: &Place| self.cost(*place).is_some();
         let beside: Vec<Place> = drop.neighbours(self.way_out).filter(free).collect();
@@ -230,7 +230,8 @@ impl Node for Place {
     }
 }
 
-/// Number of sides of a parcel on which a base can stand: the four directions, further out, and further in.
+/// Number of sides of a parcel on which a base can stand: the four directions, and outside the entrance one step
+/// further from home or one step nearer.
 const SIDES: usize = 6;
 const OUTWARDS: usize = 4;
 const INWARDS: usize = 5;

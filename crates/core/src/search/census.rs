@@ -21,7 +21,7 @@ pub enum Terrain {
     Dense,
 }
 
-/// Cells that are added to every count, one tenth of them luggage. This is the assumption before anything is known.
+/// Cells that are added to every count, one tenth of them luggage: the assumption while nothing is known.
 const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 
 /// Limits for the share of luggage, in percent. A hall with a smaller share than `OPEN` inside is open. A hall with a
@@ -29,7 +29,7 @@ const IMAGINED: Share = Share { luggage: 1, cells: 10 };
 const OPEN: u64 = 7;
 const DENSE: u64 = 15;
 
-/// Minimum number of pieces along the walls from which anything is concluded.
+/// Minimum number of pieces along the walls. With fewer pieces, no conclusion is drawn.
 const FEW: u32 = 4;
 
 /// Number of cells with luggage, and number of all cells. `cells` includes the cells with luggage.

@@ -54,7 +54,7 @@ pub(crate) fn in_thousandths(cost: u32) -> i32 {
     i32::try_from(u64::from(cost) * 1000 / u64::from(STEP)).unwrap_or(i32::MAX)
 }
 
-/// Returns the highest cost of a way that is at most this many thousandths of a step.
+/// Returns the highest cost that does not exceed this many thousandths of a step.
 pub(crate) fn affordable(thousandths: i32) -> u32 {
     let thousandths = u64::try_from(thousandths).unwrap_or(0);
     u32::try_from(thousandths * u64::from(STEP) / 1000).unwrap_or(u32::MAX)

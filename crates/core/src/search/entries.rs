@@ -24,8 +24,8 @@ pub(crate) struct Visit {
 }
 
 /// Returns the entry with the lowest sum of its way and its `worth`, both in thousandths of a step. `worth` is lower
-/// for cells that should be visited sooner. It is never below `least`, so the search ends once no later entry can be
-/// better.
+/// for cells that should be visited sooner. `worth` is never below `least`, so the search ends once no later entry
+/// can be better.
 pub(crate) fn best_entry(
     view: &View<'_>,
     ways: &mut Ways,

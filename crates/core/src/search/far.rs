@@ -1,5 +1,5 @@
-//! Finds long ways. Only steps count, cell by cell, without the cost of turns. In a hall of a million cells, such a
-//! way is found in a few milliseconds. Among ways with equally many steps, a way that goes straight on is chosen.
+//! Finds long ways. Only the number of steps counts, and turns cost nothing. In a hall of a million cells, such a way
+//! is found in a few milliseconds. Among ways with equally many steps, a way that goes straight on is chosen.
 
 use super::grid::{Grid, Spot, onward};
 use crate::command::Move;
@@ -18,8 +18,8 @@ const UNTOUCHED: u8 = 0;
 
 const SHUT: u8 = 1;
 
-/// The marks of the waves. Each wave has the next mark, and `FIRST` comes again after `LAST`. Three marks are enough,
-/// because neighbours are at most one wave apart.
+/// The marks of the waves. Successive waves get the marks from `FIRST` to `LAST`, then `FIRST` again. Three marks are
+/// enough, because neighbours are at most one wave apart.
 const FIRST: u8 = 2;
 const LAST: u8 = 4;
 
@@ -35,7 +35,8 @@ impl Steps {
         Some(self.trace(grid, start, end))
     }
 
-    /// Spreads over the cells in waves. The first wanted cell that is reached is therefore one of the nearest.
+    /// Visits the cells in waves: all cells at distance 1, then 2, … The first wanted cell that is reached is
+    /// therefore one of the nearest.
     fn flood(
         &mut self,
         grid: &Grid,

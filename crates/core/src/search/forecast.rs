@@ -12,7 +12,7 @@ pub struct Forecast {
     /// Lower bound. The real effort is rarely smaller; `hallsweep-evaluation evaluate --time-left` measures how
     /// often.
     pub least: f64,
-    /// Upper bound. The real effort is rarely larger. `None` while it is not known that every side of the hall ends.
+    /// Upper bound. The real effort is rarely larger. `None` until the ends of the hall are known on all sides.
     pub most: Option<f64>,
 }
 
@@ -38,8 +38,8 @@ struct Extent {
     is_closed: bool,
 }
 
-/// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. Returns `None` if nothing that
-/// can be reached is open, so that the robot goes home.
+/// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. Returns `None` if the robot
+/// can reach nothing that is still unsearched. The robot then goes home.
 #[must_use]
 pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
     if !grid.has_open() {
@@ -58,7 +58,7 @@ pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Opt
 }
 
 struct Span {
-    /// Number of known wall cells in each of its two outermost lines.
+    /// Number of known wall cells in the first and in the last line of the known area.
     walls: [u32; 2],
     inside: u32,
 }
@@ -72,7 +72,7 @@ impl Span {
         Span { walls, inside: size.unsigned_abs().saturating_sub(count(ends)).max(1) }
     }
 
-    /// Whether each of the two outermost lines is known to have at least the share `ENDS` of wall cells. A line has
+    /// Whether the first and the last line both have at least the share `ENDS` of known wall cells. A line has
     /// `length` cells.
     fn ends(&self, length: u32) -> bool {
         self.walls.into_iter().all(|walls| f64::from(walls) >= ENDS * f64::from(length))

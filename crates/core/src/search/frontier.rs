@@ -1,5 +1,5 @@
-//! Chooses the nearest unknown cell. By the pocket rule, a cell with more unvisited neighbours is chosen later. Then
-//! few single cells are left behind that need a second trip.
+//! Chooses the nearest unknown cell. By the pocket rule, a cell with more unvisited neighbours is chosen later. This
+//! leaves behind few single cells that need a second trip.
 
 use super::entries::{CellEntry, Visit, best_entry};
 use super::grid::onward;

@@ -1,6 +1,6 @@
-//! The occupancy grid that a search reads: one byte per cell in one block of memory. With spare memory on every side,
-//! the cells round a cell can be read without checks. The map that the interfaces show is in
-//! `crate::world::hall_map`. Both get the same marks.
+//! The occupancy grid that a search reads: one byte per cell in one block of memory. There is spare memory on every
+//! side, so the neighbours of a cell can be read without checks. The map that the interfaces show is in
+//! `crate::world::hall_map`. The grid and that map get the same marks.
 
 use super::census::Census;
 use crate::units::{Cell, Heading};
@@ -31,7 +31,7 @@ impl Square {
     }
 }
 
-/// Minimum distance of a cell from the edge of the memory. From this distance on, the cells round it can be read
+/// Minimum distance of a cell from the edge of the memory. The cells round a cell at this distance can be read
 /// without a check of the bounds.
 pub(crate) const RIM: i32 = 8;
 
@@ -166,7 +166,7 @@ impl Grid {
         census
     }
 
-    /// Returns the smallest rectangle with home and every cell of which anything was ever known.
+    /// Returns the smallest rectangle that contains home and every cell that was ever known.
     pub(crate) const fn known(&self) -> Bounds {
         self.known
     }

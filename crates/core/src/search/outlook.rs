@@ -1,6 +1,6 @@
 //! The outlook of an unknown cell: the cells round it, seen in the direction in which the robot would enter it.
-//! `scored` weighs the outlook as numbers. Left and right count alike: an outlook is mirrored so that the heavier
-//! side is on the right.
+//! `scored` weighs the outlook as numbers. A difference between left and right does not matter: an outlook is
+//! mirrored so that the heavier side is on the right.
 //!
 //! ```text
 //!      ahead   4 … 1, 0 = the target, the unknown cell, −1 = the visited cell from which it is entered, −2
@@ -212,7 +212,7 @@ impl<'a> Sight<'a> {
         ]
     }
 
-    /// Returns how much further from home the target is than the robot. The result is 100 for each cell.
+    /// Returns how much further from home the target is than the robot, in hundredths of a cell.
     fn gain(&self, distance: fn(i32, i32) -> i32) -> i16 {
         let from_home = |cell: Cell| distance(cell.x.abs(), cell.y.abs());
         let cells = from_home(self.looking.grid.cell(self.entry.target)) - from_home(self.looking.cell);
@@ -274,8 +274,8 @@ impl<'a> Sight<'a> {
         places.iter().fold(0, |sum, place| sum * 2 + usize::from(self.is_unknown(*place)))
     }
 
-    /// Returns the turn by which the mirrored target is entered: 0 none, 1 right, 2 left, 3 back. If the entry is in
-    /// another place, the last move of the way there counts, if it is a turn.
+    /// Returns the turn by which the target is entered after mirroring: 0 none, 1 right, 2 left, 3 back. If the robot
+    /// must first drive to another place, this is the last move of the way to that place, if that move is a turn.
     fn entering(&self) -> usize {
         let side = |is_right: bool| usize::from(is_right == self.is_mirrored) + 1;
         match (self.turn, self.entry.at.by) {
@@ -292,13 +292,14 @@ impl<'a> Sight<'a> {
         (1..=3).take_while(|away| self.beyond((0, away * side)) == 0).count()
     }
 
-    /// Returns for how many cells of the run the edge on one side is closed without a gap.
+    /// Returns how many cells straight ahead, counted from the target, have no unknown cell beside them on this side.
+    /// The count stops at the first unknown cell, or at `RUN`.
     fn edge(&self, side: isize) -> usize {
         (0..RUN.cast_signed()).take_while(|ahead| self.beyond((*ahead, side)) != 0).count()
     }
 
-    /// Returns where two blocked cells in a row are beside the target: 1 to 3 to the right, 4 to 6 to the left, 0
-    /// nowhere near.
+    /// Returns the place of a wall beside the target. A wall is two blocked cells in a row. 1 to 3 is the distance to
+    /// the right, 4 to 6 is 3 plus the distance to the left, and 0 means that there is no wall near.
     fn wall(&self) -> usize {
         let is_wall = |aside: isize| self.beyond((0, aside)) == 2 && self.beyond((1, aside)) == 2;
         (1..=3usize)

@@ -102,8 +102,8 @@ fn way(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, thro
     ways.way_to_cell(grid, costs, start, goal, passable)
 }
 
-/// Returns the way towards a goal outside `area`. The way leads to the edge from which the rest is cheapest, if
-/// everything beyond is free.
+/// Returns the way towards a goal outside `area`. The way leads to the cell of the edge from which the rest is
+/// cheapest, if all cells outside are free.
 fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
     let inner = area.grown(-1);
     let mut best: Option<(u32, (Spot, Heading))> = None;
@@ -128,7 +128,7 @@ fn towards(grid: &Grid, ways: &mut Ways, costs: Costs, start: Pose, goal: Cell, 
     if all {
         return None;
     }
-    // The goal is too far away for a search over cell × heading.
+    // The goal is too far away for a search over all pairs of cell and heading.
     let passable = |spot: Spot| may_enter(grid, area, spot, Through::Unknown);
     ways.steps.way(grid, start, passable, |spot| !inner.contains(grid.cell(spot))).map(|(_, way)| way)
 }
@@ -230,7 +230,7 @@ mod tests {
         assert_eq!(way, [Move::Forward]);
     }
 
-    /// The known hall is too large for a search over cell × heading.
+    /// The known hall is too large for a search over all pairs of cell and heading.
     #[test]
     fn a_goal_beyond_a_large_known_hall_is_approached_too() {
         let row = ".".repeat(300);

@@ -54,7 +54,7 @@ impl Snail {
         ring.zip(stage).map_or_else(Snail::default, |(ring, stage)| Snail { ring, stage: *stage })
     }
 
-    /// Returns the next goal. It is called when the last goal is reached or given up.
+    /// Returns the next goal. It is called when the last goal is reached, is an obstacle, or cannot be reached.
     pub(super) fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
         loop {
             match self.stage {

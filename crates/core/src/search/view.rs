@@ -36,10 +36,10 @@ pub struct Terms {
     pub costs: Costs,
 }
 
-/// The last turn of the robot and its way since then. The outlook of an entry depends on them.
+/// The robot's last turn, and how far it has driven straight on since this turn. The score of a cell depends on both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gait {
-    /// The last turn: −1 to the left, 1 to the right, 0 none yet.
+    /// The last turn: −1 to the left, 1 to the right, 0 if the robot has not turned yet.
     pub turn: i8,
     /// Number of cells driven straight on since the last turn.
     pub run: u8,

@@ -82,7 +82,7 @@ impl Ways {
     }
 
     /// Visits states in the order of their total cost. `left` is a lower bound of the cost from a state to the goal.
-    /// It decreases by no more than the cost of a move. Returns false if there were more than `MOST` states.
+    /// A move decreases `left` by at most the cost of the move. Returns false if there were more than `MOST` states.
     pub(crate) fn search(
         &mut self,
         grid: &Grid,
@@ -162,8 +162,8 @@ impl Ways {
     }
 }
 
-/// Packs a state into one number. From the high end, it has the spot, two bits of heading, and two bits of the move
-/// that leads there.
+/// Packs a state into one number. The two lowest bits are the move that leads to the state, the next two bits are the
+/// heading, and all higher bits are the spot.
 const fn pack(spot: Spot, heading: Heading, by: u8) -> u64 {
     ((spot as u64) << 4) | ((heading as u64) << 2) | by as u64
 }

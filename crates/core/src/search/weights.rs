@@ -4,8 +4,8 @@
 //!   # where they come from, in any words
 //!   least -3000
 //!   behindUnknown 1870          a line for each number of the linear part that counts
-//!   [round] 0:-120 7:15 …       and one for each table, with the rows that count
-//! ```
+//!   behindUnknown 1870          a line for each number of the linear part with a weight
+//!   [round] 0:-120 7:15 …       and one for each table, with the rows that have a weight
 //! All numbers are in thousandths of a step, the unit of the way to an entry.
 
 use std::fmt::Write;
@@ -64,8 +64,8 @@ static SETS: [Set; 10] = [
 ];
 
 impl Set {
-    /// Returns how far these weights are from the task, with the most important difference first. Whether turns cost
-    /// anything matters more than the terrain. The terrain matters more than how much turns cost.
+    /// Returns how badly these weights fit the task, with the most important difference first. Whether turns have a
+    /// cost at all matters more than the terrain. The terrain matters more than the exact cost of turns.
     fn distance(&self, terms: Terms, terrain: Terrain) -> (bool, bool, u8, bool, bool, u32) {
         let turn = terms.costs.turn;
         (
@@ -88,13 +88,14 @@ pub struct WeightsError {
 }
 
 impl Weights {
-    /// Returns weights with which only the way counts.
+    /// Returns weights that are all 0, so that only the way to a cell counts.
     #[must_use]
     pub fn nothing() -> Weights {
         Weights { linear: [0; LINEAR], rows: vec![0; ROWS], least: 0 }
     }
 
-    /// Returns the weights that were tuned for this task, or otherwise for the most similar task.
+    /// Returns the weights that were tuned for this task. If there are none, returns the weights for the most similar
+    /// task.
     #[must_use]
     pub fn shipped(terms: Terms, terrain: Terrain) -> &'static Weights {
         let nearest = SETS.iter().min_by_key(|set| set.distance(terms, terrain));

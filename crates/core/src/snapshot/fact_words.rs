@@ -82,7 +82,7 @@ fn said(fact: &Fact) -> String {
     }
 }
 
-/// Formats a time as `13:00:05`, without its sign.
+/// Formats milliseconds as hours, minutes and seconds, such as `13:00:05`. The sign is left out.
 #[must_use]
 pub fn hours(ms: i64) -> String {
     let seconds = ms.unsigned_abs() / 1000;

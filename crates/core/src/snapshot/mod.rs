@@ -70,7 +70,7 @@ impl Snapshot {
     }
 
     /// Returns why the robots cannot be put down in another hall now, as far as this snapshot shows it; `None` if
-    /// they can. `Engine::put_down_in` does it.
+    /// they can. `Engine::put_down_in` puts them down.
     #[must_use]
     pub fn bound_to_hall(&self) -> Option<Refused> {
         let is_over = matches!(self.mission.phase, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
@@ -119,8 +119,8 @@ pub struct Progress {
     /// Number of places that can be searched next: unknown cells beside visited ones, and obstacles that are not
     /// inspected yet.
     pub unknown: usize,
-    /// The remaining driving time of the search, without photos and answers. `None` while it cannot be estimated, or
-    /// if nothing is left to search.
+    /// The remaining driving time of the search, without the time for photos and for the operator's answers. `None`
+    /// while it cannot be estimated, or if nothing is left to search.
     pub left: Option<TimeLeft>,
     /// The known size of the hall; `None` if the hall is not known beforehand.
     pub reach: Option<Reach>,

@@ -27,8 +27,8 @@ pub enum Said {
         issuer: Issuer,
         refused: Option<Refused>,
     },
-    /// A danger arrived before an accepted verdict of safe was recorded. The verdict of safe was refused, for this
-    /// reason.
+    /// A verdict of safe was accepted, but a danger arrived before the safe was recorded. The safe is therefore
+    /// refused after all, with this refusal.
     Overtaken(Refused),
     Held(Hold, Option<HoldReason>),
     Over(Hold),
@@ -68,7 +68,7 @@ pub enum Trouble {
     TooFar(Cell),
     /// The robot's last reading was too hot, and the robot has no thermometer any more.
     NoThermometer,
-    /// The robot's link is still lost, and the reason is now this one. The hold is raised already.
+    /// The link to the robot is still lost, but now for this reason. The hold was raised before.
     StillUnreached(String),
     Unreached(String),
     /// The robot met something as it left this cell.
@@ -122,8 +122,8 @@ impl fmt::Display for Said {
 }
 
 impl Said {
-    /// Makes a line about a fact. Lines are stored for a long time, so large parts that are not shown are left out (a
-    /// photo, the whole state).
+    /// Makes a line about a fact. Lines stay in memory for a long time, so large parts that are not shown (a photo,
+    /// the whole state) are left out.
     #[must_use]
     pub fn fact(fact: &Fact) -> Said {
         if let Fact::Luggage { record, .. } = fact {

@@ -14,13 +14,13 @@ pub struct Conditions {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Venue {
-    /// The name of the hall. If the hall has no name here, this is something known about it, such as the address of
-    /// the robot there.
+    /// The name of the hall. If the hall has no name here, this text is something known about the hall, such as the
+    /// address of the robot there.
     pub name: Arc<str>,
     /// The length of a cell's side, in metres, if known.
     pub cell_m: Option<f64>,
-    /// Whether the searching robot measures its way by time, without a scene file that gives the positions of things.
-    /// Something that is met for the first time may then be shown one cell away from its true place.
+    /// Whether the searching robot measures its way by time, and no scene file gives the positions of things.
+    /// Something that the robot meets for the first time may then be shown one cell away from its true place.
     pub is_reckoned: bool,
     /// The known size of the hall; `None` if the hall is not known beforehand.
     pub reach: Option<Reach>,

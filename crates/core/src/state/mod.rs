@@ -30,8 +30,8 @@ use crate::robot::RobotId;
 use crate::search::Goal;
 use crate::units::Piece;
 
-/// Number of map cells that need as much space on record as one entry. Many cells fit, because rows are written in
-/// runs.
+/// Number of map cells that need as much space on record as one entry. It is large, because equal cells in a row are
+/// written together.
 const CELLS_AN_ENTRY: usize = 64;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -210,8 +210,7 @@ impl PersistentState {
         self.map.mark(cell, mark, revision);
     }
 
-    /// Stores a luggage record. If the piece is known already, it keeps its verdict and the time since which it
-    /// waits.
+    /// Stores a luggage record. If the piece is known already, it keeps its verdict and the time of its first photo.
     fn keep(&mut self, record: &Arc<Luggage>) {
         let known = self.luggage.get(record.id);
         let (verdict, secured) = known.map_or((None, None), |known| (known.verdict.clone(), known.secured));

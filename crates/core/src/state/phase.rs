@@ -60,7 +60,8 @@ impl Phase {
         if let Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } = self { Some(interrupted) } else { None }
     }
 
-    /// Returns the phase that continues when every interruption ends. A phase that interrupts nothing returns itself.
+    /// Returns the phase that continues when every interruption has ended. Without an interruption, returns this
+    /// phase.
     pub(crate) fn underlying(&self) -> &Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }

@@ -26,8 +26,8 @@ impl Speaking {
     }
 }
 
-/// Feeds the readings of the journal, oldest first, to a thermometer. They have the same effect as when they first
-/// arrived.
+/// Feeds the readings of the journal, oldest first, to a thermometer. They have the same effect as when they were
+/// first received.
 pub(crate) fn recall(thermometer: &mut Thermometer, entries: &[Entry]) {
     for (Entry { wall, fact }, minute) in entries.iter().zip(0..) {
         // Entries are treated as one minute apart, so that each reading is shown.

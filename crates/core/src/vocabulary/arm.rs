@@ -1,7 +1,7 @@
 //! The actions of a robot arm, and the state that the arm reports. The robot itself decides how it does an action and
 //! how it holds a parcel.
 //!
-//! Quantities are whole numbers of small units. A whole number is read back exactly as it was written.
+//! Quantities are whole numbers in small units, because a whole number is read back exactly as it was written.
 
 use crate::place::Place;
 use crate::units::Piece;
@@ -67,7 +67,7 @@ named! {
     }
 }
 
-/// A piece of luggage and its place. If the piece is lifted, this is the place below it.
+/// A piece of luggage and its place. For a lifted piece, it is the place below the piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parcel {
     pub piece: Piece,

@@ -22,8 +22,8 @@ pub struct Request {
     pub epoch: Option<Epoch>,
     /// The epoch when the command arrived. It is used if the sender gave no epoch.
     pub arrived: Option<Epoch>,
-    /// Whether the command was sent before, at an unknown time. Without an epoch, a movement command may then be
-    /// older than a stop or a restart.
+    /// Whether the command was delivered again, so that it was first sent at an unknown earlier time. A movement
+    /// command without an epoch may then be older than a stop or a restart.
     pub is_again: bool,
     pub issuer: Issuer,
     /// The sender's own id for this command. If a command is repeated with the same id, it gets the same answer and
@@ -327,8 +327,8 @@ impl Issuer {
         Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
     }
 
-    /// Returns the key's name without the person's name, such as `operator` for `operator (Anna)`. Shares and repeats
-    /// are counted by this name, so nobody gets several shares by using several names.
+    /// Returns the key's name without the person's name, such as `operator` for `operator (Anna)`. Limits per
+    /// sender and repeated ids are counted by this name, so nobody gets a larger limit by using several names.
     #[must_use]
     pub fn key(&self) -> Arc<str> {
         self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))

@@ -15,7 +15,7 @@ pub enum Event {
     /// All entries up to this one are stored durably.
     Recorded(Seq),
     StoreFailed(String),
-    /// The store still cannot write, and the reason is now this one.
+    /// The store still cannot write, but now for this reason.
     StoreReason(String),
     StoreRestored,
 }
@@ -34,7 +34,8 @@ pub enum RobotEvent {
     /// The link is lost, for this reason. The robot halts by itself and will not answer its open order.
     LinkLost(String),
     /// The robot's time is paused, which is possible for a simulated robot. The robot still obeys and answers halts.
-    /// No order becomes overdue until `LinkUp` reports that time runs again, and how long actions now take.
+    /// No order becomes overdue until `LinkUp`, which reports that time runs again, and how long each action now
+    /// takes.
     Paused,
     /// The order is complete: a step, a turn, a recentring, an arm movement, or the start of a controller.
     Done(OrderId),

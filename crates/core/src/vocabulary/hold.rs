@@ -19,10 +19,11 @@ named! {
         RobotLink = "robotLink",
         Store = "store",
         Restart = "restart",
-        /// A verdict of danger could not be recorded. The hold ends when its alarm is acknowledged or the danger is
-        /// recorded.
+        /// A verdict of danger could not be recorded, or the pair of robots calls the operator. The hold ends when
+        /// the alarm is acknowledged, or when the danger is recorded.
         Alarm = "alarm",
-        /// A hold was raised, and nobody has pressed START since then. The cause of that hold may be gone.
+        /// Another hold was raised, and the robot has not been released since then, for example by START. The cause
+        /// of that other hold may be gone.
         AwaitingStart = "awaitingStart",
     }
 }

@@ -25,15 +25,15 @@ pub enum NotFetched {
     /// The pair of robots could not continue. The text is the error of a behaviour tree, if that was the cause.
     Pair(RetrievalFault, Option<String>),
     Alone(AloneFault),
-    /// The settings name a different fetcher from the one that began. The one that began may stand anywhere, with the
-    /// piece in its grip.
+    /// The settings now name another fetcher than the one that began the retrieval. The robots of the first fetcher
+    /// may stand anywhere, with the piece in their grip.
     OtherFetcher {
         began: Fetcher,
         /// The fetcher that the settings now name.
         set: Fetcher,
     },
-    /// The robots that fetch cannot go back outside. If they were to go out without the piece, the second value says
-    /// why they did not have it.
+    /// The robots that fetch cannot go back outside. If they had to go out without the piece, the second value says
+    /// why they do not have it.
     Stuck(StuckFault, Option<Box<NotFetched>>),
     /// A reason that another version of the program recorded, as text.
     Other(String),

@@ -1,5 +1,5 @@
-//! The two robots that fetch as a pair, their calls to the operator, and the reasons why they cannot continue. Each
-//! has a name. Calls and reasons also have a text.
+//! The two robots that fetch as a pair, their calls to the operator, and the reasons why they cannot continue.
+//! Robots, calls and reasons have fixed names. Calls and reasons also have a text.
 
 use crate::robot::RobotId;
 

@@ -15,8 +15,8 @@ pub enum Place {
 }
 
 impl Place {
-    /// How many steps outside two robots with a parcel between them must go. The parcel then stands one step from
-    /// home, beside the container.
+    /// Number of steps that the pair must go outside with a parcel between the two robots. The parcel then stands one
+    /// step from home, beside the container.
     pub const FURTHEST: u8 = 2;
 
     /// The place where robots wait before they come in, and where the container stands.

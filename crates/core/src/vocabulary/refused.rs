@@ -76,7 +76,7 @@ pub enum Refused {
     NoRetrievalRobot,
     #[error("{0} cannot be reached, and the retrieval needs it: mend its link first")]
     FetcherUnreached(RobotId),
-    /// A retrieval was interrupted and can continue. This robot is not yet where a new mission begins.
+    /// A retrieval was interrupted and can continue. This robot is not at the place where a new mission begins.
     #[error("{0} is not back yet: press START, so that the retrieval goes on")]
     FetcherAbroad(RobotId),
     #[error("the fault still stands: {0}")]
@@ -86,8 +86,8 @@ pub enum Refused {
     /// The command was carried out, but the store failed before it was recorded.
     #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
     NotKept,
-    /// Shown at a button, and never sent as an answer. The last change is not recorded yet, and it may forbid the
-    /// command.
+    /// Shown at a button, but never sent as an answer. The last change is not recorded yet, and this change may
+    /// forbid the command.
     #[error("what was done last is not on record yet: wait a moment")]
     NotOnRecord,
     #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]

@@ -28,7 +28,7 @@ impl Speed {
         }
     }
 
-    /// The speed of simulated time between two jumps.
+    /// The speed of simulated time while it runs. With `Max`, simulated time runs at real speed between its jumps.
     pub const fn pace(self) -> f64 {
         match self {
             Speed::Times(_) => self.factor(),

@@ -1,6 +1,6 @@
 //! The luggage records by number, in memory that snapshots share. A copy is cheap, and the changes between two states
-//! are found without comparing everything. Indexes list the pieces that wait for a verdict, those of them without a
-//! photo, the dangerous pieces still in the hall, and the secured pieces.
+//! are found without comparing everything. Indexes list four groups: the pieces that wait for a verdict, the waiting
+//! pieces without a photo, the dangerous pieces still in the hall, and the secured pieces.
 
 use std::collections::BTreeSet;
 use std::ops::Index;

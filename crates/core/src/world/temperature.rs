@@ -14,8 +14,8 @@ pub const SOURCES: usize = 64;
 /// Time without a reading after which a robot's thermometer counts as silent. Sensors have their own setting.
 pub const SILENCE: Duration = Duration::from_secs(30);
 
-/// Minimum time between two updates while a reading stays the same. Without it, a thermometer that reports often
-/// would wake every interface at each report.
+/// Minimum time between two updates while a reading stays the same. Without this limit, a thermometer that reports
+/// often would wake every interface at each report.
 const SHOWN_ANEW: Duration = Duration::from_secs(5);
 
 /// Whether the source is the thermometer of a robot. No sensor has a blank in its name.
@@ -31,7 +31,7 @@ pub(crate) struct Thermometer {
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
     /// The latest reading of the sources that are not silent. If all are silent, it is the latest reading of all
-    /// sources. Its time may be a few seconds old.
+    /// sources. The time of the reading may be a few seconds old.
     pub(crate) last: Option<(Arc<str>, Source)>,
 }
 
@@ -124,8 +124,8 @@ impl Thermometer {
         speaking.map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
-    /// Removes a source. If the source was hot, its last reading is kept as the operator's reading, and only the
-    /// operator can change it. Returns whether this happened.
+    /// Removes a source. If the source was hot, its last reading becomes the operator's reading, which only the
+    /// operator can change. Returns whether the source was hot.
     pub(crate) fn retire(&mut self, source: &str) -> bool {
         let left = self.sources.remove(source).filter(|left| left.hot);
         left.is_some_and(|left| {
@@ -168,7 +168,8 @@ pub struct TemperatureView {
     pub celsius: Option<Celsius>,
     /// When the temperature was read, accurate to some seconds; `None` if that is unknown.
     pub read: Option<WallTime>,
-    /// Since when the source of the reading is silent. The temperature is then unknown. `None` while it is known.
+    /// Since when the source of the reading is silent. The present temperature is then unknown. `None` if the source
+    /// is not silent.
     pub silent_since: Option<WallTime>,
     pub status: TemperatureStatus,
     /// Temperature above which nothing moves.

@@ -28,7 +28,8 @@ pub struct Tile {
     /// The frontier cells of each row, one bit per cell.
     frontier: [u32; TILE as usize],
     open: u16,
-    /// Number of known cells. A tile with 0 known cells lies beyond the known area, and only its frontier counts.
+    /// Number of known cells. A tile without known cells lies just beyond the known area. It is stored for its
+    /// frontier.
     known: u16,
 }
 

@@ -11,7 +11,7 @@ use hallsweep_core::event::{Ahead, Obstacle, OffCentre, RobotEvent};
 use hallsweep_core::robot::Part;
 use hallsweep_core::units::{Now, OrderId};
 
-/// Longest time for which the bytes of a photo are skipped that was not ordered.
+/// Longest time for skipping the bytes of a photo that was not ordered.
 const UNWANTED: Duration = Duration::from_secs(30);
 
 /// Shortest time between two reports of readings. Without it, a sensor that sends all the time would fill the
@@ -21,7 +21,8 @@ const READINGS: Duration = Duration::from_millis(500);
 /// An order fails after this number of halts in a row that nobody requested.
 const UNASKED: u8 = 20;
 
-/// Numbers of cells above this limit are cut to it, both along a wall and ahead.
+/// Maximum number of cells along a wall or ahead that is reported to the core. Greater numbers from the robot are
+/// reduced to this limit.
 const SEEN: u16 = 100;
 
 impl LineDriver {
@@ -91,8 +92,8 @@ impl LineDriver {
         }
     }
 
-    /// Handles a halt, and counts the halts that nobody requested. A robot halts by itself if it receives too little
-    /// for a moment. After `UNASKED` such halts in a row the order fails, since the robot would never arrive.
+    /// Handles a halt, and counts the halts that nobody requested. A robot halts by itself if it receives no valid
+    /// line for a moment. After `UNASKED` such halts in a row the order fails, since the robot would never arrive.
     fn halted(&mut self, seq: Seq, off_centre: OffCentre) {
         let Some((was_halted, is_late)) = self.open.as_ref().map(|open| (open.is_halted, open.is_late)) else { return };
         let Some(id) = self.close_motion(seq, off_centre) else { return };

@@ -30,7 +30,7 @@ const SILENCE: Duration = Duration::from_millis(1500);
 /// need two seconds to start.
 const AWAKE: Duration = Duration::from_secs(5);
 
-/// Longest pause between two bytes of a photo. After it, the rest of the photo counts as lost.
+/// Longest pause between two bytes of a photo. After a longer pause, the rest of the photo counts as lost.
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// How long to wait for the answer to a halt. After that, the connection is closed, since a new connection halts the
@@ -79,8 +79,8 @@ pub struct LineDriver {
 #[derive(Debug)]
 pub(super) enum LinkStage {
     Down,
-    /// Connected, but not ready for orders. Once the robot has introduced itself, this is the number that was sent to
-    /// it: orders begin above it.
+    /// Connected, but not ready for orders. The value is the number that was sent to the robot: orders will have
+    /// greater numbers. `None` if the robot has not introduced itself yet, or has no numbers left.
     Greeting(Option<Seq>),
     Up(Robot),
 }
@@ -278,7 +278,7 @@ impl Driver for LineDriver {
         self.link = LinkStage::Greeting(None);
         self.lines = LineReader::default();
         (self.connected, self.heard, self.last_halt) = (now.since_start, now.since_start, None);
-        // The last program may have sent only a part of a line. This ends that line.
+        // The last program may have sent only a part of a line. A line feed ends that part.
         self.outputs.push_back(Output::Send(b"\n".to_vec()));
         self.greet(now);
     }
@@ -328,7 +328,7 @@ impl Driver for LineDriver {
             Some(_) => self.seq.before(),
             None => self.voided(),
         };
-        // Many STOPs must not fill a slow wire, since the next order would have to wait until their lines are sent.
+        // The lines of repeated STOPs must not fill a slow wire, because the next order is sent after these lines.
         let serves = |(voided, said)| voided == voids && now.since_start.saturating_sub(said) < REPEATED;
         if self.last_halt.is_some_and(serves) {
             return;

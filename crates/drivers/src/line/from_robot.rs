@@ -11,9 +11,10 @@ use hallsweep_core::units::{Cell, Celsius, Heading, Piece, Pose};
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRobot {
     Hello(Hello),
-    /// A motion is complete. If the sonar sees the cells ahead, its view of them is included.
+    /// A motion is complete. The second value is what the robot sees ahead, if it has reported this.
     Done(Seq, Option<Ahead>),
-    /// A motion met an obstacle. The number is its distance in centimetres, if the robot has measured it.
+    /// A motion met an obstacle. The second value is the distance to the obstacle in centimetres, if the robot has
+    /// measured this distance.
     Blocked(Seq, Option<u16>, Obstacle),
     /// A motion was cut short by a halt, or was halted before it began.
     Halted(Seq, OffCentre),
@@ -37,8 +38,7 @@ pub struct Hello {
     pub photo: Duration,
     /// Where the robot itself believes that it stands.
     pub stands: Whereabouts,
-    /// The greatest number of an order that has begun or was voided. `None` if the robot was switched on and has
-    /// received no `from` since.
+    /// The greatest number of an order that has begun or was voided. `None` if the robot has received no `from` since
     /// it was switched on.
     pub last: Option<Seq>,
 }

@@ -65,8 +65,8 @@ impl LineDriver {
         }
     }
 
-    /// Why this `hello` cannot come from the robot of this link. `None` if it can. The place is compared with the
-    /// known place only within a connection. After a new connection, the robot may stand anywhere.
+    /// Why this `hello` cannot come from the robot of this link. `None` if it can. The reported place is compared
+    /// with the known place only within one connection. After a new connection, the robot may stand anywhere.
     fn mismatch(&self, robot: &Robot, hello: &Hello) -> Option<String> {
         let Hello { name, parts, stands, last, .. } = hello;
         let (at, was_at) = (stands.pose, robot.pose);
@@ -98,14 +98,14 @@ impl LineDriver {
     }
 
     /// Sends the number above which orders begin. If the robot has received the last possible number, it must be
-    /// switched off and on. It is asked again until then.
+    /// switched off and on. Until then, the driver keeps sending `hello`.
     fn begin_above(&mut self, last: Option<Seq>, now: Now) {
         let from = last.map_or(Some(Seq::FIRST), Seq::next);
         let is_first = matches!(self.link, LinkStage::Greeting(None));
         self.link = LinkStage::Greeting(from);
         match from {
-            // Only the first time, the robot is greeted again at once. Each of its answers leads here, so doing this
-            // every time would never pause.
+            // Only the first answer is followed by a greeting at once. Each answer of the robot leads here, so lines
+            // would be exchanged without a pause otherwise.
             Some(_) if is_first => self.greet(now),
             Some(_) => {}
             None => self.tell_lost(ALL_COUNTED),

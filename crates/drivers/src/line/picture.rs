@@ -99,7 +99,8 @@ fn is_jpeg(bytes: &[u8]) -> bool {
     while let [0xff, kind, high, low, segment @ ..] = rest {
         let length = usize::from(u16::from_be_bytes([*high, *low]));
         match kind {
-            // These numbers are starts of frames, except three of them, which are starts of tables.
+            // These numbers mark the start of a frame. The exceptions are C4 and CC, which mark tables, and C8, which
+            // is reserved.
             0xc0..=0xcf if !matches!(kind, 0xc4 | 0xc8 | 0xcc) => {
                 is_sized = are_sides(segment.get(1..3)) && are_sides(segment.get(3..5))
             }
@@ -145,7 +146,7 @@ mod tests {
         }
     }
 
-    /// Safety V2: bytes that are no complete picture must not be accepted as a photo.
+    /// Safety V2: bytes that are not a complete picture must not be accepted as a photo.
     #[test]
     fn what_is_no_whole_picture_is_none() {
         for (bytes, length, expected, words) in [

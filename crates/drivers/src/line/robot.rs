@@ -35,7 +35,7 @@ pub enum BodyRequest {
 pub struct LineRobot {
     name: RobotName,
     lines: LineReader,
-    /// The capabilities that the body has reported. `None` until then, and nothing is sent before.
+    /// The capabilities that the body has reported. `None` before this report. Until then, the robot sends nothing.
     capabilities: Option<Capabilities>,
     stands: Whereabouts,
     /// The greatest number of an order that has begun or was voided. Without a number, the robot obeys no order.
@@ -47,7 +47,7 @@ pub struct LineRobot {
     from: Option<Seq>,
     sonar_cm: Option<u16>,
     ahead: Option<Ahead>,
-    /// When the last valid line came. A moving robot halts if no other comes within `WATCHDOG`.
+    /// When the last valid line came. A moving robot halts if the next valid line does not come within `WATCHDOG`.
     heard: Duration,
     asked: VecDeque<BodyRequest>,
     outputs: VecDeque<Arc<[u8]>>,
@@ -145,7 +145,8 @@ impl LineRobot {
         self.outputs.pop_front()
     }
 
-    /// When the robot halts by itself if no line comes before, counted from the start of the run.
+    /// When the robot will halt by itself unless a valid line comes earlier. The time is counted from the start of
+    /// the run.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.motion().filter(|motion| !motion.is_halted).map(|_| self.heard + WATCHDOG)
@@ -198,7 +199,8 @@ impl LineRobot {
         self.asked.push_back(BodyRequest::Order(Order { id, action, epoch: Epoch(0), deadline }));
     }
 
-    /// Handles a halt. A motion is answered when the robot stands. No order up to this number can begin after that.
+    /// Handles a halt. A running motion is answered when the robot has stopped. After the halt, no order up to this
+    /// number can begin.
     fn void(&mut self, seq: Seq) {
         if self.motion().is_some() {
             self.halt();

@@ -1,5 +1,6 @@
-//! Measures how long the robot needs for a cell, by means of the distances in the page's scene file. This is done
-//! once, when the first motion is ordered. The robot drives ahead until it meets something, and then back.
+//! Measures how long the robot needs to drive the length of a cell, with the distances in the page's scene file. The
+//! measurement is made once, when the first motion is ordered. The robot drives ahead until it meets something, and
+//! then back.
 
 use std::time::Duration;
 
@@ -8,19 +9,19 @@ use super::{Aim, TURN, Then, VirtualRobot};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::units::{Heading, Pose};
 
-/// Shortest distance that is used for the measurement, in cells. On a shorter one, a single frame of the page would
-/// change the result too much.
+/// Shortest distance that is used for the measurement, in cells. On a shorter distance, a single frame of the page
+/// would change the result too much.
 const SHORTEST: f64 = 2.0;
 
-/// A page may be slower than it was made for by this factor. If nothing is met although the page could be that slow,
-/// the scene file does not fit.
+/// Largest factor by which a page may be slower than the assumed time of a step. If even such a slow robot must have
+/// met the thing ahead, but has met nothing, the scene file does not fit the room.
 const SLOWER: f64 = 4.0;
 
-/// A step takes longer by this factor at the first contact, when the robot drives there, back, and there again. An
-/// order has at least the time of three steps.
+/// Factor by which a step may take longer at the first contact: the robot drives to the thing, back, and to the thing
+/// again. The factor can be small, because an order has at least the time of three steps.
 const CONTACT: f64 = 1.3;
 
-/// A motion may take longer by this factor, because the robot first finds out where it is.
+/// Factor by which a motion may take longer if the robot first finds out where it is.
 const FINDING_OUT: f64 = 1.8;
 
 /// Length of one leg of the measurement, in cells. A leg is a motion by one command.
@@ -32,8 +33,8 @@ impl VirtualRobot {
         self.gauge = Some(ahead).filter(|ahead| *ahead >= SHORTEST && !self.is_gauged);
     }
 
-    /// The longest time that a step can take. It includes a second contact if the latency is unknown, and the
-    /// measurement if this is still to come.
+    /// The longest time that a step can take. This includes a second contact if the latency is unknown, and the
+    /// measurement of the step if it was not made yet.
     pub(super) fn longest_step(&self) -> Duration {
         let step = self.step + self.margin() * legs(self.step);
         let step = if self.latency.is_none() { step.mul_f64(CONTACT) } else { step };
@@ -82,7 +83,8 @@ impl VirtualRobot {
     pub(super) fn gauge_ends(&mut self, driven: Duration) {
         self.gauged += driven;
         if !self.is_met_as_it_should_be() {
-            // The real distance is unknown, so it is computed with the assumed step. The way back needs it.
+            // The real distance is unknown, so it is computed with the assumed step. The way back needs this
+            // distance.
             self.gauge = Some(self.gauged.div_duration_f64(self.step));
         }
         self.retreat(self.step.mul_f64(LEG), Then::Gauged);

@@ -10,8 +10,8 @@ use hallsweep_core::event::{RobotEvent, Whereabouts};
 /// Longest wait for the server's greeting after connecting.
 pub(super) const GREETING: Duration = Duration::from_secs(1);
 
-/// After this number of connections in a row without a greeting, there is no page. One missing greeting may only mean
-/// that the server is busy.
+/// After this number of connections in a row without a greeting, the page counts as closed. One missing greeting may
+/// only mean that the server is busy.
 const UNGREETED: u8 = 2;
 
 /// How often to check whether the page is still open while the robot stands still.
@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_secs(1);
 
 impl VirtualRobot {
     /// Handles a greeting, which means that a page is open. The server greets all clients whenever one connects, so
-    /// the page may have been known before.
+    /// the open page may already be known.
     pub(super) fn greeted(&mut self) {
         if !self.is_connected {
             // The greeting came over a connection that was already closed from this side.

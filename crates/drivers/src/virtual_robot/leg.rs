@@ -1,5 +1,5 @@
-//! One leg: a motion of the virtual robot by one command. The server reports its end not at all or too early. So each
-//! leg has a time after which it counts as ended if nothing was met.
+//! One leg: a motion of the virtual robot by one command. The server reports the end of a leg too early or not at
+//! all. So each leg has a duration, after which it counts as ended if nothing was met.
 
 use std::time::Duration;
 
@@ -11,7 +11,8 @@ pub(super) struct Leg {
     pub(super) way: Way,
     pub(super) stage: LegStage,
     pub(super) is_acknowledged: bool,
-    /// Whether a halt came that the leg cannot obey. A turn ends by itself. After a refusal, it is not tried again.
+    /// Whether the leg was halted but cannot stop: a turn goes on to its end. If the server refuses a halted turn,
+    /// the turn is not tried again.
     pub(super) is_halted: bool,
     /// When the server first refused the motion. The flag says whether an alarm was sent after that, to end the other
     /// motion that the server reports.
@@ -29,8 +30,8 @@ pub(super) enum Way {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LegStage {
-    /// The motion waits for a new connection. The greeting on it shows that a page is open and that the server sends
-    /// its messages here.
+    /// The motion waits for a new connection. The server's greeting on this connection shows that a page is open and
+    /// that the server sends its messages to this program.
     Fresh,
     /// The server refused the motion because another one was running. It is tried again at this time.
     Refused(Duration),

@@ -32,7 +32,7 @@ struct Remembered {
 
 impl VirtualRobot {
     /// Makes the robot as the last run of the program left it. `written` is the line that the last run stored. A
-    /// motion of that time has ended by itself, without a report.
+    /// motion that was running then has ended by itself, without a report.
     ///
     /// # Errors
     /// When the line cannot be used. The error says why.
@@ -56,7 +56,7 @@ impl VirtualRobot {
         if !remembered.reckoning.is_sound() || !are_times {
             return Err("its remembered place is impossible".to_owned());
         }
-        // If the time of a step was set anew, it is used instead of the measured time.
+        // If the setting of the step time has changed, the new setting is used instead of the measured time.
         let is_set_as_before = Duration::try_from_secs_f64(remembered.step_set_s) == Ok(step);
         Ok(VirtualRobot {
             reckoning: remembered.reckoning,
@@ -71,8 +71,8 @@ impl VirtualRobot {
         })
     }
 
-    /// The line to store. If a motion is running, its end will not be observed, so it is stored that way. It will
-    /// also be unknown whether the last commands have arrived.
+    /// The line to store. A running motion is stored as a motion whose end was not observed, because the next run
+    /// cannot observe it. A command that is not confirmed as sent is stored as one that may or may not have arrived.
     pub(super) fn remembered(&self) -> String {
         let mut left = VirtualRobot {
             reckoning: self.reckoning.clone(),

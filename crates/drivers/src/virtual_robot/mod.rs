@@ -72,15 +72,14 @@ pub struct VirtualRobot {
     is_greeted: bool,
     /// When the wait for the greeting ends.
     greeting: Option<Duration>,
-    /// When the server's greeting was last checked.
+    /// When it was last checked that the server greets (a page is open).
     looked: Duration,
     /// How long the server took to greet the last connection.
     greeted_after: Duration,
     connected: Duration,
     /// Number of connections in a row without a greeting.
     ungreeted: u8,
-    /// Whether the server works but has no page. If the server has ended, its page may still be there, so this is
-    /// false.
+    /// Whether the server works but has no page. False if the server has ended, because its page may still be open.
     is_page_closed: bool,
     has_server_ended: bool,
     /// The state of the link as it was last reported to the core. `said` is the reason.
@@ -340,7 +339,7 @@ impl Driver for VirtualRobot {
         self.halt();
     }
 
-    /// The robot has no LED. But when the LED should begin to blink, a search starts with an empty map.
+    /// The robot has no LED. But a request to begin blinking shows that a search starts with an empty map.
     fn handle_led(&mut self, blinks: bool, _: Now) {
         if blinks && !self.led {
             self.reckoning.begin_search();

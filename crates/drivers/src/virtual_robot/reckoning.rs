@@ -27,7 +27,8 @@ const CELLS: usize = 16_384;
 /// Largest coordinate in a room, in cells.
 const FURTHEST: i32 = 100_000;
 
-/// Shortest distance by which the robot's speed is judged, in cells. One frame of its page is a twentieth of a cell.
+/// Shortest distance from which the robot's speed is computed, in cells. One frame of its page is a twentieth of a
+/// cell.
 const GAUGED: f64 = 2.0;
 
 /// The robot counts as having driven straight if its total distance exceeds the net distance by less than this, in
@@ -51,8 +52,8 @@ pub(super) struct Reckoning {
     /// The faces whose places are from the scene file.
     #[serde(skip)]
     placed: BTreeSet<String>,
-    /// For each axis, whether a thing was reported since the robot last met a known face. If the position was wrong
-    /// then, that thing was reported in a wrong cell.
+    /// For each axis, whether the robot has entered a new cell or met a new face since it last met a known face. If
+    /// the position was already wrong at that time, this was reported for a wrong cell.
     has_news: [bool; 2],
     /// For each axis, the distances driven since the robot last met a thing with a known place.
     since: [Option<Since>; 2],
@@ -72,7 +73,8 @@ struct Since {
 pub(super) struct Drift {
     /// Error in cells.
     pub(super) cells: f64,
-    /// Whether no thing was reported since the last known face. If so, no report was wrong.
+    /// Whether the robot has entered no new cell and met no new face since it last met a known face. If so, no report
+    /// was wrong.
     pub(super) is_harmless: bool,
 }
 
@@ -149,9 +151,9 @@ impl Reckoning {
         }
     }
 
-    /// Records that the robot met this thing while it drove in this direction. If the thing's place was known, the
-    /// position is corrected. Otherwise the place becomes known. Returns counted distance ÷ real distance, if the way
-    /// was long enough.
+    /// Records that the robot met this thing while it drove in this direction. If the thing's place was already
+    /// known, the position is corrected. Otherwise the thing's place becomes known. Returns counted distance ÷ real
+    /// distance, if the way was long enough.
     pub(super) fn meet(&mut self, name: Option<&str>, towards: Heading) -> Result<Option<f64>, Drift> {
         let Some(name) = name.filter(|name| !self.unfixed.contains(*name)) else { return Ok(None) };
         let key = key(name, towards);
@@ -179,7 +181,7 @@ impl Reckoning {
         self.contacts.clear();
     }
 
-    /// Marks all cells as new, since a search begins.
+    /// Marks all cells except the current one as new, because a search begins.
     pub(super) fn begin_search(&mut self) {
         self.stood = BTreeSet::from([self.cell]);
     }
@@ -193,13 +195,14 @@ impl Reckoning {
         self.stood.contains(&(cell.x, cell.y))
     }
 
-    /// Distance to the thing that the robot met before from this cell with this heading. If there is none, distance
-    /// to a known wall that may extend to here. The flag says whether the contact is certain.
+    /// Distance to the thing that the robot met before from this cell with this heading. If it met nothing from here
+    /// before, the distance to a known wall that may extend to this place. The flag says whether a contact is
+    /// certain.
     pub(super) fn contact_ahead(&self) -> Option<(f64, bool)> {
         let heading = self.pose().heading;
         let way = |face: &f64| face - along(self.at, heading);
         if let Some(key) = self.contacts.get(&self.contact_key()) {
-            // Once no wall was met here, none is expected again.
+            // An entry without a known face means that no wall was met here, so no wall is expected again.
             return self.faces.get(key).map(|face| (way(face), true)).filter(|(way, _)| (0.0..1.5).contains(way));
         }
         let begins = format!("{} wall", heading.name());

@@ -1,5 +1,5 @@
-//! The room as the page's scene file describes it: where all things stand, so in which cells the robot can stand.
-//! With a known room, a drift is noticed before anything wrong is reported.
+//! The room as the page's scene file describes it: where all things stand, and therefore in which cells the robot can
+//! stand. With a known room, a drift is noticed before anything wrong is reported.
 //!
 //! Lengths are in cells from the centre of the robot's start, with columns to the east and rows to the south.
 //! Coordinates are those of the robot's centre. The robot counts as a point, and all things are enlarged by half the
@@ -9,14 +9,16 @@ use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 use hallsweep_core::units::{Cell, Heading};
 
-/// If a thing stops the robot within this distance of a cell's centre, the thing is not in that cell. In cells.
+/// Greatest distance from a cell's centre, in cells, at which the robot still counts as having reached the cell. A
+/// thing that stops the robot there is not in that cell.
 pub(super) const REACHED: f64 = 0.15;
 
-/// At this distance before a thing, the robot's centre must be free, or else the robot cannot meet the thing. In
-/// cells.
+/// Distance before a thing, in cells, at which the robot's centre must have room. Otherwise, the robot cannot meet
+/// the thing.
 const BEFORE: f64 = 0.2;
 
-/// Greatest sideways distance at which the robot can meet a thing, because its position is not exact. In cells.
+/// Greatest sideways distance, in cells, at which the robot can meet a thing. It is above 0 because the robot's
+/// position is not exact.
 const BESIDE: f64 = 0.2;
 
 /// How many cells to go to each side, at most, when looking for a cell where the robot can stand.
@@ -96,8 +98,8 @@ impl Room {
         self.floor.depth(at) >= -REACHED && self.things.iter().all(|thing| thing.extent.depth(at) <= REACHED)
     }
 
-    /// Whether a robot at `at` may have met this thing on its way into `cell`. The cell itself is free or almost
-    /// free. The robot's path is only a line, which does not show how far a thing extends to the side.
+    /// Whether a robot at `at` may have met this thing on its way into `cell`, although the cell counts as free. The
+    /// thing may be up to `REACHED` to the side of the robot's path.
     fn is_grazed(&self, name: &str, cell: Cell, at: (f64, f64), towards: Heading) -> bool {
         let (dx, dy) = (f64::from(towards.vector().0), f64::from(towards.vector().1));
         let (along, across) = (dx.mul_add(at.0, dy * at.1), if dx == 0.0 { f64::from(cell.x) } else { f64::from(cell.y) });
@@ -108,8 +110,8 @@ impl Room {
         self.things.iter().any(|thing| thing.name == name && reaches(&thing.extent))
     }
 
-    /// The thing that the robot has met at `at` while it drove in this direction, for servers that do not name
-    /// things. `None` if there are moving things, since it may be one of them.
+    /// Returns the thing that the robot hit at the position `at` while it drove in the direction `towards`, for servers
+    /// that do not send the name of the thing. Returns `None` if the room has moving things: it may have hit one of them.
     fn met(&self, at: (f64, f64), towards: Heading) -> Option<&str> {
         if !self.moving.is_empty() {
             return None;
@@ -204,8 +206,8 @@ impl VirtualRobot {
         room.stands(met) && room.is_free(cell) && !room.is_grazed(met, cell, self.reckoning.at(), towards)
     }
 
-    /// Lets the robot drive on until it meets something, but only some cells. By its count it has entered a cell
-    /// where it cannot stand, without a contact.
+    /// Lets the robot drive on for at most a few cells, until it meets something. By the counted distance, it has
+    /// entered a cell where it cannot stand, but it has met nothing.
     pub(super) fn go_on_until_met(&mut self, towards: Heading, backward: bool) {
         self.off_centre = true;
         self.aim(Aim::Touch { is_certain: true, further: 0 });
@@ -224,7 +226,7 @@ impl VirtualRobot {
         self.stand_elsewhere(cell);
     }
 
-    /// Whether the scene file blocks the next cell, but by another thing than the one that the robot has met.
+    /// Whether the next cell is blocked in the scene file, but not by the thing that the robot has met.
     pub(super) fn has_passed_what_bars(&self, towards: Heading) -> bool {
         let next = self.reckoning.pose().cell.ahead(towards);
         let Some(room) = self.room.as_ref().filter(|room| !room.is_free(next)) else { return false };

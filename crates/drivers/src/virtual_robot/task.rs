@@ -1,5 +1,5 @@
-//! The steps of an order for the virtual robot. Before and after the order itself, it may have to drive additional
-//! ways.
+//! The steps of an order for the virtual robot. Before and after the order itself, the robot may have to drive
+//! additional ways.
 
 use std::time::Duration;
 
@@ -41,7 +41,7 @@ pub(super) enum Aim {
     /// start.
     Gauge,
     Gauged,
-    /// A short way ahead, to find out whether a step is complete whose end was not reported.
+    /// A short way ahead, to find out whether the last step is complete, because its end was not reported.
     Feel,
     Draw,
 }

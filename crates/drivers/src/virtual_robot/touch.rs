@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::reckoning::DRIFT;
 use super::{Aim, VirtualRobot};
 
-/// The robot touches a thing if it has driven this far along an axis since the last contact on that axis. In cells.
+/// Distance along an axis since the last contact on that axis, in cells, after which the robot touches a thing.
 const FAR: f64 = 3.0;
 
 /// If a thing that certainly stands there is not met, the robot drives this number of additional cells, one by one.

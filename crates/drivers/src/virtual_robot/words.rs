@@ -146,8 +146,8 @@ pub(super) fn message(bytes: &[u8]) -> Option<Heard> {
         return None;
     }
     let is = |value: bool| *ended == Value::Bool(value) || ended.as_str() == Some(if value { "true" } else { "false" });
-    // `false` means a collision, which has its own message. It can also be the result of another move that the server
-    // reports as the result of this one.
+    // A result `false` means a collision, which has its own message. With the name of a move, `false` can also be the
+    // result of another move, which the server reports under this name.
     (is(true) || (is(false) && of.is_some())).then_some(Heard::Ended(of))
 }
 

@@ -31,8 +31,8 @@ impl Estimate {
     }
 }
 
-/// Shows the mean, and the interval if there is one. Both have three decimals if the mean is between −100 and 100, or
-/// else none.
+/// Shows the mean, and the interval if there is one. Both have three decimals if the mean is between −100 and
+/// 100, and otherwise no decimals.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = |number: f64| if number.abs() < 100.0 { 3 } else { 0 };
@@ -43,7 +43,8 @@ impl fmt::Display for Estimate {
 }
 
 /// Student's 97.5 % quantile for this number of degrees of freedom. Up to four degrees it comes from a table. For
-/// more degrees it is computed by the expansion of Cornish and Fisher, which is accurate to 0.003 there.
+/// more degrees it is computed by the expansion of Cornish and Fisher, which is accurate to 0.003 from five degrees
+/// on.
 #[expect(clippy::cast_precision_loss, reason = "nobody walks through 2^53 halls")]
 fn student(freedom: usize) -> f64 {
     const FEW: [f64; 5] = [f64::INFINITY, 12.706, 4.303, 3.182, 2.776];

@@ -12,7 +12,7 @@ use crate::family::{Family, hall};
 
 #[derive(Clone, Debug)]
 pub enum Halls {
-    /// Random halls. They have their own random stream, so that none of them was used for tuning.
+    /// Random halls. They are drawn from their own random stream, so no hall of a comparison was used for tuning.
     Random {
         kind: Kind,
         count: usize,

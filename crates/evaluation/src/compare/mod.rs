@@ -79,7 +79,7 @@ impl Contest {
     }
 }
 
-/// The mean of a measure over all trials. `None` if the measure applies to none of them.
+/// The mean of a measure over all trials. `None` if the measure applies to no trial.
 #[must_use]
 pub fn over(trials: &[Trial], measure: Measure) -> Option<Estimate> {
     Estimate::of(trials.iter().filter_map(|trial| measure.of(trial)))

@@ -96,7 +96,7 @@ pub struct Trial {
     pub decisions_ns: Vec<u32>,
 }
 
-/// Runs one search of a hall. `clock` measures how long decisions take. It has no effect on the moves.
+/// Runs one search of a hall. `clock` measures how long decisions take, and has no effect on the moves.
 #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 moves")]
 pub fn trial(
     ground: &Ground,

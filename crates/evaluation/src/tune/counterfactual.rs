@@ -1,6 +1,6 @@
-//! Learns from trying other choices. At a decision of a search, another cell is entered than the chosen one. The
-//! search then continues with the same policy, and the costs of both searches are compared. Such a trial is called a
-//! counterfactual.
+//! Learns from trying other choices. At a decision of a search, a cell is entered that differs from the chosen cell.
+//! The search then continues with the same policy, and the costs of both searches are compared. Such a trial is
+//! called a counterfactual.
 //!
 //! ```text
 //!   a walk   ──●────●────●────●────●────●──  its decisions
@@ -36,8 +36,8 @@ const MOST: f64 = 40.0;
 /// Greatest absolute value of a weight in the tables, in thousandths of a step.
 const MOST_ROW: f64 = 5000.0;
 
-/// Number of moments taken from each walk. The remaining cost is known at each moment, and the estimate is fitted to
-/// it.
+/// Number of moments taken from each walk. The real remaining cost is known at each moment, and the estimate is
+/// fitted to this cost.
 const LOOKS: usize = 12;
 
 #[derive(Clone, Copy, Debug)]
@@ -66,11 +66,12 @@ pub struct Learnt {
 #[derive(Debug)]
 pub struct Lessons<'a> {
     task: &'a Task,
-    /// One weight for each number that describes the rest of a hall. The weighted sum is the cost of searching the
-    /// rest.
+    /// One weight for each number that describes the rest of a hall. The weighted sum is the estimated cost of
+    /// searching the rest.
     worth: Vec<f64>,
-    /// One sample for each trial. Its target is the difference of real costs minus the difference of the ways. Its
-    /// numbers say where the outlooks (features) of the two choices differ.
+    /// One sample for each trial. The target of a sample is the difference between the real costs of the two choices,
+    /// minus the difference between their scores without the weights. The numbers of a sample say where the features
+    /// (outlooks) of the two choices differ.
     samples: Vec<Sample>,
 }
 
@@ -83,7 +84,7 @@ struct Moment {
     unknown: f64,
 }
 
-/// A trial, for which the cost of the remaining search is not estimated yet.
+/// A trial before the cost of its remaining search has been estimated.
 struct Trial {
     cost: f64,
     rest: Rest,
@@ -258,8 +259,8 @@ impl<'a> Course<'a> {
         cost.is_finite().then(|| Trial { cost, rest, ways, outlooks: differences(&other.outlook, &chosen.outlook) })
     }
 
-    /// Enters another cell than the chosen one and continues from there. It ends when it meets a later state of the
-    /// original walk, when the horizon is reached, or when the robot is home.
+    /// Enters the cell `other` instead of the chosen cell, and continues the search. Ends when the search meets a
+    /// later state of the original walk, when the horizon is reached, or when the robot is home.
     fn follow(
         &mut self,
         other: &Candidate,
@@ -286,15 +287,16 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// Describes the rest of the hall at this moment. It is empty if everything is known and the robot is home.
+    /// Describes the rest of the hall at this moment. The description is empty if everything is known and the robot
+    /// is home.
     fn rest_unless_home(&mut self, moment: &Moment) -> Rest {
         let is_home = moment.unknown == 0.0 && moment.walk.pose.cell == Cell::HOME;
         if is_home { Rest::new() } else { self.rest(moment) }
     }
 }
 
-/// Chooses the best candidate and another one. In half of the cases the other one is the second best, because the
-/// decision is hardest between close candidates.
+/// Returns the best candidate and an alternative. In half of the cases the alternative is the second-best candidate,
+/// because the decision is hardest between close candidates.
 fn fork(candidates: &[Candidate], dice: &mut RandomStream) -> Option<(Candidate, Candidate)> {
     let mut sorted: Vec<&Candidate> = candidates.iter().collect();
     sorted.sort_by_key(|candidate| candidate.score);

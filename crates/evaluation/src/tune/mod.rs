@@ -44,8 +44,8 @@ impl Task {
         Task { terms, sides: (20, 30), families: vec![Family::Luggage(0.1)], seed }
     }
 
-    /// The weights with which tuning begins. To cover a hall, they are those of the pocket rule (prefer cells with
-    /// few unvisited neighbours). To find luggage, they are zero.
+    /// The weights with which tuning begins. If the goal is to cover a hall, these are the weights of the pocket rule
+    /// (prefer cells with few unvisited neighbours). If the goal is to find luggage, they are zero.
     #[must_use]
     pub fn first_weights(&self) -> Weights {
         let mut weights = Weights { least: -3000, ..Weights::nothing() };
@@ -64,8 +64,8 @@ impl Task {
         Ground::of(&hall(family, columns, lines, &mut dice))
     }
 
-    /// The cost of a whole search with these weights, per cell. To cover a hall, it is the cost of all moves. To find
-    /// luggage, it is the mean number of moves before a cell or a piece is known.
+    /// The cost of a whole search with these weights, per cell. If the goal is to cover a hall, this is the cost of
+    /// all moves. If the goal is to find luggage, this is the mean number of moves before a cell or a piece is known.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
     pub fn price(&self, ground: &Ground, weights: &Weights, ways: &mut Ways) -> f64 {

@@ -1,6 +1,6 @@
 //! Describes the rest of a hall at the end of a trial, and estimates its cost from the layout of the unvisited cells.
-//! The true hall is known for this. The real cost of walking to the end is not used, because it depends mostly on
-//! chance.
+//! The true hall is used for this. The real cost of walking on to the end of the search is not used, because that
+//! cost depends mostly on chance.
 
 use std::sync::LazyLock;
 
@@ -46,8 +46,8 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Describes the rest of the hall for a walk. `way` is the lowest score of the next cell to enter, in thousandths
-    /// of a step.
+    /// Describes the rest of the hall for a walk. `way` is the lowest score of all cells that could be entered next,
+    /// in thousandths of a step.
     #[expect(clippy::cast_precision_loss, reason = "a training hall is small")]
     pub(super) fn rest(&mut self, ground: &Ground, cells: &[Cell], walk: &Walk, way: i32) -> Rest {
         self.taken.resize(ground.size(), 0);
@@ -79,7 +79,8 @@ impl Judge {
         counted(plain, neighbourhoods)
     }
 
-    /// The unvisited cells that are connected with `first`. `None` if they were found before.
+    /// The unvisited cells that are connected with `first`. `None` if `first` belongs to a part that was already
+    /// found.
     fn part(&mut self, ground: &Ground, first: Cell, is_left: impl Fn(Cell) -> bool) -> Option<Vec<Cell>> {
         let look = self.look;
         let mut take = |cell: Cell| std::mem::replace(&mut self.taken[ground.place(cell)], look) != look;
@@ -97,7 +98,7 @@ impl Judge {
     }
 }
 
-/// The index at which parts of this size are counted. Similar sizes have the same index.
+/// The index of the number that counts the parts of this size. Similar sizes have the same index.
 const fn class(size: usize) -> usize {
     match size {
         0..=1 => 1,

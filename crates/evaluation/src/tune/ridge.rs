@@ -8,8 +8,8 @@ pub(super) struct Sample {
     pub(super) numbers: Vec<(u32, f32)>,
 }
 
-/// Returns the coefficients of `size` numbers that explain the samples best. `stiffness` keeps each of them small.
-/// The computation stops after `steps` steps, or earlier when the residual is small.
+/// Returns the coefficients of `size` numbers that explain the samples best. `stiffness` keeps the coefficients
+/// small. The computation stops after `steps` steps, or earlier when the residual is small.
 pub(super) fn ridge(samples: &[Sample], size: usize, stiffness: f64, steps: usize) -> Vec<f64> {
     let mut residual = vec![0.0; size];
     let mut diagonal = vec![stiffness; size];

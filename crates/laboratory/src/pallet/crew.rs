@@ -1,5 +1,5 @@
 //! What is known about the two robots and the yard from the robots' reports, and which orders have no answer yet. In
-//! a hall, the core's engine does this. Only the pair knows the true state.
+//! a mission in a hall, the core's engine keeps this knowledge. Only the simulated pair knows the true state.
 
 use std::collections::BTreeSet;
 use std::time::Duration;

@@ -7,7 +7,8 @@ use super::run::{Asked, PalletRun};
 use super::yard::MOST_PARCELS;
 use hallsweep_sim::pair::Slip;
 
-/// Number of steps before a parcel slips, if its loss was requested. On most ways, this is far from both ends.
+/// Number of steps before a parcel slips, if its loss was requested. On most ways, the slip is then far from both
+/// ends of the way.
 const LOST_AFTER: u32 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,8 +54,8 @@ pub struct AskedFault {
     pub parcel: u32,
 }
 
-/// Why a requested fault cannot be read. The message does not contain the faulty text, so the caller must write the
-/// text before it.
+/// Why a requested fault cannot be read. The message does not contain the faulty text, so the caller must write that
+/// text before the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     #[error("this mishap is unknown: use lost, lostLifting, unrecognised, blocked, jammed or absent")]

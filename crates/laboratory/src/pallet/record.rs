@@ -61,13 +61,13 @@ impl Phase {
         }
     }
 
-    /// The node whose first tick begins the phase, after the index of its tree.
+    /// The index of a tree and the name of one of its nodes. The first tick of this node begins the phase.
     const fn node(self) -> Option<(usize, &'static str)> {
         match self {
             Phase::Find => Some((0, "FindPallet")),
             Phase::Approach => Some((0, "SRM1_to_LoadSite")),
-            // The sequence above this node is ticked from the beginning, because it waits for both robots. So it
-            // cannot mark the phase.
+            // The sequence above this node cannot mark the phase: it is ticked from the start of the run, because it
+            // waits for both robots.
             Phase::Identify => Some((2, "FindParcel")),
             Phase::PickUp => Some((2, "Pick-UpPrepSequence")),
             Phase::Transport => Some((2, "TransportSequence")),
@@ -176,11 +176,11 @@ pub struct Figures {
     pub losses: u32,
     /// Errors of force, angle and distance while the grippers bore a parcel.
     pub holding: Holding,
-    /// Why not all parcels arrived. `None` if all did, or if the run has not ended.
+    /// Why not all parcels arrived. `None` if all parcels arrived, or if the run has not ended.
     pub fault: Option<PalletFault>,
 }
 
-/// Phases that the last tick began. Only phases after the current one are considered.
+/// Phases that the last tick began. Only phases later than `under_way` are considered.
 pub(super) fn begun(team: &Team, under_way: Option<Phase>) -> Vec<Phase> {
     let ticked = |phase: &Phase| {
         let Some((tree, name)) = phase.node() else { return false };

@@ -1,4 +1,5 @@
-//! A run of the scenario: it performs the next event, and what a person can do between events.
+//! A run of the scenario. It performs one event after the other. Between two events, a person can press STOP or
+//! START, or acknowledge an alarm.
 
 #[cfg(test)]
 mod tests;
@@ -357,7 +358,7 @@ impl PalletRun {
     }
 
     fn note(&mut self, news: News) {
-        // During the way back, the number is still that of the parcel that was just put down.
+        // The entry for the beginning of the way back still has the number of the parcel that was just put down.
         let back = usize::from(news == News::Began(Phase::Return));
         let parcel = u32::try_from(self.team.delivered().len() + 1 - back).unwrap_or(u32::MAX);
         if self.entries.len() < MOST_ENTRIES {

@@ -26,7 +26,8 @@ pub const MOST_PARCELS: u32 = 24;
 /// Number of parcels in a row.
 const ROW: i32 = 8;
 
-/// Free rows between two rows of parcels. Both robots can stand beside each parcel and pass each other there.
+/// Number of free rows between two rows of parcels. In these rows, both robots can stand beside each parcel and pass
+/// each other.
 const AISLE: i32 = 2;
 
 /// Maximum number of draws until a yard can be solved. Each draw has fewer obstacles than the one before, and the
@@ -36,8 +37,8 @@ const DRAWS: u32 = 12;
 /// Share of the floor cells that become obstacles in the first draw.
 const OBSTACLES: f64 = 0.16;
 
-/// Distance of obstacles from parcels, target area and robots, in cells. There, both robots have room to turn with a
-/// parcel between them.
+/// Smallest distance of obstacles from parcels, target area and robots, in cells. Within this distance, both robots
+/// have room to turn with a parcel between them.
 const CLEAR: i32 = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -91,9 +92,9 @@ impl Yard {
         map
     }
 
-    /// Whether the first parcel can be fetched while all other parcels are in place. This must be so
-    /// from the starts and also from the target area. Around the pallet everything is clear, so the other parcels can
-    /// then be fetched too.
+    /// Whether the first parcel can be fetched while all other parcels are in place. The robots must be able to do
+    /// this from their starts and from the target area. Around the pallet everything is clear, so the robots can then
+    /// fetch the other parcels too.
     fn can_be_solved(&self) -> bool {
         let mut map = self.known_at_first();
         let bounds = self.hall.bounds();

@@ -13,7 +13,7 @@ pub struct Parting {
     pub next: [(Controller, Option<Transition>); 2],
 }
 
-/// The first difference between the transitions of two runs. `None` if there is none.
+/// The first difference between the transitions of two runs. `None` if the transitions are equal.
 #[must_use]
 pub(super) fn parting(one: &Run, other: &Run) -> Option<Parting> {
     let most = one.transitions.len().max(other.transitions.len());
@@ -29,8 +29,7 @@ fn is_same(one: &Run, other: &Run, index: usize) -> bool {
             let kind = |change: &Transition| (change.from, change.to, change.angle.map(f64::to_bits));
             kind(a) == kind(b) && lasted(one, index).abs_diff(lasted(other, index)) <= 1
         }
-        // The other run may have ended just before it made this transition, since it may be late by one tick per
-        // phase.
+        // The other run may have ended just before this transition, because it may be late by one tick per phase.
         (Some(last), None) => is_about_to_end(one, last, index),
         (None, Some(last)) => is_about_to_end(other, last, index),
         (None, None) => true,

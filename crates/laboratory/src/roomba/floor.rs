@@ -97,8 +97,8 @@ mod tests {
         assert!((mean - disc).abs() < 0.2, "{mean} squares for {disc}");
     }
 
-    /// Six or seven rows of squares have their centres within 17 cm of the body's path. It is seven if the path runs
-    /// exactly over centres.
+    /// Six or seven rows of squares have their centres within 17 cm of the body's path. There are seven rows if the
+    /// path runs exactly over centres.
     #[test]
     fn a_straight_way_covers_a_strip_as_wide_as_the_body() {
         for (y_m, rows) in [(1.0, 6), (1.025, 7)] {

@@ -195,8 +195,8 @@ mod tests {
         }
         assert_eq!(motion.ticks, 1200);
         assert!((after_a_second - 2.0).abs() < 1e-9, "{after_a_second}");
-        // Each tick uses the speed of its beginning. So the sum is greater than the integral, by less than the share
-        // of the first tick.
+        // Each tick uses the turning speed at its beginning, and this speed never rises. So the sum is greater than
+        // the integral, but by less than one tick at the highest speed.
         let above = turned - 2.0 - 10.0 * (1.2_f64 / 0.25).ln();
         assert!((0.0..2.0 / 60.0).contains(&above), "{above}");
     }

@@ -13,7 +13,8 @@ use hallsweep_core::rng::RandomStream;
 const FILE: &str = include_str!("../../../../config/behaviours/roomba.xml");
 
 /// Maximum number of ticks of the tree in one tick of the body. A tree that has ended is ticked once more, so that it
-/// begins again immediately. Once is enough, because the leaf that then runs lasts for more than a tick.
+/// begins again immediately. One repetition is enough, because the leaf that runs after it lasts for more than a
+/// tick.
 const ROUNDS: u32 = 2;
 
 /// Behaviour tree of the original specification (seed 001).

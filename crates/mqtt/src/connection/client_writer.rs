@@ -78,8 +78,8 @@ impl ClientWriter {
         }
     }
 
-    /// Returns the reason in words, or `None` unless the client asked for such reasons and accepts packets of that
-    /// length.
+    /// Returns the reason in words if the client asked for such reasons and accepts packets of that length; otherwise
+    /// `None`.
     pub(super) fn words<'a>(&self, words: &'a str) -> Option<&'a str> {
         let is_wanted = self.reception.wants_words && self.reception.largest > WITH_WORDS;
         (is_wanted && !words.is_empty()).then_some(words)

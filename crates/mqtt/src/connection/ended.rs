@@ -39,7 +39,7 @@ pub enum Ended {
     /// Another connection came with the same client id, so the older one ends (section 3.1.4).
     #[error("another connection came with the same client id")]
     TakenOver,
-    /// The connection had to make room for others. Data that waited to be sent is dropped.
+    /// The connection was closed to make room for other connections. Data that waited to be sent is dropped.
     #[error("the connection was closed because there were too many connections or too much unread data")]
     GaveWay,
     /// The client's key was removed or is no longer valid, so the client's session ends as well.
@@ -51,7 +51,7 @@ pub enum Ended {
 }
 
 impl Ended {
-    /// The reason code for a client of MQTT 5; `None` when the client itself has gone.
+    /// The reason code for a client of MQTT 5; `None` if the client itself has ended the connection.
     #[must_use]
     pub const fn reason(self) -> Option<Reason> {
         match self {

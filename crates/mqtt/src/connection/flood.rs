@@ -10,8 +10,8 @@ use crate::limits::{CLIENT_ROOM, NO_FLOOD, STILL, STILL_SHORTEST};
 pub(super) struct Flood {
     since: Duration,
     passed: u64,
-    /// Number of failed waits in a row, each less than a second after the one before. A wait fails if it ends while a
-    /// subscriber is still behind.
+    /// Number of failed waits in a row, each less than a second after the one before. A wait fails if a subscriber
+    /// still lags behind when the wait ends.
     in_vain: u32,
     /// Time of the last failed wait.
     waited_at: Duration,
@@ -45,22 +45,22 @@ impl Flood {
 }
 
 impl ClientConnection {
-    /// Notes whether this client has stopped reading. Publishers wait only briefly for a client that has. Call this
-    /// after every event.
+    /// Notes whether this client has stopped reading. Publishers wait only briefly for such a client. Call this after
+    /// every event.
     pub fn note_room(&self, now: Duration) {
         let is_full = self.to_client.len() >= CLIENT_ROOM;
         self.subscription.subscriber().note_still(is_full, !self.unacknowledged.has_window(), now);
     }
 
-    /// When to stop waiting for the subscribers that [`ClientConnection::poll_behind`] returned. If they are still
-    /// behind then, call [`ClientConnection::handle_waited`].
+    /// When to stop waiting for the subscribers that [`ClientConnection::poll_behind`] returned. If they still lag
+    /// behind at that time, call [`ClientConnection::handle_waited`].
     #[must_use]
     pub fn waits_until(&mut self, now: Duration) -> Duration {
         now + self.flood.still(now).max(STILL_SHORTEST)
     }
 
-    /// Ends a wait for subscribers that are still behind. Publishers do not wait again for a while for a subscriber
-    /// for which they have waited long enough.
+    /// Ends a wait for subscribers that still lag behind. If publishers have waited long enough for a subscriber,
+    /// none of them waits for it again for some time.
     pub fn handle_waited(&mut self, now: Duration) {
         let still = self.flood.still(now);
         let behind = self.routes.behind(now);
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     /// The messages of a client that publishes at an ordinary rate are read at once. This matters most for urgent
-    /// ones.
+    /// messages.
     #[test]
     fn only_whoever_says_much_within_a_second_publishes_in_a_flood() {
         let mut flood = Flood::default();

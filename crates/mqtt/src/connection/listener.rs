@@ -31,7 +31,7 @@ pub struct AnswerTo<'a> {
 /// Receives the commands of one connection, and knows their sender.
 pub trait Listener: Send + Sync {
     /// Acts at once if this message is urgent, ahead of all waiting messages and even if the message is malformed.
-    /// Returns whether it is urgent. Only the part of the packet that names the command need have arrived.
+    /// Returns whether it is urgent. It is enough that the part of the packet that names the command has arrived.
     fn hear_urgent(&self, said: Said<'_>) -> bool;
 
     /// Receives a message on a topic of commands that is not urgent. Called once for each message, in the order of
@@ -43,7 +43,7 @@ pub trait Listener: Send + Sync {
     fn epoch(&self) -> Epoch;
 }
 
-/// Whether a command is passed on to its subscribers. Urgent commands always are.
+/// Whether a command is passed on to its subscribers. Urgent commands are always passed on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandDecision {
     /// The message goes on to its subscribers, and is not retained.

@@ -58,9 +58,10 @@ pub struct Terms {
     pub listener: Arc<dyn Listener>,
     /// The client's CONNECT. Remove the will unless [`Broker::may_leave_will`] allows it.
     pub connect: Connect,
-    /// The client's session from earlier connections. The default if there is none, or if it is not to be continued.
+    /// The client's session from earlier connections. The default value if there is no such session, or if the client
+    /// does not continue it.
     pub session: Session,
-    /// The bytes to send to the client first: the CONNACK, or the rest of it.
+    /// The bytes to send to the client first: the CONNACK, or the part of the CONNACK that was not sent yet.
     pub greeting: Bytes,
 }
 
@@ -206,8 +207,8 @@ impl ClientConnection {
         self.deliver();
     }
 
-    /// Whether to call [`ClientConnection::handle_drained`] again now, although nothing was sent. It stopped because
-    /// it had done all the work that is allowed in one turn.
+    /// Whether to call [`ClientConnection::handle_drained`] again now, although nothing was sent. True if the last
+    /// call stopped because it had done all the work that is allowed in one turn.
     #[must_use]
     pub fn wants_turn(&self) -> bool {
         self.to_client.len() < KEPT_ROOM && self.deliveries.goes_on()
@@ -222,16 +223,17 @@ impl ClientConnection {
     }
 
     /// Ends the connection. Tells a client of MQTT 5 why, and publishes the client's will, at once or after its
-    /// delay. When the program ends, no will is published: no client would receive it, and the client has not gone.
+    /// delay. When the program ends, no will is published: no client would receive it, and the client of the will has
+    /// not left.
     pub fn handle_end(&mut self, why: Ended, now: Duration) {
         self.now = now;
         if why == Ended::NotKnown {
-            // A client whose key is gone has no session.
+            // A client whose key was removed keeps no session.
             self.session_expiry_s = 0;
         }
         if why == Ended::GaveWay && !self.to_client.is_empty() {
-            // The waiting bytes may be the reason for the end, so they are dropped. No DISCONNECT follows them,
-            // because a packet may have been sent in part.
+            // The waiting bytes may be the reason for the end, so they are dropped. No DISCONNECT is sent after that,
+            // because the client may have received only a part of the last packet.
             self.to_client.clear();
         } else if let Some(reason) = why.reason() {
             self.writer.disconnect(reason, &why.to_string(), &mut self.to_client);
@@ -256,7 +258,7 @@ impl ClientConnection {
         &mut self.to_client
     }
 
-    /// The subscribers that are behind. Wait for them before handling more packets of this client. Empty unless the
+    /// The subscribers that lag behind. Wait for them before handling more packets of this client. Empty unless the
     /// client publishes in a flood. Call this after every event.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Subscriber>> {
         self.note_room(now);
@@ -279,8 +281,8 @@ impl ClientConnection {
         Arc::clone(self.subscription.subscriber())
     }
 
-    /// When to call [`ClientConnection::handle_timeout`]: the client has then been silent for too long, if no packet
-    /// arrives before.
+    /// When to call [`ClientConnection::handle_timeout`]. If no packet arrives before this time, the client was
+    /// silent for too long.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
         self.heard_at + self.silence
@@ -358,7 +360,8 @@ impl ClientConnection {
 
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
-        // A client that leaves many answers unread gets no PINGRESP: it would not notice that one is missing.
+        // A client that leaves many answers unread gets no PINGRESP: the client would not notice that a PINGRESP is
+        // missing.
         if self.to_client.len() < CLIENT_ROOM {
             self.to_client.end().extend_from_slice(&write::PINGRESP);
         }

@@ -97,7 +97,7 @@ impl ClientConnection {
     }
 
     /// Passes a message on to the readers of the topic that was routed last. If `retain` is set, the message is
-    /// retained first, so that a client that subscribes between the two steps gets it.
+    /// retained before it is sent, so that a client that subscribes in between gets it.
     fn forward(&mut self, publish: &Publish<'_>, retain: bool) -> Told {
         let publisher = self.subscription.subscriber().id();
         let is_read = self.routes.is_read(publisher, &self.broker);
@@ -193,8 +193,8 @@ impl ClientConnection {
         Ok(why.told())
     }
 
-    /// Whether a message of QoS 2 needs no PUBREL. In MQTT 5 a refused message ends at once, because the PUBREC tells
-    /// its sender (section 4.3.3).
+    /// Whether a message of QoS 2 needs no PUBREL. In MQTT 5 a refused message ends at once, because the PUBREC
+    /// contains the refusal (section 4.3.3).
     fn need_not_be_released(&self, publish: &Publish<'_>, is_refused: bool) -> bool {
         is_refused && publish.qos == Qos::Two && self.writer.version() == Version::Five
     }

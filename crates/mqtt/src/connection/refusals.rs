@@ -1,5 +1,5 @@
 //! Logs refusals of a client: the first, and then the second, fourth, eighth and so on. The log is limited because a
-//! client may go on for ever, and reconnect at will.
+//! client may be refused for ever, and may reconnect at any time.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,5 +1,5 @@
-//! How much waits for a client, and whether there is room for more. The program decides what to do when there is no
-//! room.
+//! Measures how many bytes wait for a client, and says whether there is room for more. The program decides what to do
+//! when there is no room.
 
 use super::{ClientConnection, Mark};
 use crate::limits::{ANSWER_ROOM, CLIENT_ROOM};

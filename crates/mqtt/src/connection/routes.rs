@@ -52,12 +52,12 @@ pub(super) struct Routes {
     /// The topic's readers, as of `generation`.
     readers: TopicReaders,
     generation: Option<u64>,
-    /// Whether messages were sent since the readers were last checked for being behind.
+    /// Whether messages were sent since the last check for readers that lag behind.
     is_unsettled: bool,
     /// Number of messages passed on since the last `take_passed`. A long message counts more than once ([`LONG`]).
     passed: u64,
     piece: usize,
-    /// Readers that were found behind after a message was sent to them.
+    /// Readers that lagged behind after a message was sent to them.
     behind: Vec<Arc<Subscriber>>,
 }
 
@@ -111,7 +111,7 @@ impl Routes {
         self.is_unsettled = true;
     }
 
-    /// Checks which readers of the last messages are behind. This takes the readers' locks, so it is done only once
+    /// Checks which readers of the last messages lag behind. This takes the readers' locks, so it is done only once
     /// per topic or turn.
     pub(super) fn settle(&mut self) {
         if !std::mem::take(&mut self.is_unsettled) {
@@ -124,8 +124,8 @@ impl Routes {
         }
     }
 
-    /// Whether at least `PIECE` bytes were passed on since this last returned true. If so, readers have to be checked
-    /// for being behind.
+    /// Whether at least `PIECE` bytes were passed on since this last returned true. If so, check which readers lag
+    /// behind.
     pub(super) const fn take_piece(&mut self) -> bool {
         let is_piece = self.piece >= PIECE;
         if is_piece {

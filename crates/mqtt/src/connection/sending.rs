@@ -16,7 +16,7 @@ use crate::subscriber::Delivery;
 /// Messages that a client has not acknowledged, the oldest first: they go out again in this order (section 4.6).
 #[derive(Debug, Default)]
 pub(super) struct Unacknowledged {
-    /// Messages sent in an earlier connection, and not yet in this one.
+    /// Messages sent in an earlier connection, and not sent again in this one yet.
     unsent: VecDeque<Sent>,
     sent: VecDeque<Sent>,
     /// Maximum number of messages in `sent`.
@@ -49,8 +49,8 @@ impl Unacknowledged {
     /// messages are to go out again.
     pub(super) fn begin(&mut self, receive_maximum: u16) {
         self.window = WINDOW.min(usize::from(receive_maximum));
-        // The messages in `sent` are older: in the last connection, they were sent again before the messages in
-        // `unsent`.
+        // The messages in `sent` are older than those in `unsent`: the last connection sent the oldest messages
+        // first.
         self.sent.append(&mut self.unsent);
         std::mem::swap(&mut self.sent, &mut self.unsent);
     }

@@ -30,14 +30,14 @@ pub struct Session {
 #[derive(Debug)]
 pub struct LateWill {
     pub(super) will: Will,
-    /// The time at which the will is published, unless the client is back before.
+    /// The time at which the will is published, unless the client is back by then.
     pub(super) due: Duration,
     pub(super) payer: Payer,
     pub(super) broker: Arc<Broker>,
 }
 
 impl Session {
-    /// The filters that the client has subscribed to. Shared filters keep their `$share/…`.
+    /// The filters that the client has subscribed to. Shared filters include their `$share/…`.
     pub fn filters(&self) -> impl Iterator<Item = &str> {
         self.subscription.iter().flat_map(Subscription::held).map(|(filter, _)| &**filter)
     }

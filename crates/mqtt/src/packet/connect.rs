@@ -35,11 +35,11 @@ pub struct Connect {
 /// Limits that a client sets on the packets that it receives (MQTT 5, section 3.1.2.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reception {
-    /// Most messages of QoS 1 and 2 that may be unacknowledged at a time; never 0.
+    /// Maximum number of messages of QoS 1 and 2 that may be unacknowledged at a time; never 0.
     pub receive_maximum: u16,
-    /// Longest packet that it accepts, in bytes.
+    /// Longest packet that the client accepts, in bytes.
     pub largest: u32,
-    /// Most topic aliases that may be set for the client; 0 means none.
+    /// Maximum number of topic aliases that the broker may set for the client; 0 means none.
     pub aliases: u16,
     /// Whether the client wants reasons in words: Request Problem Information (MQTT 5, section 3.1.2.11.7).
     pub wants_words: bool,
@@ -55,7 +55,7 @@ pub struct Will {
     pub payload: Bytes,
     /// The QoS at which the will is published. Subscribers get it at this QoS or a lower one.
     pub qos: Qos,
-    /// Whether to retain the will when it is published, if there is room then.
+    /// Whether to retain the will when it is published, if there is room at that time.
     pub retain: bool,
     /// The time in seconds in which the client may come back before the will is published.
     pub delay_s: u32,
@@ -110,7 +110,7 @@ impl Connect {
 }
 
 impl std::fmt::Debug for Connect {
-    /// Leaves out name and password, which belong in no log.
+    /// Leaves out name and password, which must not be logged.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Connect({:?})", self.client_id)
     }
@@ -181,7 +181,7 @@ pub struct Credentials {
 }
 
 impl std::fmt::Debug for Credentials {
-    /// Leaves out name and password, which belong in no log.
+    /// Leaves out name and password, which must not be logged.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Credentials").field("version", &self.version).finish_non_exhaustive()
     }
@@ -306,7 +306,8 @@ mod tests {
         assert_eq!((clean.clean_start, clean.session_expiry_s, clean.version()), (true, 0, Version::Three));
     }
 
-    /// Builds the body of a CONNECT of MQTT 5, with `properties` before the client id and a will with `of_will`.
+    /// Builds the body of a CONNECT of MQTT 5. `properties` come before the client id, and `of_will` are the
+    /// properties of a will.
     fn five(flags: u8, properties: &[Property<'_>], of_will: &[Property<'_>]) -> Vec<u8> {
         let mut out = bytes::BytesMut::from(&body("MQTT", 5, flags, &[])[..]);
         let put = |out: &mut bytes::BytesMut, properties: &[Property<'_>]| {

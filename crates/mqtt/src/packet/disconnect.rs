@@ -9,7 +9,8 @@ use crate::frame::Malformed;
 pub struct Disconnect {
     /// The reason code. 0 means a normal end, which discards the will.
     pub reason: u8,
-    /// The new time for which the session is to be stored, in seconds; `None`: the time in the CONNECT holds.
+    /// The new time for which the session is to be stored, in seconds. `None` means that the time in the CONNECT
+    /// stays valid.
     pub session_expiry_s: Option<u32>,
 }
 

@@ -15,7 +15,7 @@ pub struct Filters<'a> {
     /// The subscription id, which messages of these subscriptions carry (MQTT 5).
     pub subscription_id: Option<u32>,
     fields: PacketFields<'a>,
-    /// The version by which the options behind each filter are read; `None` if there are no options.
+    /// The version by which the options after each filter are read; `None` if there are no options.
     options: Option<Version>,
 }
 

@@ -1,5 +1,5 @@
-//! The properties of MQTT 5 (section 2.2.2), which a packet may have beside its fields. They are read strictly, and
-//! not copied.
+//! The properties of MQTT 5 (section 2.2.2), which a packet may have in addition to its fields. They are read
+//! strictly, and not copied.
 
 use bytes::{BufMut, BytesMut};
 
@@ -32,7 +32,8 @@ pub enum Property<'a> {
     MaximumPacket(u32),
 }
 
-/// A client's packet, or the will in a CONNECT: each may have other properties (MQTT 5, table 2-4).
+/// Where a property occurs: in one of the client's packets, or in the will of a CONNECT. Each place allows different
+/// properties (MQTT 5, table 2-4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the packets")]
 pub enum PropertyContext {
@@ -50,8 +51,8 @@ pub enum PropertyContext {
 pub struct Properties<'a>(&'a [u8]);
 
 impl<'a> Properties<'a> {
-    /// Takes the properties off the head of `fields`. Each of them must be known and allowed in this place. No
-    /// property except the user property may occur twice.
+    /// Removes the properties from the beginning of `fields`, and returns them. Each of them must be known and
+    /// allowed in this place. No property except the user property may occur twice.
     pub(super) fn read(fields: &mut PacketFields<'a>, place: PropertyContext) -> Result<Properties<'a>, Malformed> {
         let properties = Properties(split(fields)?);
         let (mut rest, mut seen) = (PacketFields::new(properties.0), 0_u64);
@@ -70,7 +71,8 @@ impl<'a> Properties<'a> {
         Ok(properties)
     }
 
-    /// Takes the properties off the head of `fields` without checking whether they are allowed there.
+    /// Removes the properties from the beginning of `fields`, and returns them. Does not check whether they are
+    /// allowed there.
     #[cfg(test)]
     pub(crate) fn of_server(fields: &mut PacketFields<'a>) -> Properties<'a> {
         Properties(split(fields).unwrap())
@@ -81,7 +83,7 @@ impl<'a> Properties<'a> {
     }
 }
 
-/// Takes the properties off the head of `fields`, by the length that stands before them.
+/// Removes the properties from the beginning of `fields`, and returns them without the length that precedes them.
 fn split<'a>(fields: &mut PacketFields<'a>) -> Result<&'a [u8], Malformed> {
     let wrong = Malformed::Short("properties");
     let (size, own) = length(fields.rest())?.ok_or(wrong)?;

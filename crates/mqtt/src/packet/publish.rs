@@ -10,7 +10,7 @@ use crate::frame::{Frame, Malformed};
 pub struct Publish<'a> {
     /// The bytes of its topic; empty in MQTT 5 when a topic alias stands for it.
     pub topic: &'a [u8],
-    /// The bytes behind the properties; they may be empty.
+    /// The bytes after the properties; they may be empty.
     pub payload: &'a [u8],
     /// The QoS of the packet. Readers may get the message at a lower QoS.
     pub qos: Qos,

@@ -287,7 +287,8 @@ fn text(out: &mut BytesMut, text: &str) {
     bytes(out, text.as_bytes());
 }
 
-/// Writes a field with its length in two bytes. Every value is short, or comes from such a field of a packet.
+/// Writes a field with its length in two bytes. Every value is short enough: it is bounded by `TOPIC`, or was read
+/// from a field with a length of two bytes.
 fn bytes(out: &mut BytesMut, bytes: &[u8]) {
     out.put_u16(u16::try_from(bytes.len()).expect("it comes from a field with a two-byte length, or is bounded by TOPIC"));
     out.put_slice(bytes);

@@ -1,5 +1,5 @@
-//! The pixels of a picture. Each pixel has a depth and the number of the solid that it shows. The canvas does not
-//! know what is drawn on it.
+//! The pixels of a picture. Each pixel has a depth and the number of the solid (a box or rod) that it shows. The
+//! canvas does not know what is drawn on it.
 
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};
@@ -57,8 +57,8 @@ impl Canvas {
                 let around = [place - 1, place + 1, place - WIDTH, place + WIDTH];
                 if around.iter().any(|other| self.solids[*other] != self.solids[place]) {
                     let sum = |part: usize| around.iter().map(|other| u16::from(sharp[*other][part])).sum::<u16>();
-                    // Four times the pixel plus its four neighbours, divided by 8, is a mean of bytes. So the result
-                    // fits into a byte.
+                    // The result fits into a byte, because it is a mean: the pixel counts four times, and each of its
+                    // four neighbours once.
                     self.pixels[place] =
                         [0, 1, 2].map(|part| ((u16::from(sharp[place][part]) * 4 + sum(part)) / 8).to_le_bytes()[0]);
                 }
@@ -73,8 +73,8 @@ impl Canvas {
 }
 
 impl Frame {
-    /// The smallest frame in the picture that contains these points. If a point is not ahead of the camera, it is the
-    /// whole picture.
+    /// The smallest frame in the picture that contains these points. Returns the whole picture if a point is not
+    /// ahead of the camera.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture before")]
     pub(super) fn around(view: &View, points: impl IntoIterator<Item = super::space::Vector>) -> Frame {
         let (mut least, mut most) = ((f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY));

@@ -26,10 +26,12 @@ use hallsweep_core::effect::Stamp;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::{Cell, Pose};
 
-/// Greatest distance of the thing that is photographed, in cells. A sonar cannot be set to a longer range.
+/// Greatest distance from the robot to the photographed thing, in cells. It equals the longest range to which the
+/// sonar can be set.
 const SIGHT: u16 = 7;
 
-/// A photo that was taken but not developed. It holds everything needed to draw the picture on any thread.
+/// A photo that was taken, but not developed (drawn and encoded). It contains everything needed to draw the picture
+/// on any thread.
 #[derive(Clone, Debug)]
 pub struct Exposure {
     hall: Arc<Hall>,
@@ -76,7 +78,7 @@ impl Exposure {
     }
 }
 
-/// Distance to the first thing ahead within `SIGHT`, in cells. If there is nothing, it is 1.
+/// Distance to the first thing ahead within `SIGHT`, in cells. Returns 1 if there is no such thing.
 fn away(hall: &Hall, pose: Pose) -> u16 {
     let is_taken = |cells: &u16| hall.truth(pose.cell.onward(pose.heading, *cells)) != Truth::Free;
     (1..=SIGHT).find(is_taken).unwrap_or(1)

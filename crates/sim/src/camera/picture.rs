@@ -12,7 +12,7 @@ use super::view::{HEIGHT, View, WIDTH};
 use super::{Exposure, caption, png, room};
 use hallsweep_core::units::{Cell, Piece};
 
-/// Luggage that is further away is not drawn, since it would be only a few pixels. In cells.
+/// Greatest distance at which luggage is drawn, in cells. Luggage further away would cover only a few pixels.
 const SIGHT: i32 = 12;
 
 /// Maximum number of pieces that are drawn, nearest first. Further pieces would be hidden behind these.
@@ -70,7 +70,7 @@ fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
 }
 
 /// Returns cosine and sine of the piece's angle. A long piece lies along its cells. A piece on one cell turns its
-/// broad side to a free neighbouring cell. A small angle that depends on its number is added.
+/// broad side to a free neighbouring cell. This piece is also turned by a small angle that depends on its number.
 #[expect(clippy::cast_precision_loss, reason = "a piece is turned by a handful of steps")]
 fn turn(hall: &Hall, bag: &Bag, first: Cell, last: Cell) -> (f32, f32) {
     let free = |cell: Cell| hall.truth(cell) == Truth::Free;

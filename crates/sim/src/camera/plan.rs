@@ -25,7 +25,7 @@ const INK: Paint = Paint(40.0, 36.0, 30.0);
 const HEADLINE: usize = 5;
 const WORDS: usize = 3;
 
-/// Longest name that is written beside the thing, in letters.
+/// Maximum length of the thing's name in the plan, in letters.
 const NAME: usize = 16;
 
 /// Draws a plan of the thing ahead of the robot. `name` is the robot's name for the thing, if it has one. The stamp

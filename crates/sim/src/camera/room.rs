@@ -11,7 +11,7 @@ use hallsweep_core::units::Cell;
 /// The height of the hall, in cells.
 const CEILING: f32 = 6.0;
 
-/// Walls that are further away are not drawn, since the haze would hide them. In cells.
+/// Greatest distance at which walls are drawn, in cells. The haze would hide walls further away.
 const FAR: f32 = 120.0;
 
 const FLOOR: Paint = Paint(176.0, 178.0, 180.0);
@@ -91,7 +91,7 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
 }
 
 /// The floor in one row of the picture. All points of the row have the same depth. The floor has square tiles of half
-/// a cell, with grout between them. The pattern fades with distance, because it would flicker there.
+/// a cell, with grout between them. The pattern fades with distance, because distant tiles would flicker.
 struct FloorRow {
     depth: f32,
     haze: f32,
@@ -156,7 +156,7 @@ fn pillar(along: f32, height: f32) -> Paint {
     }
 }
 
-/// The colour of the outer wall: windows three cells wide towards the apron, and between them a sign to the gates.
+/// The colour of the outer wall: wide windows, and a sign to the gates between two windows.
 fn window(along: f32, height: f32) -> Paint {
     let place = wrapped(along, 5.0);
     if place >= 3.4 {

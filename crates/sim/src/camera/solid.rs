@@ -80,7 +80,8 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, place: Placement, solid: &S
     for row in frame.rows.0..frame.rows.1 {
         let first = place.direction_to_piece(view.pixel(frame.columns.0, row));
         for column in frame.columns.0..frame.columns.1 {
-            // The ray vector goes one cell forward, so a multiple of the vector is also a depth in cells.
+            // The ray vector goes one cell forward. So the multiple of this vector at which the ray hits is also the
+            // depth in cells.
             let ray = first + step * as_float(column - frame.columns.0);
             let Some(depth) = solid.shape.hit(eye, ray).filter(|depth| *depth < canvas.depth(column, row)) else { continue };
             let paint = solid.surface.seen(solid, eye + ray * depth, ray.unit(), light, depth);

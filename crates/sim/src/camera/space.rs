@@ -101,7 +101,7 @@ pub(super) fn wrapped(at: f32, period: f32) -> f32 {
 }
 
 /// The greatest whole number that is not above `place`. It converts through an integer, because `f32::floor` is a
-/// function call on plain x86-64. A picture needs half a million of them.
+/// function call on plain x86-64. A picture would need half a million such calls.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "places in a hall are a few thousand at most")]
 pub(super) fn floored(place: f32) -> f32 {
     let cut = place as i32 as f32;

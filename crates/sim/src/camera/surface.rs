@@ -97,8 +97,8 @@ fn board(paint: Paint, at: Vector, half: Vector, normal: Vector) -> Paint {
     if on_top && at.x.abs() < 0.075 {
         return paint.lit(0.8);
     }
-    // Left on the print is west on the southern side, but east on the northern side. The two ends of the box differ
-    // in the same way.
+    // The print must be readable from outside. So `across` grows with `x` on the front of the box, but against `x` on
+    // its back. The two ends of the box differ in the same way.
     let across = if on_broad_side { at.x * normal.y.signum() } else { -at.y * normal.x.signum() };
     let down = half.z - at.z;
     let printed = font::inked("FRAGILE", (across + 0.26) / 0.0127, (down - half.z * 1.15) / 0.017);

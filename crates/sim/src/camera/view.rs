@@ -12,7 +12,8 @@ pub(super) const HEIGHT: usize = 480;
 /// The row of the horizon, in pixels.
 pub(super) const HORIZON: f32 = 188.0;
 
-/// The focal length for a photo of a thing in the next cell, in pixels. It gives a wide angle, as robots have.
+/// The focal length for a photo of a thing in the next cell, in pixels. It gives a wide-angle view, like a robot's
+/// camera.
 const FOCAL: f32 = 310.0;
 
 /// The height of the camera, in cells: 0.4 m in a hall of half-metre cells.
@@ -33,8 +34,8 @@ pub(super) struct View {
 
 impl View {
     #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
-    /// Makes the view of a robot's camera. The camera zooms: a thing `away` cells ahead looks as large as in the next
-    /// cell.
+    /// Makes the view of a robot's camera. The camera zooms, so that a thing `away` cells ahead looks as large as a
+    /// thing in the next cell.
     pub(super) fn of(body: BodyPose, cell_m: f64, away: u16) -> View {
         let (dx, dy) = body.ahead();
         let forward = vector(dx as f32, dy as f32, 0.0);

@@ -1,5 +1,5 @@
-//! Faults of hall files. Each message tells the author of the file the place, the reason, and what to do. The reader
-//! of each format finds the faults.
+//! Faults of hall files. Each message tells the author of the file the place, the reason, and what to do. The code
+//! that reads a format finds the faults of its files.
 
 use std::fmt;
 

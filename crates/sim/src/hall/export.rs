@@ -1,5 +1,5 @@
-//! Writes halls and explored maps to files. It lists the formats, the contents of each format, and what each leaves
-//! out. The code that writes a format is beside the code that reads it.
+//! Writes halls and explored maps to files. This module lists the formats, what a file of each format contains, and
+//! what it leaves out. The code that writes a format is beside the code that reads it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -79,7 +79,8 @@ impl From<HallOfScene> for Export {
 
 impl Export {
     /// Exports the explored part of a hall, with walls around it. `cell_m` is the side of a cell in metres. Each cell
-    /// of luggage becomes one piece. Of its description, only whether it is dangerous is known.
+    /// of luggage becomes one piece. The description of a piece says only whether it is dangerous, because the robot
+    /// knows no more.
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);

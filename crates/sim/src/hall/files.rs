@@ -26,8 +26,8 @@ impl Hall {
         BUILT_IN.into_iter().map(|(name, _)| name)
     }
 
-    /// Reads the built-in hall of this name. If there is none, reads the hall in the file of this path, in any
-    /// format.
+    /// Reads the built-in hall of this name. If no built-in hall has this name, reads the hall file at this path, in
+    /// any format.
     ///
     /// # Errors
     /// When the file cannot be read or has a fault.
@@ -35,11 +35,12 @@ impl Hall {
         Hall::open(name_or_path, None)
     }
 
-    /// Like `named_or_file`. `cell_m` is the side of a cell in metres. It is for image files, which need not say how
-    /// large a cell is.
+    /// Like `named_or_file`. `cell_m` is the side of a cell in metres. It is useful for image files, which may leave
+    /// out the size of a cell.
     ///
     /// # Errors
-    /// When the file cannot be read or has a fault, or when the file sets another side of its cells than `cell_m`.
+    /// When the file cannot be read or has a fault, or when the file sets a side of its cells that differs from
+    /// `cell_m`.
     pub fn open(name_or_path: &str, cell_m: Option<f64>) -> Result<Hall, HallError> {
         if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
             return Hall::parse(name, text).and_then(|hall| hall.with_own_cells(name, cell_m));
@@ -66,8 +67,8 @@ impl Hall {
     }
 
     /// Reads the hall described by `text`. The text is a MovingAI map if it begins like one. It is a map of old
-    /// clients if it contains nothing else. Any other text is TOML. A byte order mark is skipped. `file` is named in
-    /// errors, and its stem is the hall's name if the text has none.
+    /// clients if all its characters are those of such a map. Any other text is TOML. A byte order mark is skipped.
+    /// `file` is named in errors, and its stem is the hall's name if the text has none.
     ///
     /// On failure, returns the fault with its line.
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {

@@ -32,7 +32,8 @@ use hallsweep_core::state::Reach;
 use hallsweep_core::units::{Cell, Piece};
 use hallsweep_core::world::hall_map::Bounds;
 
-/// Maximum number of columns or rows of a hall: about a kilometre of cells of half a metre, and a few megabytes.
+/// Maximum number of columns or rows of a hall. With cells of half a metre, this is about a kilometre. The squares of
+/// the largest hall take about 34 MB of memory.
 pub(super) const MAX_SIDE: usize = 2048;
 
 /// Maximum number of pieces of luggage. It bounds the memory, and no benchmark map has more.
@@ -156,8 +157,8 @@ impl Hall {
         hall
     }
 
-    /// Returns the hall with obstacles in the given cells that are free. The obstacles are walls, of which the robot
-    /// does not know before it meets or sees them.
+    /// Returns the hall with additional walls in those of the given cells that are free. The robot does not know of
+    /// such a wall before it meets or sees the wall.
     #[must_use]
     pub fn blocked(&self, cells: &BTreeSet<Cell>) -> Hall {
         let mut hall = self.clone();
@@ -194,7 +195,7 @@ impl Hall {
         Reach { reachable: count(self.reached().len()), free: count(free) }
     }
 
-    /// Pieces that no reachable cell touches with a side.
+    /// Pieces that share no cell side with a reachable cell.
     #[must_use]
     pub fn unreachable_pieces(&self) -> Vec<&Bag> {
         let reached = self.reachable();
@@ -210,7 +211,8 @@ impl Hall {
         all.filter(|cell| self.truth(*cell) == Truth::Free && !reached.contains(cell)).collect()
     }
 
-    /// Every cell that the robot can reach from its start. Steps go over the sides of free cells.
+    /// Every cell that the robot can reach from its start. Each step goes to a free cell that shares a side with the
+    /// cell before.
     #[must_use]
     pub fn reachable(&self) -> BTreeSet<Cell> {
         let width = self.rows().next().map_or(1, <[Truth]>::len);

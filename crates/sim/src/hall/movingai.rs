@@ -9,7 +9,7 @@ use super::{Hall, Truth};
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;
 
-/// Which line of the header has the number of rows, counted from 1.
+/// The header line that contains the number of rows. Lines are counted from 1.
 const HEIGHT_LINE: usize = 2;
 
 const WIDTH_LINE: usize = 3;
@@ -80,7 +80,7 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
     let found = rows.iter().rposition(|row| !row.is_empty()).map_or(0, |last| last + 1);
     let height = header.height;
     let wanted = if header.has_corners { height.saturating_mul(2) } else { height };
-    // If there are too many rows, the line of the first surplus row. If rows are missing, the line of the last row.
+    // An error names the line of the first surplus row, or of the last row if rows are missing.
     let line = HEADER_LINES + if found > wanted { wanted + 1 } else { found };
     match found == wanted {
         true => Ok(&rows[..found]),
@@ -89,8 +89,8 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], header: &Header) -> Result<&'a [&'
     }
 }
 
-/// Checks a row of corner heights. The heights themselves are ignored. A row of terrain among them means that a row
-/// is missing.
+/// Checks a row of corner heights. The heights themselves are ignored. A row of terrain in the place of corner
+/// heights means that a row is missing.
 fn check_corners(index: usize, row: &str) -> Result<(), HallFault> {
     match row.chars().enumerate().find(|(_, mark)| !mark.is_ascii_digit()) {
         Some((place, mark)) => Err(HallFault::CornerHeight { row: index + 1, column: place + 1, mark }),

@@ -1,9 +1,9 @@
 //! Reads and writes the maps of ROS `map_server`: a YAML file that says what the greys of an image mean. The image is
 //! read by `pixels`.
 //!
-//! Pixels are judged as in the `map_io` of ROS 2 (Nav2). `occ` is how dark a pixel is, or how light with `negate`. A
-//! pixel with `occ` above `occupied_thresh` is occupied, and one below `free_thresh` is free. A pixel in between is
-//! unknown in mode trinary, and a percentage in mode scale.
+//! Pixels are judged as in the `map_io` of ROS 2 (Nav2). `occ` is the darkness of a pixel, or its lightness if
+//! `negate` is set. A pixel with `occ` above `occupied_thresh` is occupied, and one below `free_thresh` is free. A
+//! pixel in between is unknown in mode trinary, and a percentage in mode scale.
 
 use serde::Deserialize;
 use serde_saphyr::Spanned;
@@ -26,8 +26,8 @@ const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
 /// limit is needed because decimal fractions are not exact.
 const NEAR: f64 = 1e-4;
 
-/// Largest relative error of a decimal number that was stored as a 32-bit float, as the usual tools do. A yaw
-/// (rotation) below this limit moves no point of the image by a whole pixel.
+/// Largest relative error of a decimal number that the usual map tools stored as a 32-bit float. A yaw (rotation)
+/// below this limit moves no point of the image by a whole pixel.
 const ROUNDING: f64 = 1e-6;
 
 /// The grey of a free cell. `map_saver` of ROS writes the same three greys for free, occupied and unknown cells.

@@ -187,8 +187,8 @@ fn a_number_that_is_off_by_rounding_alone_means_the_round_number() {
     let coarse = rounded.replace("0.05000000074505806", "0.20000000298023224");
     assert_eq!(drawn(&coarse, &pgm(2, &[254, 0]), Some(0.2)).map(|(rows, _)| rows), Ok("S#".to_owned()));
     assert!(drawn(&coarse, &pgm(1, &[254]), Some(0.199)).unwrap_err().contains("are finer than the pixels"));
-    // There are 1,600 cells of ten pixels. The wall is the last pixel of the last cell but one. It must not touch the
-    // last cell.
+    // There are 1,600 cells of ten pixels. The wall is the last pixel of the second-last cell. This wall must not
+    // touch the last cell.
     let mut row = vec![254; 16_000];
     row[15_989] = 0;
     let (rows, _) = drawn(&rounded, &pgm(row.len(), &row), None).unwrap();

@@ -68,8 +68,8 @@ impl<'a> Pgm<'a> {
     }
 }
 
-/// Skips blanks and comments and reads a decimal number. Returns `None` if there is none or if it does not fit into a
-/// `u64`.
+/// Skips blanks and comments and reads a decimal number. Returns `None` if there is no number, or if the number does
+/// not fit into a `u64`.
 fn next_number(rest: &mut &[u8]) -> Option<u64> {
     loop {
         *rest = rest.trim_ascii_start();

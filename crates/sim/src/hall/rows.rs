@@ -21,8 +21,8 @@ pub(super) type RowFault = (usize, HallFault);
 
 impl Hall {
     /// Makes a hall from rows of characters: `.` is free, `#` a wall, `S` the start. All cells with the same letter
-    /// a–z are one piece of luggage. Each `T` is a piece of its own. All luggage is harmless, and its order
-    /// determines kinds and colours.
+    /// a–z are one piece of luggage. Each `T` is a piece of its own. All luggage is harmless. The order of the pieces
+    /// determines their kinds and colours.
     ///
     /// # Errors
     /// Returns the first fault, with its row as the line.
@@ -92,8 +92,9 @@ impl DrawingRows {
         Ok(())
     }
 
-    /// Chooses the robot's start when the file does not set it. It is in the largest connected part of the floor: the
-    /// cell nearest to the north-west corner (column plus row). Of equally near cells, the northernmost is chosen.
+    /// Chooses the robot's start when the file does not set it. The start is in the largest connected part of the
+    /// floor: the cell of this part with the smallest sum of column and row. Of cells with the same sum, the
+    /// northernmost is chosen.
     pub(super) fn start_in_largest_part(&self, columns: usize) -> Option<Cell> {
         let from_corner = |place: usize| (place % columns + place / columns, place);
         let mut seen = vec![false; self.squares.len()];

@@ -143,7 +143,8 @@ impl Scene {
             let line = literal.line + error.position().map_or(0, |position| position.line);
             let whole = error.to_string();
             let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
-            // After the `/` of a division, the parser expects a comment. Its own message would not help the author.
+            // After the `/` of a division, the parser expects a comment. The parser's message would not help the
+            // author.
             let reason = if reason == "expected comment" {
                 "a calculation is not allowed here: write its result, as .5 for 1/2"
             } else {
@@ -245,8 +246,8 @@ struct Axis {
     y: bool,
 }
 
-/// serde checks the value while it reads the file, because the line of a fault is not known later. The types below do
-/// the same.
+/// The value is checked while serde reads the file, because the line of a fault is not known later. The types below
+/// are checked in the same way.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 struct Side(f64);

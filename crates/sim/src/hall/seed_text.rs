@@ -9,7 +9,7 @@ use hallsweep_core::world::hall_map::Mark;
 /// Characters that may separate two cells.
 const BETWEEN: [char; 5] = ['|', ',', ' ', '\t', '\r'];
 
-/// Whether a text is a map of old clients and contains nothing else.
+/// Whether all characters of a text are those of a map of old clients.
 pub(super) fn is_one(text: &str) -> bool {
     let is_mark = |letter: char| "r10X".contains(letter);
     text.contains(is_mark)

@@ -161,8 +161,7 @@ impl Source<'_> {
         self.furnish(read, &drawing.span(), luggage)
     }
 
-    /// The line of a drawing's first row. If the drawing opens with three quotes at the end of a line, it is the next
-    /// line.
+    /// The line of a drawing's first row. If three opening quotes end their line, the first row is on the next line.
     fn first_row_line(&self, span: &Range<usize>) -> usize {
         let value = self.text.get(span.clone()).unwrap_or_default();
         let opened = value.strip_prefix("\"\"\"").or_else(|| value.strip_prefix("'''"));
@@ -289,7 +288,7 @@ fn describe(text: &mut String, mark: char, bag: &Bag) {
     }
 }
 
-/// Whether a piece needs a description. Without one, `T` would be read as a different piece.
+/// Whether a piece needs a description, because a plain `T` would be read as a different piece.
 fn needs_words(bag: &Bag) -> bool {
     bag.cells.len() != 1 || *bag != Bag::plain(bag.piece, bag.cells.clone())
 }

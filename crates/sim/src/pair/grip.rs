@@ -1,6 +1,6 @@
 //! A parcel between two grippers. The gripping force, the angle of the paddles and the distance of the bases are
-//! computed in fixed steps. Each of these quantities is disturbed, and each has a controller. Other files decide when
-//! the controllers start and where the parcel is.
+//! computed in fixed steps. Noise disturbs each of these quantities, and each has a controller. Other files decide
+//! when the controllers start and where the parcel is.
 //!
 //! ```text
 //!            force ─►▐▓▓▓▓▓▓▌◄─ force      a load makes the force decrease and the paddles tilt;
@@ -31,8 +31,8 @@ pub const ANGLE_LIMIT: f64 = 0.2;
 /// Greatest allowed error of the distance between the bases, in metres. The wrists cannot reach further.
 pub const GAP_LIMIT_M: f64 = 0.08;
 
-/// The parcel is lost if a quantity is beyond its limit for more than this number of steps in a row. They take a
-/// third of a second.
+/// The parcel is lost if a quantity is beyond its limit for more than this number of time steps in a row (a third of
+/// a second).
 const PATIENCE: u32 = 33;
 
 /// Constants of one controlled quantity: its noise and the gains of its controller.

@@ -9,8 +9,8 @@ use hallsweep_core::arm::Parcel;
 use hallsweep_core::place::Place;
 use hallsweep_core::units::{Cell, Piece};
 
-/// How far the camera recognises a parcel, in steps from the place that it looks at. This is enough for a pallet and
-/// the floor around it.
+/// Greatest distance at which the camera recognises a parcel, in steps from the place at which the camera looks. This
+/// is enough for a pallet and the floor around it.
 const SIGHT: u32 = 12;
 
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ impl PairGround {
         self.moved.insert(parcel.piece, Some(parcel.place));
     }
 
-    /// Puts a piece into the container, for good.
+    /// Puts a piece into the container, from which it is never taken out.
     pub(super) fn take_in(&mut self, piece: Piece) {
         self.moved.insert(piece, None);
         self.taken_in.push(piece);

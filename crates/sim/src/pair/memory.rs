@@ -1,4 +1,4 @@
-//! What a real pair and its floor would still be like after the program has died: places and motions of the bases,
+//! The state that remains after the program has died, as with a real pair and floor: places and motions of the bases,
 //! the parcel in the grippers and how it is held, the places of other parcels. The program that runs the pair stores
 //! this state.
 //!
@@ -111,7 +111,8 @@ impl PairMemory {
     }
 
     /// The state after the program has died and the bases have stopped. The time until they stop is drawn from the
-    /// seed and is at most `WATCHDOG`. Both bases use the same share of their time, because a parcel may couple them.
+    /// seed and is at most `WATCHDOG`. One share is drawn, and both bases stop after this share of their time,
+    /// because a parcel may couple them.
     #[must_use]
     pub fn at_rest(mut self, seed: u64) -> PairMemory {
         self.restarts = self.restarts.wrapping_add(1);
@@ -243,7 +244,8 @@ fn kept(grip: &Grip) -> GripMemory {
 }
 
 impl AstrayMemory {
-    /// The point on the way to `end` after this share (0–1) of the way. A motion has constant speed.
+    /// The point that is reached on the way to `end` after this share (0–1) of the motion's time. The speed is
+    /// constant.
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a step and a turn")]
     fn towards(self, end: AstrayMemory, share: f64) -> AstrayMemory {
         let between = |from: i64, to: i64| from + (to.saturating_sub(from) as f64 * share) as i64;

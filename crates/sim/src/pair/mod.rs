@@ -72,8 +72,8 @@ impl Pair {
         Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
     }
 
-    /// What each robot can do, with times in simulated time. The time of a step is the longer of the two: with or
-    /// without a load.
+    /// What each robot can do, with times in simulated time. The stated time of a step is the longer one of two
+    /// times: with a load and without.
     #[must_use]
     pub fn capabilities(&self) -> Capabilities {
         let PairSettings { step, loaded_step, turn, look, arm, .. } = self.settings;
@@ -99,7 +99,7 @@ impl Pair {
             Ok(work) => self.take(which, order, work),
             Err(words) => self.say(which, RobotEvent::Failed(order.id, words.to_owned())),
         }
-        // Finishes an action without duration at once.
+        // Finishes the action at once if it has no duration.
         self.pass_to(now.since_start);
     }
 
@@ -196,7 +196,7 @@ impl Pair {
         }
     }
 
-    /// The parcel in the grippers. Its place is where it stands or over which it is held.
+    /// The parcel in the grippers. Its place is the one on which it stands or above which it is held.
     #[must_use]
     pub fn load(&self) -> Option<Parcel> {
         self.grip.as_ref().map(|grip| grip.parcel)

@@ -14,8 +14,8 @@ use hallsweep_core::units::OrderId;
 /// How often force and angle of a lifted parcel are reported.
 const REPORTS: Duration = Duration::from_millis(500);
 
-/// Lowest height of a parcel while it is being lowered, as a share of the full height. The grippers bear it until
-/// the work ends.
+/// Lowest height of a parcel while it is being lowered, as a share of the full height. So the grippers bear the
+/// parcel until the lowering ends.
 const TOUCHES: f64 = 1e-6;
 
 #[derive(Clone, Copy)]
@@ -82,7 +82,7 @@ impl Pair {
             }
             Work::Step { to, against: None, .. } => {
                 robot.stands = moved(robot.stands, to);
-                // The gripper was aligned with a parcel. It no longer is after the base has moved.
+                // The base has moved, so the gripper is no longer aligned with a parcel.
                 if robot.aligned.take().is_some() {
                     self.tell_arm(which);
                 }
@@ -267,7 +267,7 @@ impl Pair {
         }
     }
 
-    /// Drops the parcel, and stops both robots. The parcel falls to its place at the beginning of the step, since the
+    /// Drops the parcel, and stops both robots. The parcel falls to the place that it had when the step began. The
     /// bases also count as standing at their old places.
     fn lose(&mut self) {
         let Some(Grip { parcel, .. }) = self.grip.take() else { return };

@@ -29,7 +29,7 @@ pub(super) enum Astray {
     Not,
     /// This share (0–1) of the way to a neighbouring place.
     Along(Place, f64),
-    /// This angle away from its heading, in radians clockwise.
+    /// The robot has turned away from its heading by this angle, in radians clockwise.
     Turned(f64),
 }
 

@@ -25,7 +25,7 @@ fn stands(x: i32, y: i32) -> BasePose {
     BasePose { place: at(x, y), heading: Heading::East }
 }
 
-/// Settings for a long hall with the parcel at (3, 0). SRM1 stands before the parcel and SRM2 behind it.
+/// Settings for a long hall with the parcel at (3, 0). SRM1 stands to the east of the parcel, and SRM2 to the west.
 fn settings() -> PairSettings {
     PairSettings::new(7, at(12, 0))
 }

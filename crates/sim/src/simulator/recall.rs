@@ -38,8 +38,8 @@ impl Sim {
         }
     }
 
-    /// The state to store. Returns `None` if nothing has changed since the last call. Changes are the begin or end of
-    /// an order, and a reported temperature. Store the state before passing on the reports that follow.
+    /// The state to store. Returns `None` if nothing has changed since the last call. The state changes when an order
+    /// begins or ends, and when a temperature is reported. Store the state before passing on the reports that follow.
     pub fn poll_memory(&mut self) -> Option<SimMemory> {
         std::mem::take(&mut self.unkept).then(|| self.memory())
     }

@@ -23,8 +23,8 @@ pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
     link_format(&links, queries).into_bytes()
 }
 
-/// Returns the links of a row. A row with a number has one link for each piece of this mission, or one for each
-/// alarm.
+/// Returns the links of a row. If its path contains `{id}`, there is one link for each piece of this mission, or one
+/// for each alarm.
 fn links(row: &PathRow, snapshot: &Snapshot) -> Vec<Link> {
     let each = |id: u64| link(row, &row.path.replace("{id}", &id.to_string()), size(row, LuggageId(id), snapshot));
     if row.path.starts_with("/luggage/{id}") {

@@ -1,7 +1,7 @@
 //! The part of this door that knows hallsweep. It finds the resource of a request, and then its representation or its
-//! action. If there is none, it answers with the problem. Answers are given at once where possible. A command is sent
-//! immediately, so that commands keep their order, and only its result is awaited. The endpoint handles messages,
-//! blocks and observers.
+//! action. If it finds neither, it answers with a problem. Answers are given at once where possible. A command is
+//! sent immediately, so that commands keep their order, and only its result is awaited. The endpoint handles
+//! messages, blocks and observers.
 
 mod actions;
 mod cache;

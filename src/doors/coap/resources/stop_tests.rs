@@ -166,7 +166,7 @@ enum Fault {
 fn any_fault() -> impl Strategy<Value = Fault> {
     let known =
         prop::sample::select(vec![1_u16, 3, 4, 5, 6, 7, 8, 9, 12, 14, 15, 17, 19, 20, 23, 27, 28, 31, 35, 39, 60, 252, 258, 292]);
-    // Option 11 is a part of the path. Another word there would make another path.
+    // Option 11 is a part of the path. Another value would name another path.
     let number = prop_oneof![4 => known, 1 => any::<u16>().prop_filter("the path", |number| *number != 11)];
     let value = prop_oneof![
         4 => prop::collection::vec(any::<u8>(), 0..5),

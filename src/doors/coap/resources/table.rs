@@ -115,7 +115,7 @@ const fn formats_of(form: Form) -> &'static [Format] {
 }
 
 /// Adds the commands of the common table. A command is added to the row with the same path, or gets a row of its own.
-/// Rows with a number come before the others.
+/// Rows whose path contains `{id}` come before the others.
 fn with_commands(mut rows: Vec<PathRow>) -> Vec<PathRow> {
     let (of_a_thing, plain): (Vec<&'static commands::CommandRow>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);

@@ -1,6 +1,6 @@
 //! Helpers for tests of this door: its resources, a loop with a script, an archive with one past piece, and requests
-//! from this machine. The loop answers commands from the script and publishes the snapshots of the test. It knows no
-//! mission.
+//! from this machine. The loop answers commands from the script and publishes the snapshots of the test. It does not
+//! simulate a mission.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -87,7 +87,7 @@ impl TestApp {
 
     /// Returns the last refusal recorded since the last call: the sender, the command, and the reason.
     pub(super) async fn noted(&self) -> Option<Noted> {
-        // Gives the loop a turn.
+        // Lets the loop run first.
         tokio::task::yield_now().await;
         self.noted.lock().unwrap().pop()
     }

@@ -76,7 +76,7 @@ impl EvictionQueues {
         self.networks.get(&claim.network).map(EvictionQueue::head).unwrap_or_default()
     }
 
-    /// Whether the queues are empty, without left entries of keys or networks.
+    /// Whether all queues are empty, and no queues of keys or networks are left over.
     #[cfg(test)]
     pub(super) fn are_empty(&self) -> bool {
         let is_kept = self.keys.len() + self.networks.len() + self.operators.yielding.len() + self.others.yielding.len() > 0;

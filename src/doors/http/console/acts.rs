@@ -106,7 +106,7 @@ impl Fields {
     }
 }
 
-/// Returns the typed note. Line ends and tabs of the text field become blanks.
+/// Returns the typed note as one line: each sequence of white space becomes one space.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
     let line: Vec<&str> = typed.split_whitespace().collect();
     Ok(command::note(&line.join(" "))?)

@@ -32,7 +32,7 @@ impl View<'_> {
         Some(self.language.robot_said(why))
     }
 
-    /// Returns the parts of the searching robot, or `None` while there is no link to it.
+    /// Returns which hardware parts the searching robot has, or `None` while there is no link to the robot.
     pub(super) fn parts(&self) -> Option<Parts> {
         self.snapshot.robots.first().and_then(|robot| robot.parts)
     }

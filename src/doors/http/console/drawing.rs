@@ -10,7 +10,8 @@ use hallsweep_core::world::luggage::Luggage;
 /// Side length of a cell, in units of the picture.
 pub(super) const CELL: i32 = 10;
 
-/// Number of cells by which the picture grows at a time. With single cells it would jump at every step of the robot.
+/// The picture grows by this number of cells at a time. If it grew by one cell, it would jump at every step of the
+/// robot.
 const GROWTH: i32 = 4;
 
 /// Minimum size of the picture, in cells.
@@ -20,7 +21,8 @@ const LEAST: (i32, i32) = (16, 12);
 /// larger than their cells.
 const READABLE: i32 = 32;
 
-/// Returns the part of the hall that the picture shows, in cells. It is the known part, rounded outwards.
+/// Returns the part of the hall that the picture shows, in cells. It is the known part, enlarged to multiples of
+/// `GROWTH` and at least to `LEAST`.
 pub(super) fn shown(map: &HallMap) -> Bounds {
     let known = map.known_bounds();
     let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
@@ -49,7 +51,7 @@ pub(super) const fn turn(heading: Heading) -> i32 {
     }
 }
 
-/// Draws a piece of luggage at any place of the picture, and not only in its own cell.
+/// Draws a piece of luggage at the given place of the picture, which need not be the cell of the piece.
 pub(super) fn draw_luggage(language: Language, group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
     let verdict = piece.verdict_name();
     let (shape, letter, said) = (shape(verdict), language.say_of("letter", verdict), said(language, piece));

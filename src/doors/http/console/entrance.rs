@@ -16,8 +16,8 @@ const ROWS: i32 = 2;
 /// Distance between two waiting robots of a row, in tenths of a drawn cell.
 const COLUMN: i32 = 20;
 
-/// Positions of the container and of the first waiting robot: distance of their middles from the way out, to the
-/// east. In tenths of a drawn cell.
+/// Distances to the east of the way out, in tenths of a drawn cell: to the middle of the container, and to the middle
+/// of the first waiting robot.
 const CONTAINER: i32 = 20;
 const FIRST: i32 = 42;
 
@@ -31,7 +31,7 @@ const SEEN: usize = 4;
 pub(super) enum Column {
     /// The column of the way out, north of home.
     WayOut,
-    /// A column of waiting robots. The number is 0 for the place beside the container.
+    /// A column of waiting robots. Column 0 is next to the container.
     Waiting(i32),
 }
 

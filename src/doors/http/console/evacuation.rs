@@ -1,5 +1,6 @@
-//! Distances: from home to a piece in metres, and the evacuation circle round a bomb. The settings give the radius of
-//! the circle. The circle is drawn only if the size of a cell is known. People decide who must leave.
+//! Distances in the hall: how far a piece is from home in metres, and the evacuation circle round a bomb. The
+//! settings give the radius of the circle. The circle is drawn only if the size of a cell is known. People decide who
+//! must leave.
 
 use std::fmt::Write;
 

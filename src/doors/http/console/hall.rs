@@ -1,7 +1,7 @@
-//! The hall as a picture. Its parts can be sent separately: one group for each map tile, the labels, and a small
-//! layer with everything that moves. `pieces` draws the luggage. One cell is `CELL` units wide. Neighbouring cells of
-//! the same kind are drawn as one stroke, which keeps the picture of a large hall small. The template and the style
-//! sheet have frames, legend and colours.
+//! The hall as a picture. Its parts can be sent separately: one group for each map tile, the labels, the searching
+//! robot, and a small layer with other things that change at each step. `pieces` draws the luggage. One cell is
+//! `CELL` units wide. Neighbouring cells of the same kind are drawn as one stroke, which keeps the picture of a large
+//! hall small. The template and the style sheet contain the frames, the legend and the colours.
 
 use super::carriers::{fetched, fetched_lies_at, has_entrance, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
@@ -25,7 +25,8 @@ const LABELS: i32 = 24;
 /// Maximum length of the drawn sonar ray, in cells.
 const RAY: i32 = 8;
 
-/// Maximum number of frontier cells drawn. With more, the frontier would be most of the data sent at every step.
+/// Maximum size of a frontier that is drawn, in cells. A larger frontier is not drawn at all, because it would be
+/// most of the data sent at every step.
 const FRONTIER: usize = 2000;
 
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
@@ -102,7 +103,8 @@ pub(super) fn frontier(map: &HallMap) -> String {
     group
 }
 
-/// Draws home and everything that moves: the trail, the route, the goal, and a piece that is to be fetched.
+/// Draws home and what changes at each step, without the robots: the trail, the route, the goal, the sonar's ray, and
+/// a piece that is to be fetched.
 pub(super) fn layer(language: Language, snapshot: &Snapshot) -> String {
     let size = larger(&snapshot.map);
     let far = if size > 1 { " class=\"far\"" } else { "" };

@@ -1,5 +1,5 @@
-//! The incident. It is shown while a piece in the hall is judged dangerous. It has the next step with its button, the
-//! alarm, the evacuation distance, and each bomb with photo and place.
+//! The part `incident` of the page. It is shown while a piece in the hall is judged dangerous. It contains the next
+//! step with its button, the alarm, the evacuation distance, and each bomb with photo and place.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 
-/// Maximum number of bombs shown with photos. Of the others only the number is shown; the gallery has them.
+/// Maximum number of bombs shown with photos. If there are more bombs, the incident says how many more.
 const BOMBS: usize = 8;
 
 /// The part `incident` of the page. It is empty while there is no bomb in the hall.
@@ -117,8 +117,8 @@ impl Incident<'_> {
         }
     }
 
-    /// Returns the command of the button below the heading, with which the mission continues. Returns `None` if no
-    /// such command is possible. An alarm has a button of its own.
+    /// Returns the command with which the mission continues. Its button is below the heading. Returns `None` if there
+    /// is no such command, or if the reader may only look. An alarm has its own button.
     fn act(&self) -> Option<&'static str> {
         let mission = &self.v.snapshot.mission;
         let goes_on = matches!(mission.phase, PhaseName::ReturningWithAlarm | PhaseName::Retrieving | PhaseName::Fault);

@@ -1,5 +1,5 @@
 //! `GET /console/live`: sends the changed parts of the page as HTML, in server-sent events. The first message has all
-//! parts. A page that was disconnected opens the stream again and is then complete. `parts` has the contents of the
+//! parts. After a disconnection, the page opens the stream again and receives all parts again. `parts` defines the
 //! parts.
 
 use std::collections::BTreeMap;
@@ -43,8 +43,8 @@ pub(in crate::doors::http) struct Message {
     view: String,
     then: Option<Then>,
     line: Option<Scale>,
-    /// HTML by element id. It is empty for an element that the page must remove: a tile, a group of luggage or a
-    /// section of the timeline.
+    /// HTML by element id. The HTML is empty for an element that the page must remove: a tile, a group of luggage or
+    /// a section of the timeline.
     parts: BTreeMap<String, String>,
 }
 
@@ -95,8 +95,8 @@ async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, wh
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }
 
-/// Returns the message for a time without a new state. The timeline is read from the record, and new entries may be
-/// there.
+/// Returns the message to send when no new state has come for some time. The timeline may still have new entries,
+/// because it is read from the record.
 async fn quiet(door: &HttpDoor, shown: &mut Shown, who: Option<Who>, language: Language) -> Event {
     let older = shown.older.clone();
     let message_of = async {
@@ -158,10 +158,10 @@ impl ShownLine {
         ShownLine { mission: line.mission().0, full: line.full(), growing }
     }
 
-    /// Returns new and changed sections by element id. If the mission is another one, surplus sections of the old
+    /// Returns new and changed sections by element id. If the mission has changed, surplus sections of the old
     /// timeline get empty HTML, which removes them from the page.
     fn update(&mut self, line: &Timeline) -> Vec<(String, String)> {
-        // A timeline may be read again from its beginning. Until it has its old length, no section is removed from
+        // A timeline may be read again from its beginning. Until it is as long as before, no section is removed from
         // the page.
         if self.mission == line.mission().0 && line.full() < self.full {
             return Vec::new();

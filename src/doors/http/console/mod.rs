@@ -69,8 +69,8 @@ pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) 
     html(&parts::Elsewhere { v: &view })
 }
 
-/// `POST console/start` and every other form except the form of STOP. A move that was recognised as a STOP is carried
-/// out as STOP, whatever else the form contains.
+/// `POST console/start` and every other form except the form of STOP. If a form was recognised as a STOP, it is
+/// carried out as STOP, whatever else it contains.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
         _ if sender.has_pressed_stop() => stop(sender, headers).await,

@@ -40,8 +40,8 @@ pub(in crate::doors::http) async fn page(
     Ok(door.archive.look_up(move |_| Ok(page())).await?)
 }
 
-/// `GET console/missions/{id}/moment`: the differences between two moments. The page now shows the moment after entry
-/// `from`, at the time `shown`. It requests the last moment up to the entry `at` or up to `time`.
+/// `GET console/missions/{id}/moment`: the differences between two moments. `from` and `shown` are the entry and the
+/// time that the page shows now. `at` or `time` selects the new moment: the last one up to this entry or time.
 pub(in crate::doors::http) async fn message(
     State(door): State<HttpDoor>,
     to: PageReader,
@@ -102,8 +102,8 @@ impl About {
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
 
-    /// Returns the state and the clock time for a requested moment. Between two entries the clock runs on: a moment
-    /// requested by its time may be later than its entry.
+    /// Returns the state and the clock time for a requested moment. If the moment was requested by its time, it may
+    /// be later than its entry, because the clock continues between two entries.
     fn looked_at(&self, moment: PastMoment, at: At) -> Looked {
         let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {

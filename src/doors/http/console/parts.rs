@@ -312,8 +312,8 @@ impl Retrieval<'_> {
         armed(&self.v.snapshot.robots)
     }
 
-    /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has
-    /// none.
+    /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has no
+    /// such figures.
     fn has_arm(&self, robot: &RobotShown) -> bool {
         robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
     }

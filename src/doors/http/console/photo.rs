@@ -1,5 +1,5 @@
-//! The page of one photo, as large as the window allows. It has STOP, and the other photos of the same piece. A
-//! browser that opens the address of a photo directly is redirected to this page.
+//! The page of one photo, which is as large as the window allows. The page also has the STOP button, and the other
+//! photos of the same piece. A browser that opens the address of a photo directly is redirected to this page.
 
 use std::borrow::Cow;
 

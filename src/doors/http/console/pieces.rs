@@ -1,8 +1,8 @@
 //! The luggage in the picture of the hall. Each piece is drawn in its own cell. Pieces are grouped by their numbers,
 //! so that a change sends only a few pieces. In a large picture, where cells are too small, a pin represents all
 //! pieces in a square of cells. Pins are grouped by rows of squares. A piece is no larger than its cell and a pin no
-//! larger than its square, so none covers another. `hall::layer` draws a piece that is to be fetched. `carriers`
-//! draws held and secured pieces.
+//! larger than its square, so the drawings never overlap. `hall::layer` draws a piece that is to be fetched.
+//! `carriers` draws held and secured pieces.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -41,7 +41,8 @@ struct ReplayPage {
     mission: u64,
     record: RetrievalRecordJson,
     shown: TreesView,
-    /// Number of the shown moment, counted from 1. Then the number of all moments, and the time of the shown one.
+    /// `moment` is the number of the shown moment, counted from 1. `last` is the number of the last moment, and `t`
+    /// is the time of the shown moment in seconds.
     moment: usize,
     last: usize,
     t: f64,

@@ -11,8 +11,9 @@ use hallsweep_core::snapshot::robot::RobotShown;
 use crate::api::robot::ArmJson;
 use crate::phrases::{Language, Phrase};
 
-/// Returns the names of the stages in the interface, in order. They depend on which robots fetch. If the searching
-/// robot fetches the piece, it need not make room. It is then at home when the piece is in the container.
+/// Returns the names of the stages in the interface, in order. The stages depend on which robots fetch. If the
+/// searching robot itself fetches the piece, it need not make room for other robots. It also need not drive home
+/// afterwards, because it is at home when the piece is in the container.
 pub(super) const fn stages(fetcher: Fetcher) -> &'static [&'static str] {
     match fetcher {
         Fetcher::Pair => &["makingRoom", "fetching", "goingOut", "comingHome"],
@@ -33,8 +34,8 @@ pub(in crate::doors::http) struct TreeRow<'a> {
     pub(in crate::doors::http) closes: usize,
 }
 
-/// Returns one row for each node of a tree. The nodes are in preorder. A row knows which nesting levels begin and end
-/// there.
+/// Returns one row for each node of a tree. The nodes are in preorder. Each row says whether a nesting level begins
+/// after the row, and how many levels end there.
 pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<TreeRow<'_>> {
     let next = nodes.iter().skip(1).map(|node| node.depth).chain([0]);
     let row = |(node, next): (_, usize)| row(node, next);
@@ -45,7 +46,7 @@ fn row(node: &NodeShown, next: usize) -> TreeRow<'_> {
     TreeRow { node, opens: next > node.depth, closes: node.depth.saturating_sub(next) }
 }
 
-/// Returns a sign for a status, so that it can be read without its colour.
+/// Returns a sign for a status, so that people can recognise the status without its colour.
 pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     match status {
         Status::Idle => "○",

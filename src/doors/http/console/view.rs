@@ -73,8 +73,8 @@ impl HallInfo {
         HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
     }
 
-    /// Returns the hall under the recorded conditions. Without recorded conditions it returns the present hall
-    /// without a robot.
+    /// Returns the hall as described by the recorded conditions. Without recorded conditions it returns the present
+    /// hall without a robot.
     pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
         let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
@@ -93,8 +93,8 @@ pub(super) struct Who {
     pub(super) role: Role,
 }
 
-/// The reason of a refusal, shown beside the button that was refused. With an empty text it is only the place where
-/// the script writes a reason.
+/// The reason for a refusal, shown beside the pressed button. If `text` is empty, the element only marks the place
+/// where the script writes a reason.
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
 pub(super) struct Why {
@@ -112,7 +112,7 @@ impl Why {
 pub(super) enum Mood {
     Calm,
     Working,
-    /// The robot is held, or it waits for a person.
+    /// A hold stops the robot, or a piece of luggage waits for a verdict.
     Held,
     /// There is a bomb or a fault.
     Alarm,
@@ -256,8 +256,8 @@ impl View<'_> {
         self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
     }
 
-    /// Returns what the operator should do next, if the robot waits for it and no button says so. Always `None` for
-    /// the past.
+    /// Returns what the operator should do next, in the phases where the buttons alone do not show this. Always
+    /// `None` for the past.
     pub(super) fn next_step(&self) -> Option<String> {
         if self.then.is_some() {
             return None;

@@ -1,6 +1,7 @@
 //! Reads one connection from its first byte to its end. A connection is pending until its first head (request
-//! line and headers) is complete. Then it gets a slot, or an answer that no slot is free. It is read to the end even
-//! if its requests fail. Everything here runs on the hearing thread.
+//! line and headers) is complete. Then it gets a slot (one of a limited number of places), or an answer that no
+//! slot is free. The connection is read to its end even if its requests fail. Everything here runs on the hearing
+//! thread.
 
 use std::io::Read;
 use std::net::SocketAddr;
@@ -35,8 +36,8 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 /// Maximum number of bytes read at once from a new connection, before its first turn. A STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
-/// Maximum time that the first request waits for its body before its connection gets a task. Most bodies arrive with
-/// their head, so few requests wait that long.
+/// Maximum time that the first request waits for its body before the task that answers is started. Most bodies arrive
+/// with their head, so few requests wait that long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
 /// Maximum number of bytes read from a connection in one turn. Then other connections have their turns. A new
@@ -53,15 +54,15 @@ const HEADS: usize = 32;
 /// (safety S8).
 pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 
-/// Maximum time for which a connection is still read after its last answer. In this time an incomplete head can
-/// end, and the answer can reach the client.
+/// Maximum time for which a connection is still read after its last answer. In this time, the rest of an incomplete
+/// head can arrive, and the answer can reach the client.
 const LINGER_TIME: Duration = Duration::from_secs(5);
 /// Maximum number of bytes read from a connection after its last answer.
 const LINGER_BYTES: usize = 1024 * 1024;
 
 pub(super) struct Connection<R, W> {
     from: R,
-    /// The way back to the client. `None` after a task has taken it for its answers.
+    /// Where answers to the client are written. `None` after the task that answers has taken it.
     to: Option<W>,
     cut: Arc<Notify>,
     waiting: Option<PendingConnection>,
@@ -107,8 +108,8 @@ pub(in crate::doors::http) async fn converse(stream: TcpStream, address: SocketA
     let waiting = context.pending.admit(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
-        // The eviction may be requested while other tasks have their turns. Bytes that have arrived before it are
-        // read first.
+        // The eviction may be requested while other tasks have their turns. This connection is polled once more, so
+        // that bytes that arrived before the eviction are read.
         tokio::task::yield_now().await;
     };
     tokio::select! {
@@ -143,7 +144,7 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: PendingConnection, cu
 /// the socket is read directly.
 fn first_words(stream: &TcpStream) -> BytesMut {
     let mut said = BytesMut::zeroed(FIRST_WORDS);
-    // If there are no bytes yet, or the stream has ended or failed, the next read finds out again.
+    // If there are no bytes yet, or if the stream has ended or failed, the next read reports this.
     let length = (&*SockRef::from(stream)).read(&mut said).unwrap_or(0);
     said.truncate(length);
     said
@@ -189,8 +190,8 @@ where
     pub(super) async fn hear(mut self, said: BytesMut) {
         self.read = said;
         loop {
-            // A switch to WebSocket is known here before the client can know it. Bytes of the other protocol are
-            // therefore never scanned.
+            // A switch to WebSocket is known here before the client can know it. WebSocket bytes are therefore never
+            // scanned.
             if self.upgrade.is_some() && self.shared.is_handed_over() {
                 return self.carry().await;
             }
@@ -247,8 +248,8 @@ where
         self.keep(given);
     }
 
-    /// Records the sender of a request, the epoch, and whether there is a body. Does nothing if the request will not
-    /// be carried out.
+    /// Records who sent a request, in which epoch it arrived, and whether it has a body. Does nothing if the request
+    /// will not be carried out.
     fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
@@ -315,8 +316,8 @@ where
         Ok(())
     }
 
-    /// Whether the task that answers should begin. The connection must have a slot, and its first request need not
-    /// wait for its body any more.
+    /// Whether the task that answers should begin. The connection must have a slot, and must not be waiting for the
+    /// body of its first request.
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
@@ -332,7 +333,7 @@ where
     /// Carries the frames of a WebSocket. A WebSocket has other limits, so its slot is freed.
     async fn carry(mut self) {
         (self.slot, self.connected) = (None, None);
-        // If bytes of the other protocol were dropped, the meaning of the following bytes is unknown.
+        // If WebSocket bytes were dropped, the following bytes cannot be understood.
         let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
         // A client may have sent the beginning of a frame before it received the answer. These bytes were passed on
         // unchanged.
@@ -403,12 +404,12 @@ where
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
     }
 
-    /// Reads the connection after its last answer. In this time a head that has begun can end, and the answer can
-    /// reach a client that is still sending. The slot is already free. If too many connections linger, the oldest one
-    /// of the network with the most connections is evicted.
+    /// Reads the connection after its last answer. In this time, the rest of an incomplete head can arrive, and the
+    /// answer can reach a client that is still sending. The slot is already free. If too many connections linger, the
+    /// oldest one of the network with the most connections is evicted.
     async fn linger(mut self) {
-        // The bytes that follow may not belong to the last body, and may not end soon. The body is therefore searched
-        // now.
+        // The last body is searched for a STOP now. Nobody knows whether further bytes belong to this body, or when
+        // they end.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.slot, self.is_only_heard) = (None, None, true);
         let _lingering = self.context.lingering.admit(self.search.judge.peer.address, Arc::clone(&self.cut));
@@ -441,7 +442,7 @@ where
         );
         if let Some(to) = self.to.take() {
             let mut to = WriteTimeoutStream::new(to);
-            // A client that does not read its answer delays nothing longer than this.
+            // Maximum wait for a client that does not read its answer.
             let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
         }
         self.linger().await;

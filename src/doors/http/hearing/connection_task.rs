@@ -1,6 +1,6 @@
 //! Answers the requests of a connection with hyper. Its input is the bytes that the hearing thread passes on. Each
-//! request carries the address of its sender, and the STOP that was found in it. When the client is gone, its answers
-//! are discarded, so that the requests it sent before are still carried out.
+//! request carries the address of its sender, and the STOP that was found in it. When the client has disconnected,
+//! its answers are discarded without an error. The requests that it sent before are therefore still carried out.
 
 use std::io;
 use std::pin::Pin;
@@ -208,7 +208,8 @@ impl hyper::body::Body for AnswerBody {
     }
 }
 
-/// The bytes from the client, and the way back to it. When the client is gone, answers are accepted but discarded.
+/// The client's bytes, and the stream on which answers are sent. When the client has disconnected, answers are
+/// accepted but discarded.
 struct Transport<W> {
     from: DuplexStream,
     to: WriteTimeoutStream<W>,

@@ -51,7 +51,8 @@ fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexSt
     (Connection::new(from, to, peer, waiting, Arc::clone(&cut), Arc::clone(context)), says, hears, cut)
 }
 
-/// Whether the task still runs one second before this time, and has ended one second after it.
+/// Whether the task ends after this number of seconds: it still runs one second earlier, and has ended one second
+/// later.
 async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
     sleep(Duration::from_secs(seconds - 1)).await;
     let is_there = !hearing.is_finished();

@@ -1,6 +1,6 @@
 //! Finds the requests of one connection. A STOP is carried out as soon as it has arrived, in a head or in a body. The
 //! sender is authenticated with the same rules as in the guard and the gate: a STOP that they would reject does not
-//! halt. If a request has several keys, one valid key is enough. The wrong keys are only a fault of the STOP.
+//! halt. If a request has several keys, one valid key is enough. Wrong keys beside it do not prevent the halt.
 //! `connection` reads the bytes and passes them on.
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};

@@ -328,7 +328,8 @@ async fn who_may_stop_without_a_key_is_on_this_machine() {
     assert!(!halts(&judge, &stop, 9));
 }
 
-/// Safety S8, A2: if there are more hosts or origins than can be stored, one of the others may be foreign.
+/// Safety S8, A2: if there are more hosts or origins than can be stored, a host or origin that was not stored may be
+/// foreign.
 #[tokio::test]
 async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
     let app = app(searching());
@@ -406,7 +407,8 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
     }
 }
 
-/// Safety S8: while more of a body may come, a word that is found only in the whole body is not always looked for.
+/// Safety S8: an escaped word for STOP is found only when the whole body is searched. While the body is incomplete,
+/// it is not searched whole after every piece.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     let app = app(searching());

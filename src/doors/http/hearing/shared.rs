@@ -23,8 +23,8 @@ pub(in crate::doors::http) struct Pressed {
     pub(super) number: u64,
 }
 
-/// The epoch in which the head of a request was read. If a STOP then raises the epoch, the request is outdated,
-/// however late it is carried out (safety S4).
+/// The epoch in which the head of a request was read. If a STOP raises the epoch after that, the request is outdated,
+/// even if it is carried out much later (safety S4).
 #[derive(Clone, Copy)]
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 

@@ -128,7 +128,8 @@ impl Operation {
         Operation { is_tagged: true, ..self.told("If-None-Match", what, json!({"type": "string"})) }
     }
 
-    /// Adds the header with the command id. A command with an id acts only once, but a STOP halts every time.
+    /// Adds the header with the command id. A command that is sent again with the same id has no further effect. A
+    /// STOP halts every time.
     pub(super) fn once(self, is_stop: bool) -> Operation {
         let what = if is_stop {
             "Name of this command. A STOP halts each time, whatever its name is."

@@ -164,7 +164,7 @@ const NAME: usize = 32;
 /// Maximum number of different values stored for one header. Headers with keys have the limit `KEYS`.
 const FIELDS: usize = 4;
 
-/// Maximum number of keys stored for one header. One of them must be valid.
+/// Maximum number of keys stored for one header. A valid key is found only if it is among these keys.
 pub const KEYS: usize = 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,7 +196,8 @@ pub struct Head {
     pub host: Option<Vec<u8>>,
     /// Stored header fields, in the order of the request.
     pub fields: Vec<(Field, Vec<u8>)>,
-    /// Whether a value for the host or the origin could not be stored. Nobody can then know whether it is ours.
+    /// Whether a value for the host or the origin could not be stored. Then nobody can know whether that value is
+    /// foreign.
     pub is_in_doubt: bool,
     pub body: BodyLength,
     pub wants_upgrade: bool,
@@ -366,7 +367,8 @@ impl HeadReader {
         }
     }
 
-    /// Whether the target so far ends after the scheme, the colon and the first of two slashes.
+    /// Whether the target, as far as it was read, ends with the first of the two slashes after the scheme and the
+    /// colon.
     fn is_behind_scheme(&self) -> bool {
         let path = &self.head.path;
         self.head.host.is_none() && path.ends_with(b":/") && !path[..path.len() - 1].contains(&b'/')

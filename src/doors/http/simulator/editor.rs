@@ -110,8 +110,8 @@ pub(in crate::doors::http) struct Fields {
     /// The name typed for storing the hall. `opened` is the name under which it is already stored.
     name: String,
     opened: Option<String>,
-    /// The pressed button: `check`, `use` or `keep`. The buttons of the other three fields contain the name of a
-    /// hall: to replace it, to delete it, and to confirm the deletion.
+    /// `act` is the button `check`, `use` or `keep`, if one of these was pressed. Each of the other three fields is a
+    /// button with the name of a hall: to replace the hall, to delete it, and to confirm the deletion.
     act: Option<String>,
     replace: Option<String>,
     discard: Option<String>,

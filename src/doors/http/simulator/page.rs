@@ -203,7 +203,8 @@ fn with(mut blocked: BTreeSet<Cell>, cell: Cell) -> BTreeSet<Cell> {
     blocked
 }
 
-/// Returns the cell ahead of a robot. If the robot is making a step, it is the cell ahead of the end of that step.
+/// Returns the cell ahead of a robot. If the robot is making a step, this is the cell ahead of the position after
+/// that step.
 fn ahead(robot: &RobotView) -> Cell {
     let steps = if robot.state == RobotState::MovingForward { 2 } else { 1 };
     let (Cell { x, y }, (dx, dy)) = (robot.pose.cell, robot.pose.heading.vector());

@@ -156,8 +156,8 @@ impl ChangeFeed {
         self.home_assistant_feed.as_mut().is_some_and(|home_assistant_feed| home_assistant_feed.photos.handle(picture, photo))
     }
 
-    /// Returns the source that is due first, and its time. If two times are equal, the source listed first in this
-    /// function wins.
+    /// Returns which source has the message that is due first, and when it is due. If two times are equal, the source
+    /// listed first in this function wins.
     fn soonest(&self, snapshot: &Snapshot) -> Option<(Duration, Source)> {
         let availability = (!self.is_announced).then_some((Duration::ZERO, Source::Availability));
         let old = self.old.due(snapshot).map(|due| (due, Source::Old));

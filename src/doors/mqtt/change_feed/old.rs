@@ -20,8 +20,8 @@ use hallsweep_core::world::resource::Resource;
 const PACE: Duration = Duration::from_millis(20);
 
 /// Maximum number of pieces in each of the two queues below: the pieces waiting to be published, and the published
-/// ones. This is more than are found during a short absence of the broker. During a longer absence the oldest are
-/// dropped; the state topic still has those that matter.
+/// ones. Fewer pieces are found while the broker is absent for a short time. During a longer absence the oldest
+/// pieces are dropped, but the state topic still has those that matter.
 const PIECES: usize = 4_096;
 
 #[derive(Default)]

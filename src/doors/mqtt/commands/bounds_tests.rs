@@ -163,7 +163,7 @@ async fn commands_keep_the_order_in_which_they_came() {
     assert_eq!(names.collect::<Vec<_>>(), (0..50).map(|x| format!("k{x}")).collect::<Vec<_>>());
 }
 
-/// A store that keeps nothing, but reports at once that everything is kept.
+/// A store that stores nothing, but reports at once that everything is stored.
 struct Forgetful(watch::Sender<StoreStatus>);
 
 impl Store for Forgetful {

@@ -14,7 +14,7 @@ const KINDS: usize = 64;
 /// Maximum length of a kind in bytes. Every known MSGID is much shorter.
 const LONGEST: usize = 64;
 
-/// Minimum time after a logged message before a message of a kind that was seen before is logged.
+/// Minimum time between a logged message and the next logged message whose kind was seen before.
 const SILENCE: Duration = Duration::from_secs(60);
 
 /// Maximum number of characters of a text in the log.

@@ -15,7 +15,7 @@ use hallsweep_core::command::Request;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 
-/// Room for results. No test leaves as many results unread.
+/// Room for results. No test leaves this many results unread.
 const ROOM: usize = 1024;
 
 const BASE: &str = "hallsweep/discovery/";

@@ -372,7 +372,7 @@ async fn to_go_on_is_to_take_a_photo_again_that_has_failed_and_else_to_start() {
     }
 }
 
-/// Mission 8.
+/// Mission §8.
 #[tokio::test]
 async fn an_old_message_that_nobody_understands_is_counted_and_no_other() {
     let app = app(searching());
@@ -427,8 +427,8 @@ async fn whatever_is_no_command_is_left_alone() {
     assert!(app.noted().await.is_none() && app.is_silent().await);
 }
 
-/// Results are published on topics that are not command topics. So no client of another broker takes its own answers
-/// for commands.
+/// Results are published on topics that are not command topics. Otherwise hallsweep, as a client of another broker,
+/// would take its own answers for commands.
 #[tokio::test]
 async fn no_result_is_itself_a_command() {
     let mut app = app(searching());

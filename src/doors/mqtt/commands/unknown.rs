@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 /// Maximum number of unknown names with a topic of their own. This is enough for typing errors.
 const NAMES: usize = 64;
 
-/// Maximum length of such a name in bytes. The names of all commands are much shorter.
+/// Maximum length in bytes of an unknown name with a topic of its own. The names of all commands are much shorter.
 const LONGEST: usize = 32;
 
 /// Name in the topic that all other unknown commands share.

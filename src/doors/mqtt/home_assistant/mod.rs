@@ -57,7 +57,7 @@ pub fn state(snapshot: &Snapshot) -> State {
     State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
 }
 
-/// Derives the activity from the phase and the holds. A robot under way that is held is `Paused`. If START cannot
+/// Derives the activity from the phase and the holds. A robot that is under way and held is `Paused`. If START cannot
 /// help before something is repaired, the activity is `Error`.
 fn activity(snapshot: &Snapshot) -> Activity {
     let under_way = match snapshot.mission.phase {

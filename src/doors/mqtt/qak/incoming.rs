@@ -1,5 +1,6 @@
-//! The meaning of the original system's messages (mission §8). One table maps MSGIDs to commands. The table holds for
-//! events as well as dispatches, from any sender with any number. What is done with a command is decided elsewhere.
+//! The meaning of the original system's messages (mission §8). One table maps MSGIDs to commands. The table applies
+//! to events as well as dispatches, from any sender with any number. What is done with a command is decided
+//! elsewhere.
 
 use std::sync::LazyLock;
 

@@ -54,8 +54,8 @@ impl Inflight {
         self.open.remove(place).map(|(_, publication)| publication)
     }
 
-    /// Returns since when an acknowledgement has been missing, or `None` if none is. `Times::acknowledgement` limits
-    /// this time.
+    /// Returns since when an acknowledgement has been missing, or `None` if no acknowledgement is missing.
+    /// `Times::acknowledgement` limits this time.
     pub(super) fn owed_since(&self) -> Option<Duration> {
         (!self.open.is_empty()).then_some(self.since)
     }

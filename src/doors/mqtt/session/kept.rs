@@ -27,7 +27,7 @@ struct Topic {
     ours: Publication,
     /// Hashes of our messages that the broker has not sent back yet, newest first.
     echoes: VecDeque<u64>,
-    /// When to publish our message again. `None` unless others have replaced it.
+    /// When to publish our message again. `None` if nobody has replaced it.
     due: Option<Duration>,
     /// Earliest time of the next repetition. The interval is at least `AGAIN`.
     next: Duration,

@@ -137,8 +137,8 @@ impl Session {
     }
 
     /// Returns the topics of our retained messages that are watched, because other clients may replace them. With
-    /// MQTT 3.1.1 we also receive our own messages, and a STOP would wait behind large ones. So the topics of large
-    /// messages are left out there.
+    /// MQTT 3.1.1 we also receive our own messages, and a STOP would wait until large ones have arrived. So the
+    /// topics of large messages are left out there.
     fn kept(&self) -> Vec<String> {
         let (topics, is_five) = (&self.topics, self.link.version == Version::Five);
         let is_small = |resource: &Resource| !matches!(resource, Resource::Map | Resource::Luggage | Resource::Log);

@@ -59,7 +59,7 @@ fn write(scratch: &Scratch, before: WallTime, name: &str) -> Result<Option<Archi
 }
 
 /// The last page of mission 1 has no state snapshot. So mission 1 is archived only together with the next mission
-/// whose end has one. Otherwise the state would not follow from the entries that stay.
+/// whose last page has a state snapshot. Otherwise the state would not follow from the entries that stay.
 #[test]
 fn a_mission_behind_which_it_was_not_said_what_stands_goes_with_the_next_that_has_it() {
     let scratch = Scratch::new();

@@ -58,7 +58,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
                 .to_owned(),
             vec![changed(8, 10)],
         ),
-        // Removes the last entry, with its page and without.
+        // Removes entries at the end, first without their page, then with their pages.
         ("DELETE FROM events WHERE seq = 10".to_owned(), vec![last_is_gone(10, 10), "ends before entry 10".to_owned()]),
         (
             "DELETE FROM events WHERE seq >= 8; DELETE FROM pages WHERE last >= 8".to_owned(),
@@ -83,7 +83,7 @@ fn whatever_is_done_to_entries_is_named_with_its_place() {
     }
 }
 
-/// If somebody recomputes the digests as well, the file `journal.head` reveals it.
+/// If somebody also recomputes the digests, the file `journal.head` reveals the change.
 #[test]
 fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
     let scratch = some_journal();
@@ -93,7 +93,7 @@ fn a_journal_that_was_chained_anew_is_not_the_one_that_was_kept() {
 }
 
 /// If somebody rewrites every file, no trace is left in the folder. A head that was handed out before still reveals
-/// it.
+/// the change.
 #[test]
 fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
     let scratch = some_journal();
@@ -108,7 +108,7 @@ fn who_changes_everything_cannot_change_a_head_that_somebody_else_has() {
     assert!(now.seq == given_away.seq && now.digest != given_away.digest);
 }
 
-/// Nothing is written to such a journal: new entries would hide the missing ones.
+/// Nothing is written to a journal that lost entries or has entries of another program: new entries would hide this.
 #[test]
 fn a_journal_that_ends_too_early_or_goes_on_without_us_is_not_written_to() {
     for (sql, words) in [

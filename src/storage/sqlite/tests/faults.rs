@@ -143,8 +143,8 @@ fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     assert_eq!(heard(), (3, false), "nothing was dropped this time");
 }
 
-/// A watchman who gives up any batch at once. He must look only while the disk hangs. On a busy disk an ordinary page
-/// takes longer than this, and would rightly be declared lost.
+/// For a watchman that declares any batch lost at once. It may run only while the disk hangs: on a busy disk even an
+/// ordinary page takes longer, and would be declared lost.
 const HURRY: Patience = Patience { looks: 3, ..HASTE };
 
 /// Safety R3: the failure is reported before the disk has answered, and ends without help.
@@ -167,7 +167,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
     assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(Seq(4)));
 }
 
-/// Safety R3: the store gives up one batch, and stores the next one.
+/// Safety R3: the store declares one batch lost, and stores the next batch.
 #[test]
 fn what_is_handed_over_after_a_disk_hung_is_kept() {
     let scratch = Scratch::new();
@@ -206,7 +206,7 @@ fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     assert!(failure.as_ref().is_some_and(|words| words.contains("another program keeps the journal")), "{failure:?}");
 }
 
-/// A new store, and its status for a second watchman. The store's own watchman never gives up.
+/// A new store, and its status for a second watchman. The store's own watchman never declares a batch lost.
 fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     let (hand, recalled, failure) = look(folder).unwrap();
     let status = Arc::new(WriterStatus::new(Marker::new(folder), Seq(0), None));

@@ -214,7 +214,7 @@ fn after_an_entry_that_says_nothing_nothing_is_written() {
     assert!(archive.mission(MissionId(1)).unwrap().is_some());
 }
 
-/// A kill in the first moments of a journal leaves such files.
+/// A kill just after the journal was created leaves an empty file, or a file without tables.
 #[test]
 fn a_journal_that_had_only_just_begun_is_begun_again() {
     let scratch = Scratch::new();

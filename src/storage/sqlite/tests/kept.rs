@@ -109,7 +109,8 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     assert_eq!(state, fold(&[at_noon(wall(2, 2))]));
 }
 
-/// Otherwise a repeated command would have an effect again after many entries.
+/// The ids of the last commands are recalled, however old they are. Otherwise a repeated command would have an effect
+/// again.
 #[test]
 fn the_last_ids_are_known_at_the_next_start_however_long_ago_they_came() {
     let scratch = Scratch::new();

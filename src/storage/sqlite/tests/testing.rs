@@ -19,7 +19,7 @@ use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Waits only for the disk, and never gives a batch up.
+/// Retries after 1 ms, never declares a batch lost, and waits long for the last pages.
 pub(super) const HASTE: Patience =
     Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
 
@@ -96,7 +96,7 @@ impl Scribe {
         word.expect("the store lives").clone()
     }
 
-    /// Like `keep`, for entries that were not all written at noon.
+    /// Like `keep`, for entries with times of their own.
     pub(super) fn keep_entries(&mut self, entries: Vec<Entry>) {
         let losses = self.word.borrow().losses;
         let last = self.hand_entries(entries, losses);

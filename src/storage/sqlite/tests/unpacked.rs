@@ -201,7 +201,8 @@ fn a_folder_that_is_there_stays_and_what_is_in_it_is_nobodys_to_remove() {
     assert_eq!(std::fs::read_dir(&foreign).unwrap().count(), 1);
 }
 
-/// Otherwise everybody who may write beside the folder could plant keys or a STOP in it.
+/// Unknown files at the place of building are refused. Otherwise everybody who may write beside the folder could
+/// plant keys or a STOP in it.
 #[test]
 fn what_lies_where_a_folder_is_built_is_not_taken_into_it() {
     let (_scratch, [_, second]) = two_in_a_row();

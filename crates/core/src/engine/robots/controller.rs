@@ -17,12 +17,12 @@ pub(crate) struct RobotController {
     /// What the robot can do; `None` while its link is not up.
     pub(crate) capabilities: Option<Capabilities>,
     open: Option<Open>,
-    /// An order that was given up. Its answer may still arrive.
+    /// An order that was not answered in time. Its answer may still arrive.
     overdue: Option<Order>,
     last: OrderId,
     /// True after the robot was told to halt or could not be reached, until it reports that it stands.
     halting: bool,
-    /// Whether the robot's time is paused. Nothing that the robot does is then overdue.
+    /// Whether the robot's time is paused. No order of this robot then becomes overdue.
     is_paused: bool,
     /// The state that the robot will show while it recentres. It is the opposite of the move that took the robot off
     /// centre.
@@ -68,8 +68,8 @@ impl RobotController {
         was_moving
     }
 
-    /// Handles a link that is up. The robot stands, unless it has an order. The deadline of this order starts again,
-    /// with the times that this robot states.
+    /// Handles a link that is up. A robot without an order stands. If there is an order, its deadline starts again,
+    /// with the times that the robot now states.
     pub(crate) fn link_up(&mut self, can: Capabilities, since_start: Duration) {
         (self.capabilities, self.is_paused) = (Some(can), false);
         self.halting &= self.is_moving();
@@ -89,8 +89,8 @@ impl RobotController {
         self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
     }
 
-    /// Makes a new open order, and ends the wait for a halt. The robot begins the order after all earlier messages.
-    /// After a fault, a person has looked after the robot.
+    /// Makes a new open order, and ends the wait for a halt. The robot handles its messages in order, so it has
+    /// halted before it begins this order. After a fault, a person has checked the robot before this order.
     pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
@@ -99,8 +99,8 @@ impl RobotController {
         order
     }
 
-    /// Closes the order with this id, if it is the open order or the order that was given up. An answer to any other
-    /// order is out of date.
+    /// Closes the order with this id, if it is the open order or the overdue order. An answer to any other order is
+    /// out of date.
     pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
         let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
         self.halting &= self.may_be_moving();
@@ -120,7 +120,7 @@ impl RobotController {
         self.open.and_then(|open| self.close(open.order.id))
     }
 
-    /// Gives up the open order. Its answer may still arrive late.
+    /// Makes the open order overdue. Its answer may still arrive late.
     pub(crate) fn give_up(&mut self) -> Option<Order> {
         self.overdue = self.drop_open();
         self.overdue

@@ -86,7 +86,7 @@ impl Robots {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
-    /// Handles an accepted START. Robots that waited for it may move. Returns whether any robot waited.
+    /// Ends the wait for START of the robots that do not search. Returns whether any of them waited.
     pub(crate) fn release(&mut self) -> bool {
         self.others.values_mut().fold(false, |any, robot| any | robot.holds.release())
     }

@@ -1,12 +1,12 @@
 //! Tests every phase with every command and event. The outcomes are written by hand from mission §4, independently of
-//! the table in the code. Rules of the whole mission are sentences below (what clears which hold, what blinks, what
-//! is recorded).
+//! the table in the code. Rules for all phases are tested further below: what clears which hold, what blinks, what is
+//! recorded.
 
 use super::*;
 use crate::world::hall_map::Mark;
 
-/// The commands whose cells are written below. The others are accepted in every phase and do not change it: OK, a
-/// reading, a sensor's reading and the acknowledgement of an alarm.
+/// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
+/// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm.
 const COLUMNS: [Input; 12] = [
     Input::Start,
     Input::Stop,
@@ -22,9 +22,9 @@ const COLUMNS: [Input; 12] = [
     Input::Strategy,
 ];
 
-/// The outcomes while a piece with a usable photo waits for its verdict. `.` means that the phase stays, a short name
-/// is the new phase once all is recorded, and `!` is a refusal. `a/b` means `a` while nothing holds, and `b` after
-/// STOP.
+/// The outcomes while a piece with a usable photo waits for its verdict. `.` means that the phase stays, a short
+/// name is the new phase after all records are stored, and `!` is a refusal. In `a/b`, `a` is the outcome without a
+/// hold, and `b` the outcome after STOP.
 const PENDING: &str = "
     id  ex  .  !np .  .  .  !np !vp      dr      dr      !np .
     ex  !vp .  rh  .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
@@ -56,7 +56,7 @@ const DECIDED: &str = "
     fa  ex  .  !np .  !de .  !np id      !np     !np     !np !np
 ";
 
-/// The events that lead from one phase to another. In all other phases they change nothing.
+/// The events that lead from one phase to another. In all other phases, these events change nothing.
 const EVENTS: &[(Input, &str)] = &[
     (Input::Blocked, "ex>in"),
     (Input::AtPiece, "ex>in"),
@@ -124,7 +124,8 @@ fn code(short: &str) -> &'static str {
     }
 }
 
-/// Returns the cell of a table, while nothing holds or after STOP.
+/// Returns the text of a cell of the table: the outcome after STOP if `stopped`, otherwise the outcome without a
+/// hold.
 fn cell(table: &'static str, phase: PhaseName, input: Input, stopped: bool) -> &'static str {
     let Some(column) = COLUMNS.into_iter().position(|known| known == input) else { return "." };
     let line = table.lines().find(|line| line.split_whitespace().next().is_some_and(|short| named(short) == phase));
@@ -142,8 +143,9 @@ fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str
     }
 }
 
-/// Mission §4: a movement command is refused while a hold stands that it does not clear, unless the phase refuses it
-/// already. The refusal names the reasons. Under `store`, commands that need a record are refused too.
+/// Mission §4: a movement command is refused while a hold is active that the command does not clear, unless the phase
+/// already refuses the command. The refusal names the holds. With the hold `store`, commands that need a record are
+/// refused too.
 fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
     let stopped = meant(cell(table, phase, input, true), phase);
     let moves = [Input::Start, Input::BackHome, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
@@ -161,8 +163,8 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
 }
 
 /// Returns the engine in this phase. In phases where the robot waits, the robot is at home; otherwise it is one cell
-/// to the south. One alarm is recorded, and a sensor is configured. The table tells whether the piece is decided. At
-/// (1, 1) is an obstacle that was not inspected.
+/// to the south. One alarm is recorded, and a sensor is configured. The piece has a verdict if the table is
+/// `DECIDED`. At (1, 1) is an obstacle that was not inspected.
 fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     let mut engine = sweep_in(name, &[]);
     let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
@@ -209,13 +211,14 @@ const HOLDS: [&[Hold]; 5] = [
     &[Hold::Store, Hold::AwaitingStart],
 ];
 
-/// Mission §4: every cell of the commands. Safety S5: nothing moves past the gate while anything holds.
+/// Mission §4: the outcome of every command in every phase. Safety S5: nothing passes the gate while a hold is
+/// active.
 #[test]
 fn every_command_in_every_phase_does_what_the_mission_says() {
     for table in [PENDING, DECIDED] {
         for name in PhaseName::ALL {
             for input in Input::COMMANDS {
-                // Any hold ends a drive, so there is no held drive.
+                // Any hold ends a drive by hand, so the phase driving never has a hold.
                 for holds in HOLDS.into_iter().filter(|holds| holds.is_empty() || name != PhaseName::Driving) {
                     check_command(table, name, input, holds);
                 }
@@ -292,7 +295,8 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
     assert_eq!(after.state.led_blinking, !ends, "{pair}: the LED");
 }
 
-/// Mission §4: every cell of the events. It checks the new phase, the holds that begin and end, and what danger does.
+/// Mission §4: the outcome of every event in every phase. It checks the new phase, the holds that begin and end, and
+/// what danger does.
 #[test]
 fn every_event_in_every_phase_does_what_the_mission_says() {
     for name in PhaseName::ALL {

@@ -12,8 +12,8 @@ use crate::state::{Retrieval, RetrievalStage};
 use crate::units::Piece;
 use crate::world::hall_map::Mark;
 
-/// Returns an engine after a restart with the piece off the floor. The record has the robot's place, but only the
-/// robot can report what it holds.
+/// Returns an engine after a restart, with a piece that was recorded as lifted. The journal has the robot's place,
+/// but only the robot can report what it holds.
 fn fetching(stage: RetrievalStage, pose: Pose) -> Engine {
     let mut engine = sweep_in(PhaseName::Retrieving, &[]);
     engine.settings.fetcher = Fetcher::Discovery;

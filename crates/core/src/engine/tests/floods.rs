@@ -113,7 +113,7 @@ fn a_flood_of_stops_shares_an_entry_a_second_and_those_of_others_have_their_own(
     assert_eq!(recorder.by("lobby").last().map(String::as_str), Some("STOP"), "after a while each has its own entry again");
 }
 
-/// Safety S4: the entry of a flood waits for others, but its epoch waits for no more than a second.
+/// Safety S4: the entry for a flood of STOPs waits for further STOPs, but the epoch is recorded within a second.
 #[test]
 fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     let mut recorder = Recorder::new();

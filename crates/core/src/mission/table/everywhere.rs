@@ -87,8 +87,8 @@ const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
-/// The rules of an input that raises a hold. If the input ends a drive by hand during a mission, it raises the hold
-/// of the operator as well.
+/// The rules of an input that raises a hold. If the input ends a drive by hand during a mission, the hold `operator`
+/// is raised as well.
 macro_rules! raised {
     ($hold:expr) => {
         raised!($hold, &[Go(Stay, &[Raise($hold)])])

@@ -51,8 +51,8 @@ impl Performer<'_> {
         Status::Success
     }
 
-    /// Returns the known place of the piece. A piece without a known cell lies between the two robots. It fell on the
-    /// way out, or while the program was not running.
+    /// Returns the known place of the piece. A piece without a known cell lies between the two robots: it fell down
+    /// on the way out, or while the program was not running.
     fn parcel_known(&self) -> Option<Place> {
         let [one, two] = self.places();
         let between = |place: &Place| one != two && place.is_beside(one) && place.is_beside(two);
@@ -61,8 +61,8 @@ impl Performer<'_> {
         self.view.piece.first().copied().map(Place::Cell).or_else(fallen)
     }
 
-    /// Calculates the parcel's place, if both robots can reach it and carry the parcel away. If the parcel was not
-    /// recognised, its known place is used, because the operator has looked.
+    /// Calculates the parcel's place, if both robots can reach it and carry the parcel away. If the camera has not
+    /// recognised the parcel, its known place is used, because the operator was called and has checked it.
     pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
         let Some(place) = place_in(leaf, 1).or_else(|| self.parcel_known()) else {
             return self.fails(RetrievalFault::NothingToFetch);

@@ -62,8 +62,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Returns the places from which the piece is lifted, from the last plan or from a new one. SRM1 goes there
-    /// first, or SRM2 if SRM1 would be in its way.
+    /// Returns the places from which the piece is lifted, from the last plan or from a new one. SRM1 drives to its
+    /// place first. If SRM1 would then block SRM2, SRM2 drives first.
     pub(super) fn stands(&mut self, place: Place) -> Option<Plan> {
         let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
         let usable = |(at, plan): &(Place, Plan)| *at == place && !plan.stands.bases.iter().any(is_closed);
@@ -116,7 +116,7 @@ impl Performer<'_> {
                 Going::NoWay => self.routes.stands = None,
             }
             if self.stands(place).is_some() {
-                // The plan has just been made with the present knowledge.
+                // A new plan was just made, with the present knowledge. The next tick follows it.
                 return Status::Running;
             }
         }
@@ -135,8 +135,8 @@ impl Performer<'_> {
         }
     }
 
-    /// Drives back to the pallet for the next parcel. If nothing is left to fetch and the pair has a way out, it
-    /// stays where it is.
+    /// Drives back to the pallet for the next parcel. If nothing is left to fetch and the pair has a way out, both
+    /// robots stay where they are.
     fn return_to(&mut self, pallet: Place) -> Status {
         if self.view.piece.is_empty() && self.view.way_out {
             return Status::Success;
@@ -283,11 +283,11 @@ impl Performer<'_> {
         Status::Running
     }
 
-    /// Drives away from the place and back until the gap between the bases is right. The wheels' controllers correct
-    /// the gap only while they drive.
+    /// Corrects the gap between the bases: drives away from the place and back until the gap is right. The
+    /// controllers of the wheels correct the gap only while the bases drive.
     fn adjust(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
-        // Until both robots have reported the end of the step, their places form no train.
+        // Until both robots have reported the end of the step, their known places do not match each other.
         if self.is_anybody_busy() {
             return Status::Running;
         }
@@ -307,7 +307,7 @@ impl Performer<'_> {
         }
     }
 
-    /// Returns a train one step away from this one, over visited cells.
+    /// Returns the train (both bases with the parcel between them) after one step aside, over visited cells only.
     fn step_aside(&self, train: Train) -> Option<Train> {
         let is_free = |place: &Place| {
             let known = place.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);

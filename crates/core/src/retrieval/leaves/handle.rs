@@ -1,5 +1,5 @@
 //! The leaves of the arms: align with the parcel, close, start the controllers, lift, lower and open. Each leaf is
-//! done when both arms report it, so a restart in between makes no difference.
+//! done when both arms report the new state, so a restart in between makes no difference.
 
 use super::{MOST_FAILURES, Performer, REPORTING, place_in};
 use crate::arm::{ArmAction, ArmState, Gripper};
@@ -37,8 +37,8 @@ impl Performer<'_> {
         self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
     }
 
-    /// Closes the grippers. If they have closed without a common parcel, a person must help. Before that, both robots
-    /// get time to report what they hold.
+    /// Closes the grippers. If both are closed but do not hold the same parcel, a person must help. Before that, both
+    /// robots get time to report what they hold.
     pub(super) fn close_grippers(&mut self, leaf: &Leaf<'_>) -> Status {
         let held = self.arms().iter().all(|arm| arm.holds.is_some());
         if held {
@@ -62,7 +62,7 @@ impl Performer<'_> {
         }
     }
 
-    /// Starts a controller. This takes no time, and without a parcel there is nothing to start.
+    /// Starts a controller. This takes no time. Fails if the grippers do not hold the parcel.
     pub(super) fn start_controller(&mut self, leaf: &Leaf<'_>) -> Status {
         let (action, is_at_work): (_, fn(&ArmState) -> bool) = match leaf.text(0) {
             Some("ForceControllerInit") => (ArmAction::HoldForce, |arm| arm.controllers.force),
@@ -73,7 +73,7 @@ impl Performer<'_> {
         if self.load().is_none() { Status::Failure } else { self.both(action, is_at_work) }
     }
 
-    /// Lifts the parcel. Fails if the parcel is not in both grippers, or no longer.
+    /// Lifts the parcel. Fails unless both grippers hold it.
     pub(super) fn lift(&mut self) -> Status {
         if self.load().is_none() {
             return Status::Failure;

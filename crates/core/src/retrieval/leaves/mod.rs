@@ -25,18 +25,20 @@ use crate::units::Cell;
 use behaviour_trees::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
 use routes::Routes;
 
-/// Number of consecutive failed orders of a robot before the leaf gives up. One failure may be chance, three are not.
+/// Number of consecutive failed orders of a robot after which the leaf fails. One failure may be chance, three are
+/// not.
 pub(crate) const MOST_FAILURES: u32 = 3;
 
-/// Maximum time until the two robots' reports must agree whether both hold something. They report one after the
-/// other. The gripper that closes first reports what it holds only when the second gripper is closed too.
+/// Maximum time during which the two robots' reports may contradict each other on whether they hold something. They
+/// report one after the other. The gripper that closes first reports what it holds only when the second gripper is
+/// closed too.
 pub(super) const REPORTING: Duration = Duration::from_secs(30);
 
 /// Maximum time of one run of a leaf. Two bases with a parcel need about an hour for the way through the largest
 /// hall.
 const LONGEST: Duration = Duration::from_secs(4 * 3600);
 
-/// The blackboard entry with the camera's answer. It is kept until the leaf has read it.
+/// The blackboard entry with the camera's answer. The answer stays there until the leaf has read it.
 pub(super) const SEEN: &str = "parcel_seen";
 
 named! {
@@ -146,7 +148,7 @@ impl Leaves for Performer<'_> {
         }
     }
 
-    /// Does nothing, because a robot ends its step by itself, or somebody halts the robot.
+    /// Does nothing: a robot ends its step by itself, and the engine halts robots.
     fn halt(&mut self, _: &mut Leaf<'_>) {}
 }
 
@@ -177,8 +179,8 @@ impl<'a> Performer<'a> {
         Which::ALL.map(|which| self.base(which).stands.place)
     }
 
-    /// Returns the parcel that both arms hold. The arms report its place one after the other, before they report the
-    /// end of a step. While one of them is busy, SRM1's report counts.
+    /// Returns the parcel that both arms hold. At the end of a step, the arms report the parcel's new place one after
+    /// the other. If the two reports differ, SRM1's place is returned.
     fn load(&self) -> Option<Parcel> {
         let [one, two] = self.arms().map(|arm| arm.holds);
         one.filter(|one| two.is_some_and(|two| one.piece == two.piece))

@@ -1,6 +1,6 @@
-//! Remembered routes, so that a way is not searched for at every step. They are the routes of each base and of the
-//! train, and the places from which a piece is lifted. A route that no longer fits is dropped. No route is kept when
-//! the program ends.
+//! Remembered routes, so that a way is not searched for at every step: the routes of each base, the routes of both
+//! bases with a parcel (a *train*), and the places from which a piece is lifted. A route that no longer fits is
+//! dropped. All routes are lost when the program ends.
 
 use std::collections::VecDeque;
 

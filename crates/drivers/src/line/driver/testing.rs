@@ -61,8 +61,8 @@ impl Test {
         std::iter::from_fn(|| self.driver.poll_output()).collect()
     }
 
-    /// The texts of all lines that the driver has sent since the last call. It fails if the driver requested anything
-    /// else.
+    /// The texts of all lines that the driver has sent since the last call. The test fails if the driver requested
+    /// anything else.
     pub(crate) fn said(&mut self) -> Vec<String> {
         let text = |output: Output| match output {
             Output::Send(bytes) => String::from_utf8(bytes).unwrap().trim_end().split('*').next().unwrap().to_owned(),

@@ -124,7 +124,8 @@ fn a_robot_that_takes_the_place_of_another_is_a_lost_link() {
     assert!(test.driver.is_off_centre());
 }
 
-/// Somebody has carried the robot away, or it has counted wrongly. Its next reports would be about wrong cells.
+/// Somebody has carried the robot away, or the robot has counted its moves wrongly. Its next reports would be about
+/// wrong cells.
 #[test]
 fn a_robot_that_says_that_it_stands_elsewhere_than_it_has_come_is_a_lost_link() {
     let at = |place: &str, last: u32| ADA.replace("2,3,west", place) + &last.to_string();

@@ -41,7 +41,7 @@ impl Test {
         std::iter::from_fn(|| self.robot.poll_asked()).collect()
     }
 
-    /// The action that the body was requested to begin. It fails if there was any other request.
+    /// The action that the body was requested to begin. The test fails if there was any other request.
     fn begun(&mut self) -> Option<Action> {
         match self.asked()[..] {
             [] => None,

@@ -10,8 +10,8 @@ use super::{LATE_WORD, LATENCY, SLOWEST, STEPS, Unheard};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
 use hallsweep_core::units::{Cell, Heading, Piece, Pose};
 
-/// A contact within this distance, in cells, is with a thing that the robot touched before. It matters while the
-/// robot feels ahead.
+/// If the robot feels ahead and the contact comes within this distance, in cells, the robot was already touching the
+/// thing.
 const TOUCHED: f64 = 0.12;
 
 /// A contact counts as part of the last step if it is reported within this time after the step. No other contact may
@@ -31,7 +31,8 @@ const FOUND: u8 = 3;
 /// between two places forever.
 const WANDERED: u8 = 12;
 
-/// Largest change of the time of a step after one contact, as a share.
+/// Largest change of the step's time that a single contact may suggest, as a share. Half of the suggested change is
+/// applied.
 const STEP_CHANGE: f64 = 0.2;
 
 /// How far the robot drives beyond the known place of a thing to meet the thing again, in cells.
@@ -87,7 +88,7 @@ impl VirtualRobot {
             Aim::Turn(_) | Aim::Back | Aim::Aside(_) | Aim::Return | Aim::Retreat(_) | Aim::Gauge | Aim::Gauged => {
                 self.hindered(name.as_deref());
             }
-            // For the first two aims, the contact was handled above. For the last one, the robot does not move.
+            // For `Measure` and `Feel`, the contact was handled above. For `Draw`, the robot does not move.
             Aim::Measure(_) | Aim::Feel | Aim::Draw => {}
         }
     }
@@ -113,8 +114,8 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Blocked(order, obstacle));
     }
 
-    /// Whether the robot has come further than counted in this step. It was stopped near the centre of a cell where
-    /// it has stood before, so nothing new can be there. If so, its position is set to the centre.
+    /// Whether the robot has come further in this step than counted: it was stopped near the centre of a cell where
+    /// it has stood before, so that cell is free. If so, the position is set to that centre.
     fn has_drifted_into(&mut self, to: Pose, towards: Heading) -> bool {
         let left = self.reckoning.way_to(to.cell, towards);
         let has = self.reckoning.has_stood_in(to.cell) && left <= DRIFT;
@@ -144,8 +145,8 @@ impl VirtualRobot {
         self.drive(towards, driven.div_duration_f64(self.step) + FURTHER, backward);
     }
 
-    /// Measures the latency at the second contact with the same thing. It is the time from the end of the driving to
-    /// the message of the contact.
+    /// Measures the latency at the second contact with the same thing. The latency is the time from the end of the
+    /// driving to the message about the contact.
     fn measured(&mut self, before: Duration, since_sent: Duration, towards: Heading, then: Then) {
         let Some(driven) = self.first_contact.take() else { return self.go_back() };
         let latency = (before + since_sent).saturating_sub(driven).min(SLOWEST);
@@ -229,7 +230,7 @@ impl VirtualRobot {
     }
 
     /// Sets the position to this cell after a large drift. The map is kept, because nothing wrong was reported. If
-    /// this happens too often, the position is given up as lost.
+    /// this happens too often, the position counts as lost and the map as doubtful.
     pub(in super::super) fn stand_elsewhere(&mut self, cell: Cell) {
         (self.astray, self.wandered) = (self.astray + FOUND, self.wandered + 1);
         if self.astray > ASTRAY || self.wandered > WANDERED {
@@ -243,8 +244,8 @@ impl VirtualRobot {
         self.answer(|order| RobotEvent::Halted(order, true));
     }
 
-    /// Handles a contact while the robot feels ahead. Either the last step was not complete, or it ended where the
-    /// robot stands.
+    /// Handles a contact while the robot feels ahead. If the robot moved before this contact, its last step was
+    /// complete. Otherwise, the last step was stopped by the thing that the robot touches.
     fn felt_contact(&mut self, name: Option<&str>, towards: Heading, way: f64) {
         let has_moved = self.unheard.as_ref().is_some_and(|unheard| unheard.felt > 0.0);
         if way > TOUCHED || has_moved {

@@ -52,8 +52,8 @@ const FURTHEST: f64 = 1.5;
 /// Delay before a refused motion is tried again. The server refuses a motion while another one is running.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// This long after the first refusal, no motion of this program can be running any more. Then an alarm is sent, to
-/// end the motion that the server believes to be running.
+/// Time after the first refusal after which no motion of this program can be running any more. An alarm is then sent,
+/// to end the motion that the server believes to be running.
 const FREED: Duration = Duration::from_millis(700);
 
 /// How long the server may refuse a move before the order fails. The time after the alarm is included.
@@ -62,15 +62,16 @@ const REFUSED: Duration = Duration::from_millis(1500);
 /// For this time, one alarm counts for every STOP, unless something was sent after it.
 const ALARM_SERVES: Duration = Duration::from_millis(100);
 
-/// An acknowledgement must arrive within this time after the end of a move. Without it, the move was never made.
+/// An acknowledgement must arrive within this time after the end of a move. Without the acknowledgement, the move
+/// counts as never made.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(1500);
 
-/// A sideways distance from the centre of the cell up to this one is not corrected, in cells. It does not make the
-/// robot touch things beside its way.
+/// Largest sideways distance from the centre of the cell that is not corrected, in cells. At this distance, the robot
+/// does not touch things beside its way.
 const BESIDE: f64 = 0.15;
 
-/// If the link is lost within this time after sending a move, the robot may not have received the move. A slow server
-/// adds to this time.
+/// If the link is lost within this time after sending a move, the robot may not have received the move. The time that
+/// the server took for its greeting is added.
 const BEGUN: Duration = Duration::from_millis(10);
 
 /// Advice to the user when only the position is lost, and the map is right.
@@ -84,7 +85,7 @@ const BEGIN_ANEW: &str =
 const WITH_SCENE: &str = ". With its scene file (robot.scene) the program corrects a drift";
 
 /// A step whose end was not observed: its direction and its length in cells. `felt` is how far the robot has driven
-/// ahead since then to find out, in cells.
+/// ahead since then, to find out whether the step is complete, in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unheard {
     pub(super) towards: Heading,
@@ -252,8 +253,8 @@ impl VirtualRobot {
                 self.go_back();
             }
             Aim::Measure(Then::Met(_)) if self.room.is_some() => self.stands_before_it(),
-            // The thing that was met from here was not met again. So the robot does not stand where it was believed
-            // to be.
+            // The robot has not met again the thing that it met from here before. So it does not stand where it was
+            // believed to be.
             Aim::Measure(Then::Met(_)) => self.lose(LATE_WORD),
             Aim::Touch { is_certain, further } => self.not_touched(is_certain, further),
             Aim::Draw => {}
@@ -280,9 +281,9 @@ impl VirtualRobot {
         leg.is_acknowledged |= name.is_none_or(|name| name == word);
     }
 
-    /// Handles a refusal. Every client gets all refusals. It is about this program's command only if it has the same
-    /// name and comes soon after the command. The motion is then tried again. If it is still refused after an alarm,
-    /// the order fails.
+    /// Handles a refusal. Every client gets all refusals. A refusal concerns this program's command only if it has
+    /// the command's name and comes soon after the command. The motion is then tried again. If it is still refused
+    /// after an alarm, the order fails.
     pub(super) fn refused(&mut self, name: Option<&str>) {
         let (now, soon, off_centre) = (self.now, self.margin(), self.off_centre);
         let Some(leg) = self.leg_mut() else { return };
@@ -317,9 +318,9 @@ impl VirtualRobot {
         }
     }
 
-    /// Handles a STOP. An alarm is sent, whatever the robot is believed to do. Only during a turn does it wait for
-    /// the end of the turn. In some versions of the page an alarm does not halt a turn, and in others it leaves the
-    /// robot at a wrong angle. A drawing is not a motion and goes on.
+    /// Handles a STOP. An alarm is sent, whatever the robot is believed to do. Only during a turn, the alarm is
+    /// delayed until the turn has ended. In some versions of the page an alarm does not halt a turn, and in others an
+    /// alarm leaves the robot at a wrong angle. A drawing is not a motion and goes on.
     pub(super) fn halt(&mut self) {
         self.forget_unsent();
         let Some(leg) = self.leg().copied() else { return self.alarm() };
@@ -362,8 +363,8 @@ impl VirtualRobot {
         }
     }
 
-    /// Adds this distance to the position, in cells. If the end of the last step was not observed, it is added to
-    /// `felt` instead.
+    /// Adds this distance to the position, in cells. If the end of the last step was not observed, the distance is
+    /// added to `felt` instead.
     pub(super) fn moved(&mut self, towards: Heading, cells: f64) {
         self.first_contact = None;
         match &mut self.unheard {
@@ -439,14 +440,14 @@ impl VirtualRobot {
         self.answer(RobotEvent::Done);
     }
 
-    /// Gives up position and map, because things may have been reported in wrong cells.
+    /// Marks the position as lost and the map as doubtful, because things may have been reported in wrong cells.
     pub(super) fn lose(&mut self, words: &str) {
         self.reckoning.doubt();
         let advice = if self.room.is_none() { WITH_SCENE } else { "" };
         self.fail_lost(format!("{words}. {BEGIN_ANEW}{advice}"));
     }
 
-    /// Gives up only the position, because the map is right.
+    /// Marks only the position as lost. The map is right.
     pub(super) fn lose_sight(&mut self, words: &str) {
         self.fail_lost(format!("{words}. {PUT_HOME}"));
     }
@@ -459,7 +460,7 @@ impl VirtualRobot {
         self.lost = Some(words);
     }
 
-    /// Gives up the position, because it is unknown whether the robot received the move.
+    /// Marks the position as lost, because it is unknown whether the robot received the move.
     fn left_in_doubt(&mut self) {
         self.off_centre = true;
         self.lost = Some(format!("its connection was lost just when it got a move. {PUT_HOME}"));

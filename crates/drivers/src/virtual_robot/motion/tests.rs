@@ -86,7 +86,7 @@ fn a_turn_that_was_refused_is_not_tried_again_after_a_halt() {
     assert_eq!(test.last_event(), Some(RobotEvent::Halted(OrderId(1), false)));
 }
 
-/// Safety S1: each STOP that changes the stored state would write a file.
+/// Safety S1: each STOP that changes the stored state would write the state file.
 #[test]
 fn a_flood_of_stops_sends_one_alarm_and_is_remembered_once() {
     for (action, alarms) in [(Action::Move(Move::Forward), 1), (Action::Move(Move::TurnLeft), 0)] {
@@ -104,7 +104,7 @@ fn a_flood_of_stops_sends_one_alarm_and_is_remembered_once() {
     }
 }
 
-/// Safety S1: the STOP came while the file was still being written.
+/// Safety S1: the STOP came while the state file was still being written.
 #[test]
 fn a_stop_does_not_take_back_the_alarm_of_an_order_that_is_late() {
     let mut test = Test::connected();
@@ -134,7 +134,8 @@ fn what_is_met_in_the_moment_of_a_halt_sets_nothing_moving() {
     assert_eq!((test.robot.poll_output(), test.last_event()), (None, Some(RobotEvent::Halted(OrderId(2), true))));
 }
 
-/// Safety S6: the link was lost while the file was still being written, and a STOP came after the link was back.
+/// Safety S6: the link was lost while the state file was still being written, and a STOP came after the link was
+/// back.
 #[test]
 fn what_has_not_gone_out_when_the_link_is_lost_never_goes_out() {
     let mut test = Test::connected();
@@ -340,7 +341,7 @@ fn of_a_word_that_came_too_late_whoever_orders_next_is_told() {
     assert_eq!(test.robot.poll_output(), None);
 }
 
-/// The contact was reported while the file was still being written.
+/// The contact was reported while the state file was still being written.
 #[test]
 fn what_has_not_gone_out_when_the_robot_is_lost_never_goes_out() {
     let mut test = stepped();

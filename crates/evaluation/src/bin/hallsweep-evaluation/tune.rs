@@ -63,7 +63,8 @@ pub(crate) struct Tune {
 
 /// Strength of the ridge regression's penalty. Of the values that were tried, this one is the best.
 const RIDGE: f64 = 1500.0;
-/// Share of the decisions at which another choice is tried. Of the values that were tried, this one is the best.
+/// Share of the decisions at which a trial makes another choice. Of all shares that were tested, this one gave the
+/// best weights.
 const TRIED: f64 = 0.4;
 
 /// Maximum size of a weights file, in bytes.
@@ -93,7 +94,8 @@ pub(crate) fn run(flags: &Tune) -> Result<(), Failure> {
     };
     let mut lessons = Lessons::new(&task, &weights, halls);
     for number in 0..flags.rounds {
-        // The first result is far from the initial weights. Later results only correct the weights a little.
+        // The first round applies more of the computed change, because it must move far from the initial weights.
+        // Later rounds only correct the weights a little.
         let taken = if number == 0 { 0.9 } else { 0.7 };
         let round = Round { number, halls, horizon: f64::from(flags.horizon), tried: TRIED, ridge: RIDGE, taken };
         let learnt = lessons.learn(&weights, &round);

@@ -1,4 +1,4 @@
-//! Tests that the outcome is the same, whatever pieces a client's bytes arrive in.
+//! Tests that the result does not depend on the pieces in which a client's bytes arrive.
 
 use bytes::BytesMut;
 use proptest::prelude::*;
@@ -13,7 +13,8 @@ struct Outcome {
     ended: Option<Ended>,
     heard: Vec<String>,
     to_others: Vec<String>,
-    /// Messages and answers, each in their order. The order of a message and an answer does not matter.
+    /// The messages and the answers to the client, in two lists, because the order of a message and an answer does
+    /// not matter.
     to_client: (Vec<String>, Vec<String>),
 }
 

@@ -101,8 +101,8 @@ fn a_message_with_too_many_properties_names_no_topic() {
     assert_eq!(ended, Err(Ended::Malformed(Malformed::NoTopic)));
 }
 
-/// A STOP reaches everybody who follows commands. They may trust its properties, so a viewer's properties are left
-/// out.
+/// A STOP is forwarded to all subscribers of the command topic, which may trust its properties. So the properties of
+/// a viewer's STOP are left out.
 #[test]
 fn what_a_viewer_says_beside_a_stop_goes_no_further() {
     let broker = broker();

@@ -110,8 +110,8 @@ fn a_client_that_is_back_in_time_leaves_no_will_and_one_that_wants_it_leaves_it(
     assert!(watcher.read().is_empty(), "the program ends");
 }
 
-/// A will is published before its delay is over. Its expiry counts from its publication, and other messages do not
-/// expire earlier because of it.
+/// A will is published before its delay is over. Its expiry time begins when it is published. The will does not make
+/// other messages expire earlier.
 #[test]
 fn a_will_that_comes_early_is_published_by_the_time_that_it_is() {
     let (broker, at) = (broker(), Duration::from_secs);

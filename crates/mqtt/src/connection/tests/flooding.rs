@@ -1,5 +1,5 @@
-//! Tests a STOP behind its sender's own flood, while subscribers do not read. Time is simulated: only the sender's
-//! waits take time.
+//! Tests a STOP that follows its sender's own flood, while subscribers do not read. Time is simulated: only the
+//! sender's waits take time.
 
 use std::time::Duration;
 
@@ -63,8 +63,8 @@ fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_
     assert!(2 * STILL < Duration::from_millis(100) && 2 * STILL < PATIENCE);
 }
 
-/// A sender does not wait long for a subscriber that does not read, and such a subscriber uses little memory. It
-/// still gets the newest message. It also gets the retained message that it missed.
+/// A sender does not wait long for a subscriber that does not read, and such a subscriber uses little memory. The
+/// subscriber still gets the newest message, and the retained message that it missed.
 #[test]
 fn of_a_flood_whose_readers_are_not_waited_for_the_newest_waits_and_the_stop_behind_it_is_heard() {
     let mut sender = Scene::of(OPERATOR);

@@ -22,7 +22,7 @@ fn keep(scene: &Scene, topic: &str, payload: &str, qos: Qos) -> bool {
     scene.broker.retained.keep(&Payer::Anybody, &message, scene.now)
 }
 
-/// Returns everything that a client receives while it acknowledges all of it. Also returns the largest number of
+/// Returns everything that a client receives while it acknowledges every message. Also returns the largest number of
 /// messages that were unacknowledged at once.
 fn all_that_comes(scene: &mut Scene) -> (BTreeSet<String>, usize) {
     let (mut all, mut most) = (BTreeSet::new(), 0);
@@ -129,7 +129,7 @@ fn nothing_more_comes_of_a_filter_that_was_let_go() {
     assert_eq!(scene.got(), ["Unsuback 2"]);
 }
 
-/// The bytes of unacknowledged messages are limited, however many of them the client allows.
+/// The total size of the unacknowledged messages is limited, however many such messages the client allows.
 #[test]
 fn long_kept_messages_wait_for_acknowledgements() {
     let payload = "x".repeat(WINDOW_BYTES / 4);

@@ -1,4 +1,4 @@
-//! Tests of a whole connection: what a client sends, what others receive of it, and what comes back.
+//! Tests of a whole connection: what a client sends, what other clients receive, and what the client gets back.
 
 mod chunks;
 mod ends;

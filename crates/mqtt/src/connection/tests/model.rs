@@ -1,5 +1,5 @@
 //! Compares clients of both versions with a model of the standard. The programs are random: clients publish,
-//! subscribe, read, break off and come back. The model has no queues, trees and connections.
+//! subscribe, read, break off and come back. The model has no queues, trees or connections.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -41,7 +41,7 @@ struct Said {
 struct Expected {
     held: BTreeMap<&'static str, (Qos, bool)>,
     is_here: bool,
-    /// Messages that were published for the client, in order, each with whether it may be lost.
+    /// Messages that were published for the client, in order. The flag says whether the message may be lost.
     live: VecDeque<(Said, bool)>,
     /// Messages that were retained when the client subscribed.
     kept: BTreeSet<(String, String, Qos)>,
@@ -217,8 +217,8 @@ impl Play {
             if let Some(place) = place.filter(|place| expected.live.iter().take(*place).all(|(_, may_be_lost)| *may_be_lost)) {
                 expected.live.drain(..=place);
             } else {
-                // A client that missed something gets the retained messages again. Some of them it has received
-                // before, and some it left unread.
+                // A client that missed something gets the retained messages again. It has received some of these
+                // messages before, and has left others unread.
                 assert!(ever.contains(&(said.topic.clone(), said.payload.clone())), "{said:?} was not expected: {expected:?}");
                 continue;
             }

@@ -46,7 +46,7 @@ impl Rights for TestRights {
     }
 }
 
-/// Hears commands, and forbids those whose text says so.
+/// Records commands, and forbids a command with the payload `forbidden`.
 #[derive(Debug, Default)]
 pub(super) struct TestListener(Mutex<Vec<String>>);
 

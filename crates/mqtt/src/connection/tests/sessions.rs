@@ -130,7 +130,8 @@ fn a_client_that_acknowledges_nothing_has_so_many_and_gets_what_it_need_not_ackn
     assert_eq!(reader.got(), ["Publish a=100 q1 #101"]);
 }
 
-/// Safety A5: unacknowledged messages take memory too. They are dropped when their client goes while too much waits.
+/// Safety A5: unacknowledged messages take memory too. They are dropped when their client disconnects while the
+/// messages for absent clients take too much memory.
 #[test]
 fn there_is_an_end_to_the_bytes_of_what_is_not_acknowledged() {
     let broker = broker();

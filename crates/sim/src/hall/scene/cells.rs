@@ -41,7 +41,7 @@ struct ReachedCells<'a> {
 impl Scene {
     /// Makes the hall that the player would find. `name` is the name of the hall.
     ///
-    /// Fails if the player stands in an obstacle, since it then finds nothing.
+    /// Fails if the player stands in an obstacle, because the player could then make no step.
     pub fn hall(&self, name: &str) -> Result<HallOfScene, HallFault> {
         let found = self.found()?;
         let pieces = found.pieces();

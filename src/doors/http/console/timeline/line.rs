@@ -1,6 +1,7 @@
-//! The timeline of one mission: which entries are shown, and where. It grows at its end. It consists of sections of
-//! `SECTION` entries, of which only the last one changes. One unit to the right is `UNIT_MS` of mission time. A time
-//! in which the program was off is drawn as `OFF_MS` at most. `section` draws the sections.
+//! The timeline of one mission: which entries are shown, and where. The timeline consists of sections of `SECTION`
+//! entries. New entries are added at its end, so only the last section changes. One unit to the right is `UNIT_MS` of
+//! mission time. A time in which the program was off is drawn with a length of at most `OFF_MS`. `section` draws the
+//! sections.
 
 use std::sync::Arc;
 
@@ -42,8 +43,8 @@ pub(in super::super) struct Scale {
     /// Time at which the last entry was written, in milliseconds since 1970. `last` is the number of that entry.
     end: i64,
     last: u64,
-    /// Jumps of the clock in milliseconds: time before the jump, time after it, and drawn length. A jump is a time in
-    /// which the program was off, or a change of the clock.
+    /// Gaps in the axis of time: the program was off, or the clock was changed. Each has three values in milliseconds:
+    /// the time before the gap, the time after it, and the length of the gap in the drawing.
     breaks: Vec<[i64; 3]>,
     /// Milliseconds per unit of the horizontal axis.
     unit: i64,
@@ -69,7 +70,7 @@ pub(in super::super) struct Timeline {
     is_over: bool,
 }
 
-/// State that continues from one section to the next: the phase, the last temperature reading, and others.
+/// State that continues from one section to the next, such as the phase and the last temperature reading.
 #[derive(Clone, Debug, Default)]
 struct OpenSpans {
     phase: Option<(PhaseName, Option<PhaseName>)>,
@@ -149,10 +150,10 @@ impl Timeline {
         At::TimeAmong(unix_ms, [least, self.leaps.get(place).map_or(LAST, |(seq, _)| Seq(seq.0.saturating_sub(1)))])
     }
 
-    /// Finds the stretch between two jumps of the clock that contains `unix_ms`. Returns the number of the
-    /// stretch, and the time at which the moment is drawn. Also returns how far the clock is ahead of the timeline
-    /// there. Both times are in milliseconds. If the clock was set back and showed a time twice, the later moment
-    /// counts. A time that the clock skipped is drawn at the jump.
+    /// Finds the part of the timeline that contains the clock time `unix_ms`; jumps of the clock separate the parts.
+    /// Returns three values: the number of the part, the clock time at which the moment is drawn, and how far the
+    /// clock is ahead of the timeline in this part. Times are in milliseconds. If the clock was set back and showed a
+    /// time twice, the later part counts. A time that the clock skipped is drawn at the jump.
     fn stretch(&self, unix_ms: i64) -> (usize, i64, i64) {
         let (mut from, mut off, mut is_found) = (self.began.unwrap_or(unix_ms), 0_i64, false);
         let mut stretch = (0, from, 0);
@@ -225,7 +226,7 @@ impl Timeline {
             self.holds(x, wall, fact, !holds.is_empty());
         } else if let Fact::Conditions(conditions) = fact {
             self.under(conditions);
-            // The threshold may be new, so the last reading is compared with it again.
+            // The threshold may have changed, so the last reading is compared with the threshold again.
             if let Some(TemperaturePoint { celsius, .. }) = self.carried.reading {
                 self.growing.reading(x, celsius, self.threshold, &mut self.carried.reading);
             }
@@ -277,7 +278,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Secured(_) => "secured",
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
-        // The fact `Verdict` already has a mark, so the command that gave the verdict gets none.
+        // The fact `Verdict` already has a mark, so the command that gave the verdict gets no mark.
         Fact::Command { asked: Asked::Command(Command::Verdict { .. }), refused: None, .. } => return None,
         Fact::Command { refused: Some(_), .. } => "refused",
         Fact::Command { asked: Asked::Command(Command::Stop) | Asked::Stops { .. }, .. } => "stop",

@@ -23,7 +23,8 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Pause before the archive is read again.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// Number of cached timelines, including those of the present mission. There is one for each mission and language.
+/// Maximum number of cached timelines. A mission has one timeline for each language. The timelines of the present
+/// mission count too.
 const LINES: usize = 8;
 
 /// Number of entries read from the archive at a time.

@@ -1,5 +1,5 @@
 //! A section of the timeline as a picture: bands for phases and holds, the temperature curve, and a mark for each
-//! other entry that is shown. The numbers are heights in the picture.
+//! other entry that is shown. The numbers are vertical positions, from the top.
 //!
 //! ```text
 //!   0 ── 12  phases: each band is drawn to the far end, and the next band covers it

@@ -25,13 +25,13 @@ impl View<'_> {
     }
 
     /// Returns the number of known places that are still to be searched, in words. Nobody knows how large the area
-    /// behind them is.
+    /// beyond these places is.
     pub(in super::super) fn open(&self) -> Phrase<'static> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
-    /// Returns what was not searched, in words, when the phase sounds like the end of the search. It is shown as
-    /// large as that phase. Nobody knows how large the area behind the known places is.
+    /// Returns what was not searched, in words, if the phase reads like the end of the search. The page shows this
+    /// text as large as the phase. Nobody knows how large the area beyond the known places is.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =

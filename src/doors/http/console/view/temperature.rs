@@ -24,15 +24,16 @@ impl View<'_> {
         self.language.number(&self.snapshot.temperature.threshold.degrees().to_string())
     }
 
-    /// Returns the reading to show: the hottest of the readings that are too hot. If no reading is too hot, it is the
-    /// last one.
+    /// Returns the reading to show: the hottest of the readings that are too hot. If no reading is too hot, returns
+    /// the last reading.
     fn shown(&self) -> Option<SourceReading> {
         let TemperatureView { celsius, read, silent_since, .. } = self.snapshot.temperature;
         let hottest = self.hot().iter().map(|(_, last)| *last).max_by(|a, b| a.celsius.degrees().total_cmp(&b.celsius.degrees()));
         hottest.or_else(|| Some(SourceReading { celsius: celsius?, read, silent_since }))
     }
 
-    /// Returns the reading to show as text. The text also says when there is no reading, or none that is still valid.
+    /// Returns the reading to show as text. The text says so if there is no reading, or if the reading is not valid
+    /// any more.
     pub(in super::super) fn celsius(&self) -> String {
         match self.shown() {
             Some(SourceReading { celsius, silent_since: None, .. }) => self.degrees(&celsius),

@@ -23,8 +23,8 @@ pub(super) const fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// The table of `docs/search.md`. It has a line per comparison and a column per strategy. Another column has `auto`
-/// minus `frontier`, as the mean over all halls.
+/// The table of `docs/search.md`. It has a line per comparison and a column per strategy. One more column has the
+/// mean of `auto` minus `frontier` over all halls.
 pub(super) fn rows(answers: &[Answer], entrants: &[Entrant]) -> String {
     let place = |strategy| entrants.iter().position(|entrant| *entrant == Entrant::Strategy(strategy));
     let pair = place(Strategy::Auto).zip(place(Strategy::Frontier));
