@@ -18,7 +18,7 @@ use super::test_app::TestApp;
 const SIMULATED: u64 = 1_780_000_000_000;
 
 /// Beginnings of elements that contain the machine's time or an age computed from it, and the end of each beginning.
-const HANDS: [(&str, &str); 2] = [("this page shows what was so at ", ">"), ("data-since=", ">")];
+const HANDS: [(&str, &str); 2] = [("this page shows the state at ", ">"), ("data-since=", ">")];
 
 /// Security headers, which every answer has.
 const SECURITY: [&str; 6] = [
