@@ -17,8 +17,6 @@ mod clock;
 mod coap;
 #[path = "storm/course.rs"]
 mod course;
-#[path = "../tests/service/descriptors.rs"]
-mod descriptors;
 #[path = "storm/figures.rs"]
 mod figures;
 #[path = "../tests/service/mqtt_attacks/five.rs"]

@@ -54,7 +54,7 @@ use entry::Opened;
 pub use error::{AppError, Port};
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{BoundPort, Doors};
+pub use ports::{BoundPort, Doors, raise_descriptors};
 use threads::Threads;
 
 /// Time after which unfinished work, such as drawing a photo, is abandoned at the end of the program.
@@ -93,7 +93,7 @@ async fn serve_hall(
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
-    let descriptors = ports::raise_descriptors();
+    let descriptors = raise_descriptors(ports::DESCRIPTORS);
     let budget = ConnectionBudget::of(descriptors);
     front.budget = budget;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;

@@ -18,8 +18,6 @@ mod commands;
 mod damage;
 #[path = "service/data_files.rs"]
 mod data_files;
-#[path = "service/descriptors.rs"]
-mod descriptors;
 #[path = "service/earlier.rs"]
 mod earlier;
 #[path = "service/explore.rs"]

@@ -11,8 +11,6 @@ mod coap;
 #[path = "../benches/storm/course.rs"]
 #[expect(dead_code, reason = "no flood goes anywhere else here")]
 mod course;
-#[path = "service/descriptors.rs"]
-mod descriptors;
 #[path = "../benches/storm/figures.rs"]
 #[expect(dead_code, reason = "no time is judged here")]
 mod figures;

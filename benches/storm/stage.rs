@@ -11,10 +11,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use hallsweep::access::{Key, KeyFile, Keys, Role, Token};
+use hallsweep::app::raise_descriptors;
 
 use crate::course::{Course, Doors, OPERATOR, SECOND, VIEWER};
 use crate::wire;
-use crate::{descriptors, floods, honest, test_app};
+use crate::{floods, honest, test_app};
 
 /// Environment variable that makes a sender use MQTT 5.
 const FIVE: &str = "HALLSWEEP_STORM_MQTT";
@@ -164,7 +165,7 @@ impl Drop for Sender {
 /// Runs a flood in this process: prints a line when it has begun, and its tally at the end.
 pub(crate) fn flood(name: &str, doors: Doors) {
     wire::speak_five(std::env::var_os(FIVE).is_some());
-    descriptors::raised(8192);
+    let _ = raise_descriptors(8192);
     let course = Course::new(doors);
     (floods::named(name).expect("the benchmark knows its floods").begin)(&course);
     let since = Instant::now();

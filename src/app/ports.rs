@@ -12,23 +12,24 @@ use crate::config::{Bind, BindAddress, Broker, Settings};
 use crate::doors::coap::beside;
 
 /// Wanted number of file descriptors: enough for every connection of every door, and for files.
-const DESCRIPTORS: u64 = 4096;
+pub(super) const DESCRIPTORS: u64 = 4096;
 
 /// Raises the limit of file descriptors to the wanted number, as far as the system allows; returns the new limit.
 /// Most systems start a program with few descriptors and allow more on request. HTTP and MQTT together may need more
 /// than these few.
-pub(super) fn raise_descriptors() -> u64 {
-    let now = getrlimit(Resource::Nofile);
-    let wanted = now.maximum.map_or(DESCRIPTORS, |most| most.min(DESCRIPTORS));
+pub fn raise_descriptors(wanted: u64) -> u64 {
+    let limit = getrlimit(Resource::Nofile);
+    let wanted = limit.maximum.map_or(wanted, |most| most.min(wanted));
     // `None` means that there is no limit.
-    if now.current.is_none_or(|current| current >= wanted) {
-        return now.current.unwrap_or(u64::MAX);
+    let current = limit.current.unwrap_or(u64::MAX);
+    if current >= wanted {
+        return current;
     }
-    match setrlimit(Resource::Nofile, Rlimit { current: Some(wanted), ..now }) {
+    match setrlimit(Resource::Nofile, Rlimit { current: Some(wanted), ..limit }) {
         Ok(()) => wanted,
         Err(error) => {
             tracing::debug!(%error, "the number of open files and connections cannot be raised");
-            now.current.unwrap_or(u64::MAX)
+            current
         }
     }
 }

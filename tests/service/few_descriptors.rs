@@ -7,10 +7,10 @@ use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 
+use hallsweep::app::raise_descriptors;
 use serde_json::Value;
 
 use crate::coap::client::Coap;
-use crate::descriptors;
 use crate::http_attacks::{connected, status, stop};
 use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::{PUBACK, connect, publish};
@@ -100,7 +100,7 @@ fn stop_over_mqtt(program: &Program) {
 
 /// Safety S1, S9, A5.
 fn check(comes: impl Fn(&Program) -> Vec<TcpStream>) {
-    descriptors::raised(4096);
+    let _ = raise_descriptors(4096);
     let program = program();
     let mut expected = epoch(&program);
     let crowd = comes(&program);

@@ -4,8 +4,9 @@ use std::io::{Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream};
 use std::time::Duration;
 
+use hallsweep::app::raise_descriptors;
+
 use crate::access::Site;
-use crate::descriptors;
 use crate::program::Program;
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
@@ -126,7 +127,7 @@ fn nothing_that_is_excepted_halts() {
 #[test]
 fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
     // The crowd is smaller on a system that allows a process fewer sockets.
-    let most = descriptors::raised(4096);
+    let most = raise_descriptors(4096);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(2000);
     let program = Program::serve("empty-8x8", "max");
     let half = format!("POST /api/v1/commands/goto HTTP/1.1\r\n{HALF}");
@@ -142,7 +143,7 @@ fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
 /// Safety S9.
 #[test]
 fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
-    let most = descriptors::raised(4096);
+    let most = raise_descriptors(4096);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(1200);
     let site = Site::new("crowd", &["HTTP__REQUIRE_TOKEN"]);
     let program = &site.program;
@@ -168,7 +169,7 @@ fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
 /// Safety S8, S9: 512 connections may wait; a few of them are the test's own requests.
 #[test]
 fn five_hundred_that_have_not_said_all_yet_stay_and_the_stop_of_each_halts() {
-    let most = descriptors::raised(4096);
+    let most = raise_descriptors(4096);
     if most < 700 {
         eprintln!("left out: this system lets one process have {most} descriptors");
         return;
