@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::super::term::LENGTH;
+use super::super::reader::LENGTH;
 use super::*;
 use hallsweep_core::command::{Move, TemperatureReport};
 use hallsweep_core::units::Cell;

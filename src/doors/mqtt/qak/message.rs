@@ -3,7 +3,8 @@
 
 use std::fmt;
 
-use super::term::{Number, Printed, Term, Unreadable};
+use super::reader::Unreadable;
+use super::term::{Number, Printed, Term};
 use crate::api::fields::in_short;
 
 const MSG: &str = "msg";

@@ -4,10 +4,10 @@
 use super::term::{Number, Term, begins_word, is_in_word};
 
 /// Maximum length of a text in bytes, as for commands at this door. Outgoing texts, such as maps, may be longer.
-pub const LENGTH: usize = 4096;
+pub(super) const LENGTH: usize = 4096;
 
 /// Maximum depth of nested terms. Messages need a depth of five. Each level takes a little stack.
-pub const DEPTH: usize = 32;
+const DEPTH: usize = 32;
 
 /// Why a text is not a term. `Display` gives a sentence for the log. `at` is a number of bytes from the beginning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,8 +4,6 @@
 
 use std::fmt;
 
-pub use super::reader::{DEPTH, LENGTH, Unreadable};
-
 /// A term, such as `startCmd`, `12`, or `content(robot(state(stopped)))`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Term {
