@@ -87,7 +87,7 @@ announced-waits = Luggage #{ $id } waits for your verdict.
 ## Progress
 
 progress-searched = <b>{ $searched }</b> searched
-progress-reach = { $reachable } of { $free } free cells can be reached from here
+progress-reach = { $reachable } of { $free } free cells can be reached from the start
 progress-none = The search has not begun.
 progress-forecast = Estimated driving time at the pace so far, without photos and answers. The estimate was correct at 95 of 100 moments in random halls, and at 83 of 100 in halls of corridors.
 progress-gone = <b>{ $time }</b> elapsed

@@ -87,7 +87,7 @@ announced-waits = Il bagaglio #{ $id } attende il verdetto.
 ## Progress
 
 progress-searched = esplorate <b>{ $searched }</b>
-progress-reach = da qui si raggiungono { $reachable } celle libere su { $free }
+progress-reach = dalla partenza si raggiungono { $reachable } celle libere su { $free }
 progress-none = La ricerca non è cominciata.
 progress-forecast = Stima del tempo di guida al passo tenuto finora, senza foto e risposte. La stima era giusta in 95 momenti su 100 in sale a caso, e in 83 su 100 in sale di corridoi.
 progress-gone = <b>{ $time }</b> dall'inizio

@@ -171,8 +171,8 @@ fn how_much_of_the_hall_can_be_reached_is_said_where_the_hall_is_known_beforehan
     assert!(view(&snapshot).reach().is_none(), "of a hall that nobody knows nothing is said");
     snapshot.mission.progress.reach = Some(Reach { reachable: 51, free: 60 });
     let said = |language| View { language, ..view(&snapshot) }.reach().map(|phrase| phrase.to_string());
-    assert_eq!(said(Language::English).as_deref(), Some("51 of 60 free cells can be reached from here"));
-    assert_eq!(said(Language::Italian).as_deref(), Some("da qui si raggiungono 51 celle libere su 60"));
+    assert_eq!(said(Language::English).as_deref(), Some("51 of 60 free cells can be reached from the start"));
+    assert_eq!(said(Language::Italian).as_deref(), Some("dalla partenza si raggiungono 51 celle libere su 60"));
 }
 
 #[test]
