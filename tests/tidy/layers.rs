@@ -50,7 +50,7 @@ fn no_layer_of_the_core_names_one_above_it() {
 fn what_lies_above_is_found_however_it_is_named() {
     let found = |path: &str, text: &str| above(&Source::new(&format!("crates/core/src/{path}"), text)).len();
     assert_eq!(found("world/alarm.rs", "use crate::units::Cell;\nuse crate::pair::Saying;\nuse super::log;"), 0);
-    assert_eq!(found("world/alarm.rs", "use crate::effect::Fact;"), 1);
+    assert_eq!(found("world/alarm.rs", "use crate::effect::Effect;"), 1);
     assert_eq!(found("vocabulary/hold.rs", "use super::units::Cell;\nfn f() { crate::world::a() }"), 1);
     assert_eq!(found("vocabulary/hold.rs", "use super::super::world::hall_map::Mark;"), 1);
     assert_eq!(found("effect.rs", "use crate::{state::Phase, mission::Input};"), 1);
