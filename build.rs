@@ -1,5 +1,5 @@
 //! Passes an option to the linker that Cargo.toml cannot express: it compresses the line numbers that a release has
-//! for its backtraces. Only on Linux are these line numbers in the program itself.
+//! when it is built with CARGO_PROFILE_RELEASE_DEBUG. Only on Linux are these line numbers in the program itself.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
