@@ -2,7 +2,7 @@
 // schemes and both languages.
 
 import { readFileSync } from 'node:fs';
-import { appears, danger, look, must, numberOf, phase, safe, start, stop } from './person.mjs';
+import { appears, danger, look, must, numberOf, phase, resize, safe, start, stop } from './person.mjs';
 
 const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
@@ -29,7 +29,7 @@ export async function checkOne(page, where, found) {
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
     for (const [width, height] of SCREENS) {
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await page.evaluate(AXE);
       const violations = await page.evaluate(async (rules) => {
         const { violations } = await axe.run(document, { runOnly: { type: 'tag', values: rules }, resultTypes: ['violations'] });
@@ -38,7 +38,7 @@ export async function checkOne(page, where, found) {
       for (const words of violations) found.push(`${where}, ${width}×${height}, ${colorScheme}: ${words.replace(/\s+/g, ' ')}`);
     }
   }
-  await page.setViewportSize({ width: 1280, height: 800 });
+  await resize(page, 1280, 800);
 }
 
 export const accessible = {

@@ -1,7 +1,7 @@
 // What an operator must always be able to do: press STOP, see its true state, and continue by keyboard from the
 // current place.
 
-import { appears, button, danger, hits, look, must, numberOf, phase, safe, start, stop, until } from './person.mjs';
+import { appears, button, danger, hits, look, must, numberOf, phase, resize, safe, start, stop, until } from './person.mjs';
 
 /** Screen sizes, portrait and landscape, from the smallest that can zoom to a large one. */
 const SCREENS = [[320, 568], [320, 256], [390, 844], [640, 360], [760, 900], [761, 600], [844, 390], [960, 540], [961, 700], [1024, 768], [1181, 640],
@@ -24,7 +24,7 @@ async function atAPiece(page, url, patience) {
 
 async function onEveryScreen(page, where, extra = async () => {}) {
   for (const [width, height] of SCREENS) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     await hits(page, where);
     await extra();
   }
@@ -49,14 +49,14 @@ export const reach = {
     await hits(photo, 'a photo opened from the console');
     await photo.close();
     for (const [width, height] of SCREENS) {
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await danger(page).click();
       await page.getByRole('dialog').waitFor();
       await hits(page, 'the console with a question open');
       const no = page.getByRole('dialog').getByRole('button', { name: /No/ });
       await no.click();
     }
-    await page.setViewportSize({ width: 844, height: 390 });
+    await resize(page, 844, 390);
     await danger(page).click();
     await picture('question');
     await page.evaluate(() => scrollTo(0, 600));
@@ -65,7 +65,7 @@ export const reach = {
     await until(isHeld(url), 'a STOP from a page that is scrolled, with a question open', patience);
     // The operator sees "held by STOP" even where a waiting piece fills the screen.
     for (const [width, height] of [[320, 568], [390, 844], [844, 390]]) {
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await page.evaluate(() => scrollTo(0, 0));
       const held = await page.getByText('held by STOP').boundingBox();
       must(held && held.y >= 0 && held.y + held.height <= height && held.x + held.width <= width, `"held by STOP" is not seen at ${width}×${height}`);
@@ -102,7 +102,7 @@ export const magnified = {
     const fingers = await page.context().newCDPSession(page);
     for (const path of ['/', '/missions/1', `/luggage/${id}`]) {
       for (const [width, height] of [[390, 844], [844, 390], [1024, 768]]) {
-        await page.setViewportSize({ width, height });
+        await resize(page, width, height);
         await page.goto(url + path);
         const x = path === '/' && width > 760 ? width - 150 : width / 3;
         await fingers.send('Input.synthesizePinchGesture', { x, y: height / 2.5, scaleFactor: 2.5 });
@@ -378,12 +378,12 @@ export const barWhole = {
     const whole = async (when) => {
       for (const language of ['it', 'en']) {
         await page.context().setExtraHTTPHeaders({ 'accept-language': language });
-        await page.setViewportSize({ width: 1280, height: 800 });
+        await resize(page, 1280, 800);
         await page.goto(url);
         await page.locator('html[data-live=on]').waitFor();
         must(await page.evaluate(() => document.documentElement.lang) === language, `the page is in ${language}`);
         for (const width of [320, 360, 390, 480, 640, 760, 761, 768, 900, 960, 961, 1024, 1180, 1181, 1280, 1400, 1401, 1500, 1501, 1600, 1920]) {
-          await page.setViewportSize({ width, height: 800 });
+          await resize(page, width, 800);
           found.push(...(await page.evaluate(faultsOfBar)).map((fault) => `${when}, ${language}, ${width}: ${fault}`));
           if (width === 768) await picture(`${when}-${language}`);
         }

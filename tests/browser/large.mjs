@@ -1,7 +1,7 @@
 // Large halls: hundreds of pieces do not overlap, a hall of a thousand cells a side is updated in tiles, and two
 // fingers zoom in.
 
-import { fits, must, phase, start, stop, until } from './person.mjs';
+import { fits, must, phase, resize, start, stop, until } from './person.mjs';
 
 const SCREENS = [[320, 800], [390, 844], [844, 390], [768, 1024], [1280, 800], [2560, 1440]];
 
@@ -50,7 +50,7 @@ export const warehouse = {
     must(report.length < 10e6 && report.includes('Photos are scaled down here'), `its report has ${report.length} bytes`);
     for (const [width, height] of SCREENS) {
       const where = `at ${width}×${height}`;
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await until(async () => (await marks(page)).length > 0, 'the luggage', patience);
       await fits(page);
       const pinned = await marks(page);
@@ -66,7 +66,7 @@ export const warehouse = {
       await picture(`${width}-close`);
       await page.keyboard.press('0');
     }
-    await page.setViewportSize({ width: 1280, height: 800 });
+    await resize(page, 1280, 800);
     must(await page.locator('#hours text').count() > 0, 'no hour stands under the line of time');
     await page.locator('#stage').focus();
     while (!(await page.locator('#hall.near').count())) await page.keyboard.press('+');

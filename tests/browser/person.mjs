@@ -12,6 +12,13 @@ export const danger = (page) => button(page, /DANGER #\d+/).first();
  */
 export const look = (page) => page.waitForTimeout(700);
 
+/** Gives the window a size. Scripts place things anew just before the next frame, so it waits until that is drawn. */
+export async function resize(page, width, height) {
+  await page.setViewportSize({ width, height });
+  await page.evaluate(() => matchMedia('(scripting: none)').matches
+    || new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+}
+
 /** Fails with these words unless the condition is true. */
 export function must(isSo, words) {
   if (!isSo) throw new Error(words);

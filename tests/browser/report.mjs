@@ -2,7 +2,7 @@
 
 import { readFileSync, writeFileSync } from 'node:fs';
 import { checkOne } from './access.mjs';
-import { appears, button, look, must, numberOf, phase, safe, start, stop } from './person.mjs';
+import { appears, button, look, must, numberOf, phase, resize, safe, start, stop } from './person.mjs';
 
 /** Runs a search with one safe and one dangerous piece, until the robot is home. */
 async function search(page, url, waiting) {
@@ -40,7 +40,7 @@ async function opened(page, path, file) {
   const pictures = await paper.evaluate(() => [...document.images].map(({ naturalWidth }) => naturalWidth));
   must(pictures.length === 2 && pictures.every((width) => width > 0), `pictures: ${pictures}`);
   for (const width of [390, 794, 1280]) {
-    await paper.setViewportSize({ width, height: 1000 });
+    await resize(paper, width, 1000);
     const need = await paper.evaluate(() => document.documentElement.scrollWidth);
     must(need <= width, `the report is ${need} pixels wide, the screen ${width}`);
   }

@@ -2,7 +2,7 @@
 // finds them.
 
 import { execFileSync } from 'node:child_process';
-import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, safe, start, stop, until } from './person.mjs';
+import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, resize, safe, start, stop, until } from './person.mjs';
 
 /** Checks that a button can be pressed without scrolling and that STOP does not cover it. */
 async function inReach(page, locator) {
@@ -177,7 +177,7 @@ export const elsewhere = {
       await page.goto(url + path);
       await bar.filter({ hasText: /idle[^]*LED[^]*as of \d+:\d+:\d+/i }).waitFor();
       for (const [width, height] of [[320, 640], [390, 844], [768, 1024], [1280, 800]]) {
-        await page.setViewportSize({ width, height });
+        await resize(page, width, height);
         await hits(page, `${path} with its bar`);
       }
     }
@@ -323,7 +323,7 @@ export const said = {
     await page.locator('#lost').waitFor();
     await page.evaluate(() => ask(document.querySelector('#inspect [data-confirm]')));
     for (const [width, height] of [[390, 844], [844, 390], [1000, 700], [1280, 800], [2560, 1300]]) {
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await page.evaluate(() => scrollTo(0, 0));
       const wrong = await page.evaluate(() => {
         const boxes = (which) => [...document.querySelectorAll(which)].map((one) => [one, one.getBoundingClientRect()]);

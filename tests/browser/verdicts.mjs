@@ -1,7 +1,7 @@
 // The moment of the verdict: close look at the photo, notes, keys, the question beside the photo, notifications to
 // people who look elsewhere, and the incident.
 
-import { appears, button, danger, fits, hits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
+import { appears, button, danger, fits, hits, look, must, numberOf, phase, photoIsShown, resize, safe, start, until } from './person.mjs';
 
 const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
@@ -106,7 +106,7 @@ async function giveBoth({ page, url, picture, patience }) {
   await note(page).fill('wires');
   await look(page);
   for (const [width, height] of [[1280, 800], [1920, 1080], [768, 1024], [390, 844], [844, 390]]) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     await photo.focus();
     await page.keyboard.press('d');
     await dialog(page).waitFor();
@@ -115,7 +115,7 @@ async function giveBoth({ page, url, picture, patience }) {
     await dialog(page).getByRole('button', { name: /No/ }).click();
     await dialog(page).waitFor({ state: 'hidden' });
   }
-  await page.setViewportSize({ width: 1280, height: 800 });
+  await resize(page, 1280, 800);
   await isPending(second, 'a question that was taken back');
   await page.keyboard.press('f');
   const large = await page.locator('#inspect .viewer img').boundingBox();
