@@ -105,7 +105,7 @@ RUN sed -i '/^\[\[\(test\|bench\)\]\]$/,/^$/d' crates/*/Cargo.toml \
 # Everything that stands in the image.
 FROM program AS files
 ARG VARIANT=plain
-COPY LICENSE-APACHE LICENSE-MIT static/vendor/idiomorph.LICENSE /papers/
+COPY LICENSE-APACHE LICENSE-MIT static/vendor/idiomorph.LICENSE static/vendor/inter.LICENSE static/vendor/lucide.LICENSE /papers/
 COPY --from=papers /papers /papers
 RUN set -e; \
     . ./target-of-build; \

@@ -130,7 +130,7 @@ fn the_papers_name_everything_that_others_wrote_with_its_licence() {
         assert!(status.contains(&format!("Package: {package}\n")) && status.contains("\nVersion: "), "{status}");
         assert!(!files.text(&format!("usr/share/doc/{package}/copyright")).is_empty());
     }
-    for ours in ["LICENSE-MIT", "LICENSE-APACHE", "idiomorph.LICENSE"] {
+    for ours in ["LICENSE-MIT", "LICENSE-APACHE", "idiomorph.LICENSE", "inter.LICENSE", "lucide.LICENSE"] {
         assert!(!files.text(&format!("usr/share/doc/hallsweep/{ours}")).is_empty());
     }
 }

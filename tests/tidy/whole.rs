@@ -60,8 +60,8 @@ fn dead_links_in(document: &str, text: &str) -> Vec<String> {
 /// value of `here`, the page to return to, is excepted, because the program and not the browser resolves it.
 pub(crate) fn absolute_addresses() -> Vec<String> {
     let pages = ["templates", "static"].iter().flat_map(|place| files(&root().join(place)));
-    let texts = pages.map(|path| (name(&path), std::fs::read_to_string(&path).expect("text")));
-    texts.filter(|(name, _)| !name.contains("/vendor/")).flat_map(|(name, text)| absolute_addresses_in(&name, &text)).collect()
+    let ours = pages.map(|path| (name(&path), path)).filter(|(name, _)| !name.contains("/vendor/"));
+    ours.flat_map(|(name, path)| absolute_addresses_in(&name, &std::fs::read_to_string(path).expect("text"))).collect()
 }
 
 fn absolute_addresses_in(name: &str, text: &str) -> Vec<String> {
