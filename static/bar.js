@@ -18,6 +18,7 @@
       const markup = await answer.text();
       stopping.connected();
       if (answer.ok) document.getElementById("bar").outerHTML = markup;
+      if (document.querySelector("#bar .is-simulated")) document.documentElement.dataset.simulated = "";
       if (answer.ok) heard = performance.now();
       if (answer.status === 401) why.textContent = why.dataset.over;
     } catch {

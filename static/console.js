@@ -91,7 +91,8 @@ function waits() {
   for (const place of document.querySelectorAll("[data-since]")) {
     if (!(root.dataset.live === "on")) continue;
     const seconds = Math.max(0, Math.floor((performance.now() + ahead - Number(place.dataset.since)) / 1000));
-    place.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+    const words = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+    if (place.textContent !== words) place.textContent = words;
     if (place.dataset.old > 0) place.parentElement.hidden = seconds * 1000 < place.dataset.old;
   }
 }
@@ -133,6 +134,9 @@ function show(message) {
     for (const layer of Object.values(LAYERS)) for (const part of [...at(layer).children]) if (!(part.id in message.parts)) part.remove();
     at("confirm-yes").disabled = at("confirm-no").disabled = false;
   }
+  const isFetching = !at("retrieval").hidden;
+  at("desk").classList.toggle("fetching", isFetching);
+  if (!isFetching && at("tab-trees").checked) at("tab-status").checked = true;
   hall.bounds(message.view);
   time.shown(message);
   if (!message.then) {
@@ -146,7 +150,10 @@ function show(message) {
 }
 
 /** What the one button of the incident does: a double click on OK must not be START. */
-const nextAct = () => at("incident").querySelector(".act")?.getAttribute("action");
+const nextAct = () => {
+  const form = at("incident").querySelector(".acts .loud")?.form;
+  return form && `${form.getAttribute("action")} ${form.elements.id?.value ?? ""}`;
+};
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
 function otherPiece() {
@@ -160,34 +167,15 @@ function otherPiece() {
 /** Where a piece of the picture goes that was not there before, by the beginning of its id. */
 const LAYERS = { tile: "tiles", pieces: "pieces", pins: "pins", time: "times" };
 
-/** Replaces a piece of the picture; the robot keeps its element, so that it glides instead of jumping. */
+/** Replaces a piece of the picture. */
 function draw(id, markup) {
   const old = at(id);
   if (!markup) return old?.remove();
   const parsed = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${markup}</svg>`, "image/svg+xml");
   if (parsed.querySelector("parsererror")) return; // what was there is better than a browser's complaint
   const fresh = document.importNode(parsed.documentElement.firstElementChild, true);
-  if (!old) at(LAYERS[id.split("_")[0]]).append(fresh);
-  else if (id === "hall-robot") {
-    for (const { name, value } of fresh.attributes) old.setAttribute(name, value);
-    old.replaceChildren(...fresh.childNodes);
-    glide(old);
-  } else {
-    const places = new Map([...old.querySelectorAll(".robot")].map((robot) => [robot.id, robot.style.transform]));
-    old.replaceWith(fresh);
-    for (const robot of fresh.querySelectorAll(".robot")) {
-      // Where it was is to be drawn once, so that it has somewhere to glide from.
-      robot.style.transform = places.get(robot.id) ?? "";
-      robot.getBoundingClientRect();
-      glide(robot);
-    }
-  }
-}
-
-/** The same as the attribute says, as a style, because only styles glide. */
-function glide(robot) {
-  const [x, y] = robot.getAttribute("transform").match(/-?\d+/g);
-  robot.style.transform = `translate(${x}px, ${y}px)`;
+  if (old) old.replaceWith(fresh);
+  else at(LAYERS[id.split("_")[0]]).append(fresh);
 }
 
 /** Changes a part into its newer self, but not what a person types, has opened, or is being told. */
@@ -229,7 +217,7 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.getAttribute("action")?.includes("./console/")) return;
   event.preventDefault();
-  if (form.closest("#inspect, .act") && performance.now() < settledAt) {
+  if (form.closest("#inspect, .acts") && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
@@ -303,7 +291,7 @@ const isDead = (element) => !element.isConnected || element.matches(":disabled")
 function lead() {
   // At a piece first comes its photo: a key that was pressed once too often decides nothing. While the robot moves it is STOP.
   const piece = root.dataset.live !== "lost" && at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
-  const next = piece || document.querySelector(".act button:enabled") || document.querySelector("button.start.loud:enabled") || at("stop-button");
+  const next = piece || document.querySelector(".acts .loud:enabled") || document.querySelector("button.start.loud:enabled") || at("stop-button");
   next.focus({ preventScroll: next === at("stop-button") });
   settling = { button: next, until: performance.now() + SETTLE_MS };
 }
@@ -336,11 +324,12 @@ function ask({ dataset, form }) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, #bar a, #who, #side, .field, .retrieval, #time");
+const rest = () => document.querySelectorAll(".skip, #rail, #bar a, #actions, #side, .field, #time");
 const hide = () => rest().forEach((part) => (part.inert = true));
 
 /** Opens a dialog. It is not modal, since STOP must stay in reach; nothing else can be pressed through it. */
 function cover(dialog) {
+  at("menu").open = false;
   hide();
   asked = document.activeElement;
   dialog.show();
@@ -371,10 +360,10 @@ at("confirm-no").addEventListener("click", uncover);
 document.addEventListener("keydown", (event) => {
   if (event.key !== "Escape") return;
   uncover();
+  at("menu").open = false;
   root.removeAttribute("data-large");
   hall.hideOffer();
 }, { capture: true });
 
 root.dataset.live = "opening";
-glide(at("hall-robot"));
 addEventListener("DOMContentLoaded", join); // when hall.js and time.js are there as well

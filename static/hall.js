@@ -1,14 +1,19 @@
-// The picture of the hall under a person's hands: closer, wider, moved, fitted; what is under the pointer; "go there". What is drawn
-// comes from the server; this only chooses the part of it that is seen.
+// The picture of the hall under a person's hands: closer, wider, moved, fitted, following the robot; what is under the pointer; the numbers
+// of columns and rows; "go there". What is drawn comes from the server; this only chooses the part of it that is seen.
 "use strict";
 
 const hall = (() => {
   const CELL = 10; // a cell in the picture's units
   const NEAR_PX = 14; // from this size of a cell on every piece is drawn in its own cell
+  const CLOSE_PX = 44; // from this size of a cell on the name of the robot that searches covers no piece beside it
   const LARGEST_PX = 120; // no cell is drawn larger
   const STEP = 1.35;
   const CLICK_PX = 6; // a press that moved less is a click
   const RULER_PX = 90;
+  const NUMBER_PX = 26; // so much room a number of a column or row has
+  const EDGE_PX = 13; // no number is nearer to the edge of the panel
+  const NUMBERS = [1, 2, 5, 10, 20, 50, 100, 200, 500];
+  const CLOSE = 2.5; // how many times its whole picture's size a hall is shown in while the robot is followed, at least
 
   const stage = at("stage");
   const svg = at("hall");
@@ -17,20 +22,21 @@ const hall = (() => {
   const fingers = new Map();
   let moved = 0;
   let pinched = 0;
-
-  const size = () => ({ width: svg.clientWidth || 1, height: svg.clientHeight || 1 });
+  let size = { width: 1, height: 1 }; // of the panel without the margins in which the numbers stand
+  let isFollowed = false;
 
   /** Pixels of a unit when the whole hall is shown. */
   function fitting() {
-    const { width, height } = size();
-    return Math.min(width / whole[2], height / whole[3]);
+    return Math.min(size.width / whole[2], size.height / whole[3]);
   }
 
   const scale = () => lens?.scale ?? fitting();
 
   /** The server's picture has these bounds now. Most often they are the same, and nothing is to be painted anew. */
   function bounds(view) {
-    if (view === whole.join(" ") && larger() === drawnLarger) return;
+    svg.classList.toggle("pinned", at("pins").childElementCount > 0);
+    if (isFollowed) Object.assign(lens, robot());
+    else if (view === whole.join(" ") && larger() === drawnLarger) return known === at("hall-labels").dataset.known || rule();
     whole = view.split(" ").map(Number);
     draw();
   }
@@ -40,7 +46,7 @@ const hall = (() => {
   let drawnLarger = 0;
 
   function draw() {
-    const { width, height } = size();
+    const { width, height } = size;
     if (lens && lens.scale <= fitting() * 1.001) lens = null;
     if (lens) {
       // The middle stays within the hall, so that it is never lost.
@@ -56,8 +62,51 @@ const hall = (() => {
     svg.style.setProperty("--sized", Math.max(1, drawnLarger * fitting() / scale()));
     svg.classList.toggle("closer", lens !== null);
     svg.classList.toggle("near", scale() * CELL >= NEAR_PX);
+    svg.classList.toggle("close", scale() * CELL >= CLOSE_PX);
     at("fit").disabled = at("wider").disabled = !lens;
+    isFollowed &&= lens !== null;
+    at("follow").setAttribute("aria-pressed", isFollowed);
     measure();
+    rule();
+  }
+
+  const robot = () => {
+    const [x, y] = at("hall-robot").getAttribute("transform").match(/-?\d+/g).map(Number);
+    return { x, y };
+  };
+
+  function follow() {
+    isFollowed = !isFollowed;
+    if (isFollowed) lens = { ...robot(), scale: Math.min(Math.max(scale(), fitting() * CLOSE), LARGEST_PX / CELL) };
+    draw();
+  }
+
+  let known = ""; // how far the numbers go that are drawn
+
+  /** The numbers of columns and rows: beside the hall, and at the edge of the panel where the hall goes on beyond it. */
+  function rule() {
+    known = at("hall-labels").dataset.known;
+    const matrix = svg.getScreenCTM();
+    if (!matrix) return;
+    const [left, top, right, bottom] = known.split(" ").map(Number);
+    const box = stage.getBoundingClientRect();
+    const step = NUMBERS.find((step) => step * CELL * matrix.a >= NUMBER_PX) ?? 1000;
+    const texts = [];
+    const put = (x, y, number) => {
+      if (x < EDGE_PX || y < EDGE_PX || x > box.width || y > box.height) return;
+      const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
+      text.setAttribute("x", Math.round(x));
+      text.setAttribute("y", Math.round(y) + 4);
+      text.textContent = number;
+      texts.push(text);
+    };
+    const [x0, y0] = [matrix.e - box.left, matrix.f - box.top];
+    const place = (cell, from) => from + (cell + .5) * CELL * matrix.a;
+    const above = Math.max(EDGE_PX, y0 + top * CELL * matrix.a - EDGE_PX);
+    const beside = Math.max(EDGE_PX, x0 + left * CELL * matrix.a - EDGE_PX);
+    for (let x = Math.ceil(left / step) * step; x <= right; x += step) put(place(x, x0), above, x);
+    for (let y = Math.ceil(top / step) * step; y <= bottom; y += step) put(beside, place(y, y0), y);
+    at("rulers").replaceChildren(...texts);
   }
 
   /** A bar as long as a round number of metres, or of cells where their size is not known. */
@@ -84,12 +133,14 @@ const hall = (() => {
     const { x, y } = lens ?? middle();
     const kept = before / now;
     lens = { scale: now, x: about.x + (x - about.x) * kept, y: about.y + (y - about.y) * kept };
+    if (isFollowed) Object.assign(lens, robot());
     hideOffer();
     draw();
   }
 
   function move(dx, dy) {
     if (!lens) return;
+    isFollowed = false;
     lens.x += dx / lens.scale;
     lens.y += dy / lens.scale;
     hideOffer();
@@ -156,6 +207,7 @@ const hall = (() => {
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (fingers.size === 1) moved = 0;
     pinched = spread();
+    name(event);
   });
 
   svg.addEventListener("pointermove", (event) => {
@@ -169,12 +221,14 @@ const hall = (() => {
       if (fingers.size === 1 && moved > CLICK_PX) move(-dx, -dy);
       if (fingers.size === 2) pinch();
     }
-    const point = under(event);
-    if (point) {
-      const { x, y } = cellOf(point);
-      at("pointer").textContent = say("hall-cell", { x, y });
-    }
+    name(event);
   });
+
+  /** Says which cell is under a pointer or a finger. */
+  function name(event) {
+    const point = under(event);
+    if (point) at("pointer").textContent = say("hall-cell", cellOf(point));
+  }
 
   /** How far apart two fingers are. */
   function spread() {
@@ -209,11 +263,12 @@ const hall = (() => {
   at("closer").addEventListener("click", () => zoom(STEP * STEP));
   at("wider").addEventListener("click", () => zoom(1 / STEP / STEP));
   at("fit").addEventListener("click", fit);
+  at("follow").addEventListener("click", follow);
 
   stage.tabIndex = 0;
   stage.addEventListener("keydown", (event) => {
     if (event.target !== stage || event.ctrlKey || event.metaKey || event.altKey) return;
-    const step = Math.min(size().width, size().height) / 5;
+    const step = Math.min(size.width, size.height) / 5;
     const keys = {
       "+": () => zoom(STEP), "=": () => zoom(STEP), "-": () => zoom(1 / STEP), 0: fit,
       ArrowLeft: () => move(-step, 0), ArrowRight: () => move(step, 0), ArrowUp: () => move(0, -step), ArrowDown: () => move(0, step),
@@ -224,7 +279,9 @@ const hall = (() => {
     act();
   });
 
-  new ResizeObserver(draw).observe(svg);
-  draw();
+  new ResizeObserver(([{ contentRect }]) => {
+    size = { width: contentRect.width || 1, height: contentRect.height || 1 };
+    draw();
+  }).observe(svg);
   return { bounds, hideOffer };
 })();

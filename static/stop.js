@@ -19,6 +19,7 @@ function signIn(undone) {
 
 const stopping = (() => {
   const form = document.getElementById("stop");
+  const bar = form?.closest("#command-bar");
   const place = document.getElementById("why-stop");
   const words = place?.dataset; // in the language of the page
   const filled = (phrase, value) => phrase.replace("{}", () => value);
@@ -129,8 +130,8 @@ const stopping = (() => {
     const { scale, offsetLeft, offsetTop, width, height } = visualViewport;
     const isSmaller = scale > 1.05 || innerHeight - height * scale > COVERED_PX;
     document.documentElement.classList.toggle("magnified", isSmaller);
-    form.style.width = isSmaller ? `${width * scale}px` : "";
-    form.style.transform = isSmaller ? `translate(${offsetLeft}px, ${offsetTop + height}px) scale(${1 / scale}) translateY(-100%)` : "";
+    bar.style.width = isSmaller ? `${width * scale}px` : "";
+    bar.style.transform = isSmaller ? `translate(${offsetLeft}px, ${offsetTop + height}px) scale(${1 / scale}) translateY(-100%)` : "";
   }
 
   if (form) {

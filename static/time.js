@@ -4,7 +4,7 @@
 
 const time = (() => {
   const TICK_MS = 100;
-  const LEAST = 600; // units: a shorter line is drawn so long
+  const LEAST = 200; // units: a shorter line is drawn so long
   const LEAP_MS = 10_000; // shift and an arrow
   const NOW_PART = 0.995; // whoever drags to the right edge wants now
 
@@ -102,6 +102,45 @@ const time = (() => {
     at("hours").replaceChildren(...marks);
   }
 
+  const NAME_PX = 7; // so wide a letter of a phase's name is, at most
+  const SHOT_PX = 40; // so much room a photo has
+  let namesOf = ""; // what the names and photos stand for that are drawn
+
+  /** The names of the phases that have room, and the photos of the pieces where they were found. */
+  function label(wide, present) {
+    const what = [line.mission, wide, track.clientWidth].join();
+    if (namesOf === what) return;
+    namesOf = what;
+    const [bands, finds] = [[...document.querySelectorAll("#times .phase")], [...document.querySelectorAll("#times .mark.found")]];
+    const startOf = (path) => Number(/^M(-?\d+)/.exec(path.getAttribute("d"))[1]);
+    const wordsOf = (path) => path.querySelector("title").textContent.replace(/^\S+ /, "");
+    const pixels = (unit) => unit / wide * track.clientWidth;
+    at("names").replaceChildren(...bands.flatMap((band, index) => {
+      const from = startOf(band);
+      const to = Math.min(index + 1 < bands.length ? startOf(bands[index + 1]) : present, wide);
+      const words = wordsOf(band);
+      if (pixels(to - from) < words.length * NAME_PX + 8) return [];
+      const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
+      text.setAttribute("x", `${100 * from / wide}%`);
+      text.setAttribute("dx", 5);
+      text.setAttribute("y", 12);
+      text.setAttribute("class", band.getAttribute("class"));
+      text.textContent = words;
+      return [text];
+    }));
+    let last = -SHOT_PX;
+    at("shots").replaceChildren(...finds.flatMap((find) => {
+      const place = pixels(startOf(find));
+      const piece = at(`piece-${/#(\d+)/.exec(wordsOf(find))?.[1]}`);
+      const photo = piece?.querySelector("img");
+      if (!photo || place - last < SHOT_PX) return [];
+      last = place;
+      const shot = Object.assign(new Image(), { src: photo.src, alt: "", className: piece.className });
+      shot.style.left = `max(1.1rem, ${100 * startOf(find) / wide}%)`;
+      return [shot];
+    }));
+  }
+
   /** Draws where we are. */
   function draw() {
     panel.classList.toggle("empty", !line);
@@ -110,11 +149,12 @@ const time = (() => {
     if (width() < drawn || width() > drawn * (1 + 1 / track.clientWidth)) drawn = width();
     const wide = drawn;
     const present = Math.min(unitOf(end()), wide);
-    const here = then ? unitOf(then.time) : present;
-    paint("future", "d", `M${present} -1H${wide * 2}V65H${present}z`);
+    const here = Math.round((then ? unitOf(then.time) : present) / wide * track.clientWidth) / track.clientWidth * wide || 0;
+    paint("future", "d", `M${then ? present : here} -1H${wide * 2}V65H${then ? present : here}z`);
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
     hours(wide);
+    label(wide, present);
     at("time-ends").hidden = !line.cut;
     const words = then ? say("time-moment", { ...then, time: clockTime(then.time - ahead) }) : say("time-now");
     if (at("moment").textContent !== words) at("moment").textContent = words;
@@ -123,7 +163,7 @@ const time = (() => {
     track.setAttribute("aria-valuetext", then ? `${words}: ${document.querySelector("#bar .phase").textContent}` : words);
     at("to-now").hidden = !then;
     at("play").setAttribute("aria-pressed", direction > 0);
-    at("play").textContent = direction > 0 ? "❚❚" : "▶";
+    at("play").querySelector("use").setAttribute("href", `./static/vendor/icons.svg#${direction > 0 ? "pause" : "play"}`);
     at("play").setAttribute("aria-label", say(direction > 0 ? "time-pause" : "time-play"));
     at("backwards").setAttribute("aria-pressed", direction < 0);
     at("step-back").disabled = then ? !then.earlier : false;
@@ -133,6 +173,7 @@ const time = (() => {
   /** The page shows this now: of the present, or of the past. */
   function shown(message) {
     if (message.line) line = message.line;
+    if (Object.keys(message.parts).some((id) => /^(time_|gallery)/.test(id))) namesOf = "";
     if (!message.then) present = message.line?.mission ?? present;
     then = message.then;
     if (then) root.dataset.past = "yes";

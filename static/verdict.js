@@ -16,7 +16,7 @@
 
   // ---- keys ----------------------------------------------------------------------------------------------------------------
 
-  const isTyping = (target) => target.closest?.("input, textarea, select, [contenteditable]");
+  const isTyping = (target) => target.closest?.("input:not([type=radio], [type=checkbox]), textarea, select, [contenteditable]");
 
   /** The button of the verdict with this key, which is a letter of the page's language. */
   const ofVerdict = (key) => inspect().querySelector(`.verdict-form [aria-keyshortcuts="${CSS.escape(key)}"]`);
@@ -70,17 +70,20 @@
   /** Where a question can stand: not over the bar, not over STOP and what is said of it, under it or in a column of its own. */
   function room() {
     const box = (one) => one.getBoundingClientRect();
-    const stop = box(document.getElementById("corner"));
-    const bar = box(document.getElementById("top"));
+    const stop = box(document.getElementById("command-bar"));
+    const top = document.getElementById("top");
+    const rail = document.getElementById("rail");
+    const isAbove = getComputedStyle(rail).position === "static"; // it pushes the bar down where the page is not scrolled
+    const bar = getComputedStyle(top).position === "sticky" ? top.offsetHeight + (isAbove ? rail.offsetHeight : 0) : 0;
     const column = parseFloat(getComputedStyle(document.getElementById("desk")).paddingRight);
     const isBelow = stop.bottom > innerHeight - GAP_PX && stop.width > innerWidth / 2;
-    const said = [...document.querySelectorAll("#why-stop:not(:empty), #lost:not([hidden])")].map(box);
-    const isUnder = !isBelow && column < GAP_PX * 4;
+    const said = [...document.querySelectorAll("#notes > :not(:empty, [hidden])")].map(box);
+    const hasColumn = !isBelow && column > GAP_PX * 4; // in which the messages have their place
     return {
-      left: GAP_PX,
-      top: Math.max(bar.bottom, ...(isUnder ? said.map(({ bottom }) => bottom) : [])) + GAP_PX,
-      right: innerWidth - Math.max(column, GAP_PX),
-      bottom: (isBelow ? stop.top : innerHeight) - GAP_PX,
+      left: (isAbove ? 0 : rail.offsetWidth) + GAP_PX,
+      top: Math.max(bar, ...(!isBelow && !hasColumn ? said.map(({ bottom }) => bottom) : [])) + GAP_PX,
+      right: innerWidth - Math.max(hasColumn && said.length === 0 ? 0 : column, GAP_PX),
+      bottom: (isBelow ? Math.min(stop.top, ...said.map(({ top }) => top)) : innerHeight) - GAP_PX,
     };
   }
 
@@ -132,7 +135,7 @@
   const placeAgain = () => dialog.open && place();
   addEventListener("resize", placeAgain);
   const observer = new ResizeObserver(placeAgain);
-  for (const id of ["corner", "why-stop", "notes"]) observer.observe(document.getElementById(id));
+  for (const id of ["command-bar", "why-stop", "notes"]) observer.observe(document.getElementById(id));
 
   // The second click of a double click on DANGER may land on the answer.
   dialog.addEventListener("click", (event) => {

@@ -3,7 +3,7 @@
 // directions. Other rules for phrases are tested elsewhere.
 
 import { readFileSync, readdirSync } from 'node:fs';
-import { appears, button, look, must, numberOf, phase, stop } from './person.mjs';
+import { appears, button, look, menu, must, numberOf, phase, stop } from './person.mjs';
 
 const FOLDER = new URL('../../src/phrases/', import.meta.url);
 const SHORTEST = 12; // shorter phrases could be parts of other words
@@ -72,6 +72,7 @@ export const italian = {
     await phase(page, /bomba localizzata/i, { patience });
     await readsNoEnglish(page, 'an incident');
     await picture('incident');
+    await look(page);
     await button(page, /Conferma/).first().click();
     await page.getByText('confermato da').first().waitFor();
 
@@ -93,12 +94,15 @@ export const italian = {
     }
 
     await page.goto(url);
+    await menu(page);
     await button(page, 'English').click();
     await phase(page, /home, bomb located/i, { patience });
+    await menu(page);
     must((await page.getByRole('button', { name: 'Italiano' }).count()) === 1, 'the way back');
     await page.goto(`${url}/missions/1`);
     must(/What was done and found/.test(await words(page)), 'the choice holds on every page');
     await page.goto(url);
+    await menu(page);
     await button(page, 'Italiano').click();
     await phase(page, /bomba localizzata/i, { patience });
   },

@@ -19,6 +19,12 @@ export async function resize(page, width, height) {
     || new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
 }
 
+/** Opens the menu of the rail. */
+export const menu = (page) => page.locator('#menu summary').click();
+
+/** Chooses what is shown under the luggage. */
+export const tab = (page, name) => page.locator('.tabs label').filter({ hasText: name }).click();
+
 /** Fails with these words unless the condition is true. */
 export function must(isSo, words) {
   if (!isSo) throw new Error(words);

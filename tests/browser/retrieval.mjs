@@ -1,7 +1,7 @@
 // A person has the dangerous bag fetched: presses RETRIEVE, stops the pair while it holds the bag, acknowledges that
 // the bag is lost, sees it secured, and looks at the whole run again, also on a phone and without scripts.
 
-import { appears, button, danger, fits, hits, look, must, phase, start, stop, until } from './person.mjs';
+import { appears, button, danger, fits, hits, look, must, phase, start, stop, tab, until } from './person.mjs';
 
 const state = async (url) => (await fetch(`${url}/api/v1/state`)).json();
 const retrieve = (page) => button(page, /RETRIEVE/);
@@ -49,6 +49,7 @@ async function answer(page, url, waiting) {
   const open = button(page, /acknowledge/i);
   while ((await open.count()) > 0) {
     const left = await open.count();
+    await look(page);
     await open.first().click();
     await until(async () => {
       if (waiting.reload) await page.goto(url);
@@ -87,6 +88,7 @@ const fetched = {
     await retrieve(page).click();
 
     // Three trees run, their nodes show their status, and the robots of the pair are on the map.
+    await tab(page, 'Trees');
     await page.locator('#trees .node.running.ticked').first().waitFor();
     must((await page.locator('#trees .tree').count()) === 3, 'not all three trees are shown');
     await until(async () => (await page.locator('#hall-carriers .carrier').count()) === 2, 'both robots on the map', patience);

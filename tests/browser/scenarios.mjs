@@ -2,7 +2,7 @@
 // finds them.
 
 import { execFileSync } from 'node:child_process';
-import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, resize, safe, start, stop, until } from './person.mjs';
+import { appears, button, danger, fits, hits, home, look, menu, must, numberOf, phase, photoIsShown, resize, safe, start, stop, tab, until } from './person.mjs';
 
 /** Checks that a button can be pressed without scrolling and that STOP does not cover it. */
 async function inReach(page, locator) {
@@ -85,6 +85,7 @@ const stopping = {
     await page.goto(url);
     // A search order that was chosen but never sent is not shown once it can no longer be sent.
     const order = page.getByLabel('Search order', { exact: true });
+    await tab(page, 'Drive');
     await order.selectOption('snail');
     await start(page).click();
     await phase(page, /exploring/i, { patience });
@@ -361,6 +362,7 @@ const signedIn = {
     await field.fill(VIEWER);
     await signIn.click();
     await phase(page, /idle/i, { patience });
+    await menu(page);
     await page.getByText('lobby').waitFor();
     await fits(page);
     must(await start(page).isDisabled(), 'a viewer could start');
@@ -387,6 +389,7 @@ const signedIn = {
     await page.getByText(/^Held: stopped by the operator/).waitFor();
     must((await state()).mission.holds.includes('operator'), 'a viewer could not stop');
 
+    await menu(page);
     await button(page, 'Sign out').click();
     await page.waitForURL(/\/sign-in$/);
     await page.goto(`${url}/sign-in?token=${OPERATOR}`);

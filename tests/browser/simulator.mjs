@@ -70,7 +70,7 @@ export const hallByPointer = {
     await button(page, 'Put the robots into this hall').click();
     await page.locator('main').getByText('drawn by hand').waitFor();
     await searched(page, patience);
-    must(await page.locator('footer').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
+    must(await page.locator('#bar h1').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
     await picture('searched');
   },
 };
@@ -240,7 +240,7 @@ export const simulatorControls = {
   tolerated: ['409', '422'],
   async play({ page, url, picture, patience }) {
     await page.goto(url);
-    await page.getByRole('link', { name: 'simulator' }).click();
+    await page.getByRole('link', { name: 'Simulator' }).click();
     await page.waitForURL(/simulator$/);
     await fits(page);
     await button(page, /^Pause/).click();

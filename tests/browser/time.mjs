@@ -120,6 +120,8 @@ export const past = {
     must(drawn.hours.every((hour) => /^\d\d:\d\d:\d\d$/.test(hour)) && drawn.hours.length <= 6, `the hours of the first minute are ${drawn.hours}`);
     must(drawn.now < drawn.wide / 2, `some seconds after its beginning now is at ${drawn.now} of ${drawn.wide}`);
     must(!drawn.ends, 'it is said to end, and goes on');
+    const found = await page.locator('#shots img').evaluateAll((shots) => shots.map(({ className, naturalWidth }) => `${className} ${naturalWidth > 0}`));
+    must(found.join() === 'pending true', `photos on the line of time: ${found}`);
     await page.mouse.move(box.x + box.width * 0.5, box.y + 20);
     await page.mouse.down();
     await page.mouse.move(box.x + 2, box.y + 20, { steps: 5 });
@@ -221,6 +223,26 @@ export const lens = {
     }
     await page.keyboard.press('0');
     must((await view()) === whole, '0 shows the whole hall');
+
+    // The numbers stand at every column and row of the hall, and end with it.
+    const numbers = () => page.locator('#rulers text').evaluateAll((texts) => texts.map(({ textContent }) => Number(textContent)));
+    const [, , right, bottom] = (await page.locator('#hall-labels').getAttribute('data-known')).split(' ').map(Number);
+    must((await numbers()).length > 4, 'columns and rows have no numbers');
+    must(Math.max(...await numbers()) <= Math.max(right, bottom), `numbers up to ${Math.max(...await numbers())}, the hall ends at ${right}, ${bottom}`);
+
+    // While the robot is followed it stays in the middle of the plan; a hand that moves the plan ends that.
+    const follow = page.getByRole('button', { name: 'Follow the robot' });
+    await follow.click();
+    const offCentre = () => page.evaluate(() => {
+      const [robot, stage] = ['#hall-robot .body', '#stage'].map((id) => document.querySelector(id).getBoundingClientRect());
+      return Math.hypot(robot.x + robot.width / 2 - stage.x - stage.width / 2, robot.y + robot.height / 2 - stage.y - stage.height / 2);
+    });
+    must((await offCentre()) < 30, `the robot that is followed is ${await offCentre()} pixels off`);
+    await picture('followed');
+    await page.locator('#stage').focus();
+    await page.keyboard.press('ArrowLeft');
+    must((await follow.getAttribute('aria-pressed')) === 'false', 'moved by hand, the plan still follows the robot');
+    await page.keyboard.press('0');
 
     const home = () => page.evaluate(() => {
       const matrix = document.getElementById('hall').getScreenCTM();

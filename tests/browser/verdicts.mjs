@@ -1,7 +1,7 @@
 // The moment of the verdict: close look at the photo, notes, keys, the question beside the photo, notifications to
 // people who look elsewhere, and the incident.
 
-import { appears, button, danger, fits, hits, look, must, numberOf, phase, photoIsShown, resize, safe, start, until } from './person.mjs';
+import { appears, button, danger, fits, hits, look, menu, must, numberOf, phase, photoIsShown, resize, safe, start, until } from './person.mjs';
 
 const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
@@ -180,6 +180,8 @@ export const covers = {
     must((await (await fetch(`${url}/api/v1/state`)).json()).mission.phase === 'idle', 'START was pressed through the list of keys');
     await page.keyboard.press('Escape');
     await keys.waitFor({ state: 'hidden' });
+    // Escape was a STOP as well, and a START that is pressed before the page shows it is refused.
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
     await start(page).click();
     const id = await asked(page, patience);
     await look(page);
@@ -284,6 +286,7 @@ export const called = {
     const calls = () => page.evaluate(() => globalThis.calls);
     const notify = page.getByRole('switch', { name: /notify me/ });
     await page.goto(url);
+    await menu(page);
     must(!(await notify.isChecked()) && !(await page.getByRole('switch', { name: /sound/ }).isChecked()), 'a switch is on from the start');
     await notify.click();
     await page.getByText('This browser blocks notifications').waitFor();
@@ -293,11 +296,13 @@ export const called = {
       sessionStorage.removeItem('permission');
     });
     await page.reload();
+    await menu(page);
     await notify.click();
     await until(() => page.evaluate(() => localStorage.getItem('hallsweep-notify') === 'on'), 'the switch remembered', patience);
     await page.getByRole('switch', { name: /sound/ }).click();
     await picture('switches');
     await page.reload();
+    await menu(page);
     await until(() => notify.isChecked(), 'the switch on after a reload', patience);
 
     await start(page).click();
@@ -343,10 +348,19 @@ async function bomb({ page, url, picture, patience }) {
   const top = await incident.boundingBox();
   must(top.y < page.viewportSize().height / 2, `the incident begins at ${top.y}`);
   await picture('incident');
+  await look(page);
   await incident.getByRole('button', { name: 'Acknowledge' }).click();
   await incident.getByText(/acknowledged by operator/).waitFor();
   await phase(page, /bomb located/i, { patience });
   await hits(page, 'at an incident');
+  if (page.viewportSize().width >= 1280) {
+    for (const [width, height] of [[1280, 720], [1499, 900], [1500, 900], [1999, 1000], [2000, 1000]]) {
+      await resize(page, width, height);
+      const share = await page.locator('#stage').evaluate((stage) => stage.clientWidth * stage.clientHeight / innerWidth / innerHeight);
+      must(share >= 0.5, `at ${width}×${height} the hall has ${share} of the window`);
+    }
+    await resize(page, 1280, 800);
+  }
   await picture('acknowledged');
 }
 export const incident = { play: bomb };

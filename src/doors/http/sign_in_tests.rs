@@ -303,7 +303,7 @@ async fn every_state_of_the_page_is_there_in_italian_and_in_the_other_language_s
     }
     let known = [("authorization", &*format!("Bearer {viewer}"))];
     let page = app.italian("POST", "/sign-in", "token=wrong&next=%2Fmissions", &known, &names).await;
-    assert!(page.contains("Questo token qui non è conosciuto") && page.contains("ferma subito tutti i robot"), "{page}");
+    assert!(page.contains("Questo token qui non è conosciuto") && page.contains("ferma tutti i robot"), "{page}");
     assert!(page.contains("name=\"next\" value=\"/sign-in?next=/missions\""), "{page}");
     let page = app.italian("GET", "/sign-in?next=%22%3E%26token%3D1", "", &[], &names).await;
     assert!(page.contains("name=\"next\" value=\"/sign-in\""), "{page}");

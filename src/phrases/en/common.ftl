@@ -3,9 +3,21 @@
 list = { $first } and { $last }
 to-console = To the console
 
+## The rail at the left, and its menu.
+
+rail = Pages of hallsweep
+rail-operate = Operate
+rail-interface = Interface
+rail-menu = Settings
+colours = Colours
+colours-system = as the system
+colours-light = light
+colours-dark = dark
+colours-contrast = high contrast
+
 ## STOP. Where a value belongs, its script puts it in place of {}.
 
-stop-note = halts all robots at once
+stop-note = halts all robots
 stop-soon = STOP is on its way…
 stop-confirmed = STOP is confirmed.
 stop-unconfirmed = STOP is not confirmed: { "{}" }. Use the robot's own switch. This page continues to send STOP.

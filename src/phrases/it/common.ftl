@@ -3,9 +3,21 @@
 list = { $first } e { $last }
 to-console = Alla console
 
+## La barra a sinistra e il suo menu.
+
+rail = Pagine di hallsweep
+rail-operate = Operazioni
+rail-interface = Interfaccia
+rail-menu = Opzioni
+colours = Colori
+colours-system = come il sistema
+colours-light = chiari
+colours-dark = scuri
+colours-contrast = contrasto alto
+
 ## STOP. Dove va un valore, il suo script lo mette al posto di {}.
 
-stop-note = ferma subito tutti i robot
+stop-note = ferma tutti i robot
 stop-soon = STOP è in viaggio…
 stop-confirmed = STOP è confermato.
 stop-unconfirmed = STOP non è confermato: { "{}" }. Usare l'interruttore del robot. Questa pagina continua a inviare STOP.

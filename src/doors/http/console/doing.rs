@@ -174,7 +174,7 @@ mod tests {
         };
         let robots = [robot(None, false), robot(None, true), robot(Some("nobody answers"), false)];
         let said = robots.each_ref().map(|robot| view(&snapshot).does(robot).to_string());
-        assert_eq!(said, ["moves its arm", "halting …", "no link"]);
+        assert_eq!(said, ["moving its arm", "halting …", "no link"]);
         snapshot.robots = robots.into();
         assert_eq!(view(&snapshot).others().len(), 2, "the first is the one that searches");
     }

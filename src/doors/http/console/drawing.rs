@@ -12,7 +12,7 @@ pub(super) const CELL: i32 = 10;
 
 /// The picture grows by this number of cells at a time. If it grew by one cell, it would jump at every step of the
 /// robot.
-const GROWTH: i32 = 4;
+const GROWTH: i32 = 2;
 
 /// Minimum size of the picture, in cells.
 const LEAST: (i32, i32) = (16, 12);

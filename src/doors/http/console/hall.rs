@@ -10,7 +10,7 @@ use super::pieces;
 use crate::phrases::Language;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Heading};
-use hallsweep_core::world::hall_map::{HallMap, Mark, TILE};
+use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Length of the trail behind the robot, in cells.
@@ -48,6 +48,10 @@ pub(super) fn tile_id(corner: Cell) -> String {
     format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
 }
 
+pub(super) const fn tile_corner(cell: Cell) -> Cell {
+    Cell::new(cell.x.div_euclid(TILE) * TILE, cell.y.div_euclid(TILE) * TILE)
+}
+
 /// Draws a tile as a group, with one path for each kind of mark in the tile.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
@@ -58,18 +62,46 @@ pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
         ("bag", Mark::Luggage),
         ("todo", Mark::NotInspected),
     ] {
-        let path = runs(map, corner, wanted);
-        if !path.is_empty() {
-            write(&mut group, format_args!("<path class=\"{class}\" d=\"{path}\"/>"));
-        }
+        stroke(&mut group, class, &runs(map, corner, wanted));
     }
+    stroke(&mut group, "edge", &edges(map, corner));
     group.push_str("</g>");
     group
 }
 
+fn stroke(group: &mut String, class: &str, path: &str) {
+    if !path.is_empty() {
+        write(group, format_args!("<path class=\"{class}\" d=\"{path}\"/>"));
+    }
+}
+
+/// Returns the sides of the tile's walls at which known floor begins. They are drawn as the lines of a floor plan.
+fn edges(map: &HallMap, corner: Cell) -> String {
+    let is_floor = |x, y| !matches!(map.at(Cell::new(x, y)), Mark::Wall | Mark::Unknown);
+    let walls = (corner.y..corner.y + TILE).flat_map(|y| (corner.x..corner.x + TILE).map(move |x| (x, y)));
+    let mut path = String::new();
+    for (x, y) in walls.filter(|(x, y)| map.at(Cell::new(*x, *y)) == Mark::Wall) {
+        let (left, top) = (x * CELL, y * CELL);
+        // The line lies within the wall, where no floor of a neighbouring tile is drawn over it.
+        let sides = [
+            (is_floor(x, y - 1), left, top + 1, 'h'),
+            (is_floor(x, y + 1), left, top + CELL - 1, 'h'),
+            (is_floor(x - 1, y), left + 1, top, 'v'),
+            (is_floor(x + 1, y), left + CELL - 1, top, 'v'),
+        ];
+        for (_, left, top, way) in sides.into_iter().filter(|(is_drawn, ..)| *is_drawn) {
+            write(&mut path, format_args!("M{left} {top}{way}{CELL}"));
+        }
+    }
+    path
+}
+
+/// Draws the numbers of columns and rows beside the known part of the hall. With scripts the numbers stay in sight
+/// when the picture is enlarged; `data-known` says how far they go.
 pub(super) fn labels(map: &HallMap) -> String {
-    let shown = shown(map);
-    let mut group = String::from("<g id=\"hall-labels\">");
+    let shown = map.known_bounds();
+    let Bounds { least, most } = shown;
+    let mut group = format!("<g id=\"hall-labels\" data-known=\"{} {} {} {}\">", least.x, least.y, most.x, most.y);
     let size = larger(map);
     let fits = |count: i32, step: i32| count / step <= LABELS && step >= size;
     let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| fits(count, *step)).unwrap_or(1000);
@@ -167,6 +199,7 @@ fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, clas
     format!(
         "<g id=\"hall-robot\" class=\"robot{class}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn})\">\
          <g class=\"sized\" transform=\"scale({size})\">\
+         <path class=\"cone\" d=\"M0 0L-4.5 -9A10 10 0 0 1 4.5 -9Z\"/>\
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
          <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>{name}</g>"
     )
@@ -237,8 +270,7 @@ fn route(language: Language, group: &mut String, snapshot: &Snapshot, size: i32)
     }
 }
 
-/// Draws the sonar's ray from the robot's front over the free cells ahead. The exact distance is shown beside the
-/// picture.
+/// Draws the sonar's cone from the robot over the free cells ahead. The exact distance is shown beside the picture.
 fn ray(group: &mut String, snapshot: &Snapshot) {
     let pose = snapshot.robot.pose;
     let (dx, dy) = pose.heading.vector();
@@ -246,8 +278,10 @@ fn ray(group: &mut String, snapshot: &Snapshot) {
     let free = (1..=RAY).take_while(|n| snapshot.map.at(ahead(*n)) == Mark::Visited).count();
     let length = i32::try_from(free).unwrap_or(RAY) * CELL + CELL / 2;
     let class = if snapshot.robot.sonar_cm.is_some() { "ray" } else { "ray nothing" };
-    let (x, y) = middle(pose.cell);
-    write(group, format_args!("<path class=\"{class}\" d=\"M{x} {y}l{} {}\"/>", dx * length, dy * length));
+    let ((x, y), wide) = (middle(pose.cell), (length / 8 + 1).min(CELL / 2 - 1));
+    let (ahead_x, ahead_y) = (x + dx * length, y + dy * length);
+    let [left, right] = [wide, -wide].map(|side| format!("L{} {}", ahead_x - dy * side, ahead_y + dx * side));
+    write(group, format_args!("<path class=\"{class}\" d=\"M{x} {y}{left}{right}z\"/>"));
 }
 
 fn points(cells: impl Iterator<Item = Cell>) -> String {
@@ -270,8 +304,25 @@ mod tests {
         let tile = tile(&map, Cell::HOME);
         assert_eq!(
             tile,
-            "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/></g>"
+            "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/>\
+             <path class=\"edge\" d=\"M0 11h10M10 11h10\"/></g>"
         );
+    }
+
+    #[test]
+    fn a_wall_is_a_line_where_known_floor_begins() {
+        let map = drawn(&["111", "W1W", "WW"], 1);
+        let tile = tile(&map, Cell::HOME);
+        let (_, edges) = tile.split_once("<path class=\"edge\" d=\"").expect("there are walls beside floor");
+        let edges = edges.split_once('"').unwrap().0;
+        assert_eq!(edges, "M0 11h10M9 10v10M20 11h10M21 10v10M10 21h10", "no line lies between two walls or before the unknown");
+    }
+
+    #[test]
+    fn the_numbers_go_as_far_as_the_known_hall() {
+        let labels = labels(&drawn(&["111", "W1W"], 1));
+        assert!(labels.starts_with("<g id=\"hall-labels\" data-known=\"0 0 2 1\">"), "{labels}");
+        assert_eq!(labels.matches("<text").count(), 3 + 2, "{labels}");
     }
 
     #[test]

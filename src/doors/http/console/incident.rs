@@ -32,6 +32,11 @@ pub(super) fn is_of_incident(v: &View<'_>, alarm: &AlarmView) -> bool {
     alarm.luggage.is_some_and(is_left)
 }
 
+/// Whether somebody can and should acknowledge an alarm. An alarm that is not recorded yet cannot be acknowledged.
+fn is_unseen(alarm: &AlarmView) -> bool {
+    alarm.id.is_some() && alarm.acknowledged.is_none()
+}
+
 impl Incident<'_> {
     fn bombs(&self) -> Vec<&Luggage> {
         self.v.snapshot.luggage.bombs_left().take(BOMBS).map(|bomb| &**bomb).collect()
@@ -48,6 +53,20 @@ impl Incident<'_> {
     /// Returns the alarms of the incident, newest first.
     fn alarms(&self) -> Vec<&AlarmView> {
         self.v.snapshot.alarms.iter().rev().filter(|alarm| is_of_incident(self.v, alarm)).collect()
+    }
+
+    /// Whether somebody has to acknowledge an alarm before the mission goes on. Otherwise the next act is `act`.
+    fn asks_to_acknowledge(&self) -> bool {
+        let comes_first = self.v.snapshot.mission.phase == PhaseName::BombLocated || self.act().is_none();
+        comes_first && self.alarms().iter().any(|alarm| is_unseen(alarm))
+    }
+
+    /// Whether acknowledging this alarm is the next act. Only one act is shown as the next, and alarms that are not of
+    /// the incident come before it.
+    fn is_next(&self, alarm: &AlarmView) -> bool {
+        let is_first = self.alarms().into_iter().find(|alarm| is_unseen(alarm)).is_some_and(|first| first.id == alarm.id);
+        let others = self.v.snapshot.alarms.iter().any(|alarm| is_unseen(alarm) && !is_of_incident(self.v, alarm));
+        is_first && !others && self.asks_to_acknowledge()
     }
 
     fn photo(&self, bomb: &Luggage) -> Option<String> {
@@ -145,7 +164,7 @@ mod tests {
     use hallsweep_core::refused::Refused;
 
     #[test]
-    fn the_incident_says_what_is_halted_and_has_the_one_button_that_goes_on_under_its_heading() {
+    fn the_incident_says_what_is_halted_and_has_one_next_act() {
         use PhaseName::{BombLocated, Fault, Retrieving, ReturningWithAlarm};
         const START: &str = "./console/start";
         const OK: &str = "./console/temperature";
@@ -173,8 +192,13 @@ mod tests {
             ),
             (ReturningWithAlarm, &hot, "Press TEMPERATURE OK, then START.", Some(OK)),
             (Fault, &[], "nothing moves by itself. Press START to go on.", Some(START)),
-            (BombLocated, &[], "Press RETRIEVE to bring the luggage into the container.", Some("./console/retrieve")),
-            (BombLocated, &hot, "is dangerous", Some(OK)),
+            (
+                BombLocated,
+                &[],
+                "Acknowledge the alarm, then press RETRIEVE to bring the luggage into the container.",
+                Some("./console/retrieve"),
+            ),
+            (BombLocated, &hot, "Acknowledge the alarm", Some(OK)),
         ] {
             let mut snapshot = searching();
             (snapshot.mission.phase, snapshot.mission.holds) = (phase, holds.to_vec());
@@ -193,10 +217,12 @@ mod tests {
             let incident = Incident { v: &v };
             assert!(incident.next().contains(said), "{phase:?} {holds:?}: {}", incident.next());
             let shown = incident.to_string();
-            let (above, below) = shown.split_once("<ul class=\"alarms\">").expect("the alarms are there");
-            let actions = above.split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
-            assert_eq!(actions.collect::<Vec<_>>(), Vec::from_iter(act), "{phase:?} {holds:?}: {shown}");
-            assert!(!below.contains("/console/start") && !below.contains("/console/retrieve"), "one button: {shown}");
+            let (above, acts) = shown.split_once("<div class=\"acts\">").expect("the acts are there");
+            let actions = acts.split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
+            let goes_on = actions.filter(|action| !action.ends_with("/acknowledge"));
+            assert_eq!(goes_on.collect::<Vec<_>>(), Vec::from_iter(act), "{phase:?} {holds:?}: {shown}");
+            assert!(!above.contains("action="), "the acts stand together: {shown}");
+            assert_eq!(acts.matches(" loud\"").count() + acts.matches("\"loud\"").count(), 1, "one act is the next: {shown}");
             assert!(holds.is_empty() || !above.contains("is being fetched") && !above.contains("comes home"), "{shown}");
         }
     }

@@ -2,7 +2,7 @@
 //! parts. After a disconnection, the page opens the stream again and receives all parts again. `parts` defines the
 //! parts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
@@ -114,7 +114,7 @@ fn message(message: &Message) -> Event {
 
 impl Shown {
     pub(super) fn already(snapshot: &Arc<Snapshot>, view: &View<'_>) -> Shown {
-        let prints = PARTS.iter().map(|part| (part.id, fingerprint(&(part.render)(view)))).collect();
+        let prints = PARTS.iter().map(|part| (part.id, fingerprint((part.render)(view)))).collect();
         let line = view.line.map(ShownLine::of).unwrap_or_default();
         Shown { older: Some(Arc::clone(snapshot)), prints, is_paused: view.hall.is_paused, line }
     }
@@ -177,14 +177,17 @@ impl ShownLine {
     }
 }
 
-/// Returns the tiles that differ from the older snapshot. Tiles that both snapshots share in memory are not compared.
+/// Returns the tiles that differ from the older snapshot. A wall is drawn at the floor beside it, so the tile beside a
+/// changed cell is drawn again, too. Tiles that both snapshots share in memory are not compared.
 fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, String> {
     let map = &snapshot.map;
     let drawn = |corner: Cell| (hall::tile_id(corner), hall::tile(map, corner));
     let Some(older) = older.map(|older| &older.map) else { return map.tiles().map(|(corner, _)| drawn(corner)).collect() };
     let gone = older.tiles_changed_since(map).filter(|(corner, _)| !map.has_tile(*corner));
     let gone = gone.map(|(corner, _)| (hall::tile_id(corner), String::new()));
-    gone.chain(map.tiles_changed_since(older).map(|(corner, _)| drawn(corner))).collect()
+    let changed = map.changes_since(older);
+    let corners: BTreeSet<Cell> = changed.iter().flat_map(|(cell, _)| cell.neighbours()).map(hall::tile_corner).collect();
+    gone.chain(corners.into_iter().filter(|corner| map.has_tile(*corner)).map(drawn)).collect()
 }
 
 #[cfg(test)]
@@ -243,6 +246,23 @@ mod tests {
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
         assert_eq!(ids, ["about-hall", "hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
+    }
+
+    #[test]
+    fn a_wall_gets_its_line_when_the_floor_beside_it_in_another_tile_becomes_known() {
+        let mut snapshot = searching();
+        snapshot.map.mark(Cell::new(31, 5), Mark::Wall, Revision(20));
+        let mut shown = Shown::default();
+        let first = update(&mut shown, snapshot.clone());
+        assert!(!first.parts["tile_0_0"].contains("M319 50v10"), "{}", first.parts["tile_0_0"]);
+        snapshot.map.mark(Cell::new(32, 5), Mark::Visited, Revision(21));
+        touch(&mut snapshot, 21, &[Resource::Map]);
+        let message = update(&mut shown, snapshot);
+        assert!(
+            message.parts.contains_key("tile_1_0") && message.parts["tile_0_0"].contains("M319 50v10"),
+            "{:?}",
+            message.parts
+        );
     }
 
     #[test]

@@ -247,7 +247,7 @@ mod tests {
         let console = app.page("/").await;
         assert!(console.matches("id=\"bar\"").count() == 1 && !console.contains("/static/bar.js"), "it has its own");
         let bar = app.page("/console/bar").await;
-        for wanted in ["airport", "waits for your verdict", "class=\"doing\"", "LED ", "class=\"num heat", "as of "] {
+        for wanted in ["airport", "waits for your verdict", "class=\"chip doing\"", "LED ", "class=\"chip num heat", "as of "] {
             assert!(bar.contains(wanted), "{wanted} in {bar}");
         }
         assert!(!bar.contains("<h1") && !bar.contains("<a "), "what is replaced every second takes no focus: {bar}");

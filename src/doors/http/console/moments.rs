@@ -175,6 +175,7 @@ mod tests {
                 "id=\"confirm-",
                 "type=\"hidden\"",
                 "name=\"id\"",
+                "name=\"tab\"",
                 "class=\"small\" lang=",
             ]
             .iter();
@@ -200,8 +201,7 @@ mod tests {
         let back = message(&app, &format!("at=3&from=4&shown={shown}")).await;
         assert_eq!(back["parts"]["holds"], whole["parts"]["holds"], "backwards likewise");
         let same = message(&app, &format!("at=4&from=4&shown={shown}")).await;
-        // The test archive shares no tiles between two moments, so the tile counts as changed.
-        assert_eq!(same["parts"].as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>(), ["tile_0_0"]);
+        assert!(same["parts"].as_object().unwrap().is_empty(), "{}", same["parts"]);
     }
 
     #[tokio::test]

@@ -3,26 +3,37 @@
 use askama::Template;
 use serde::Serialize;
 
-use super::parts::PARTS;
+use super::parts::{Menu, PARTS, html};
 use super::timeline::{MOST, THRESHOLD_Y, Timeline};
-use super::view::View;
+use super::view::{View, Why};
 use super::{hall, pieces};
-use crate::phrases::Phrase;
+use crate::phrases::{Language, Phrase};
 
 #[derive(Template)]
 #[template(path = "console/page.html")]
 pub(super) struct ConsolePage<'a> {
     v: &'a View<'a>,
+    language: Language,
 }
 
 impl<'a> ConsolePage<'a> {
     pub(super) const fn new(v: &'a View<'a>) -> ConsolePage<'a> {
-        ConsolePage { v }
+        ConsolePage { v, language: v.language }
     }
 
     fn part(&self, id: &str) -> String {
         let part = PARTS.iter().find(|part| part.id == id).expect("the page's template names only existing parts");
         (part.render)(self.v)
+    }
+
+    /// Returns the tab that is open at first. Without scripts it is the one with the button that was refused.
+    fn tab(&self) -> &'static str {
+        let refused = self.v.why.as_ref().map(Why::button);
+        if refused.is_some_and(|button| ["strategy", "drive"].contains(&button)) { "drive" } else { "status" }
+    }
+
+    fn menu(&self) -> String {
+        html(&Menu { v: self.v })
     }
 
     fn view_box(&self) -> String {
@@ -40,6 +51,10 @@ impl<'a> ConsolePage<'a> {
 
     fn pieces(&self) -> String {
         pieces::all(self.v.language, self.v.snapshot)
+    }
+
+    fn is_pinned(&self) -> bool {
+        !self.pins().is_empty()
     }
 
     fn pins(&self) -> String {

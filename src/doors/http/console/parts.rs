@@ -160,6 +160,7 @@ macro_rules! parts {
 }
 
 parts! {
+    Menu "console/menu.html"
     Announce "console/announce.html"
     Bar "console/bar.html"
     Elsewhere "console/elsewhere.html"
@@ -368,6 +369,6 @@ impl Log<'_> {
     }
 }
 
-fn html(part: &impl Template) -> String {
+pub(super) fn html(part: &impl Template) -> String {
     part.render().expect("the console's templates only write strings, which does not fail")
 }

@@ -126,7 +126,12 @@ mod tests {
             ("/luggage/1", ["Bagaglio #1", "Non c'è nessuna foto: no light.", "verdetto è stato dato il ", " da operator."]),
             (
                 "/luggage/2",
-                ["<span class=\"verdict\">pericoloso</span>", "alla colonna 1, riga 2", "Foto del bagaglio #2", ">Alla console<"],
+                [
+                    "<span class=\"verdict\">pericoloso</span>",
+                    "alla colonna 1, riga 2",
+                    "Foto del bagaglio #2",
+                    "</svg>Operazioni</a>",
+                ],
             ),
             ("/luggage/3", ["Foto 3 di 3 del bagaglio #3, la più recente", "Tutte le foto di", ">foto 2</a>", "la foto intera"]),
             (

@@ -106,6 +106,10 @@ impl Why {
     pub(super) fn new(button: &str, text: &str) -> Why {
         Why { button: button.to_owned(), text: text.to_owned() }
     }
+
+    pub(super) fn button(&self) -> &str {
+        &self.button
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,6 +204,11 @@ impl View<'_> {
         goes_on.then(|| wanted_of_the_operator(&self.snapshot.mission.holds)).flatten().map(|id| self.say_of("wanted", id))
     }
 
+    /// Whether the page shows a retrieval, or the one that has secured the bag.
+    pub(super) fn is_fetching(&self) -> bool {
+        self.snapshot.retrieval.is_some() || self.snapshot.mission.phase == PhaseName::BagSecured
+    }
+
     pub(super) fn has_carriers(&self) -> bool {
         self.snapshot.robots.len() > 1
     }
@@ -264,13 +273,15 @@ impl View<'_> {
         }
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
-                let bomb = self.snapshot.luggage.bombs_left().next();
-                let at =
-                    bomb.map(|bomb| self.say("hall-piece-dangerous").with("id", bomb.id).with("place", self.place(bomb.cell)));
+                let is_unseen = self.unseen_alarms() > 0;
                 let may_retrieve = self.bar(&self.snapshot.mission.refusals.retrieve).is_none();
-                let fetch = may_retrieve.then(|| self.say("next-retrieve"));
-                let end = self.say(if self.unseen_alarms() > 0 { "next-after-alarm" } else { "next-reset" });
-                let said = at.into_iter().chain(fetch).chain([end]).map(|phrase| phrase.to_string());
+                let fetch = match (is_unseen, may_retrieve) {
+                    (true, true) => Some("next-acknowledge-retrieve"),
+                    (true, false) => Some("next-acknowledge"),
+                    (false, true) => Some("next-retrieve"),
+                    (false, false) => None,
+                };
+                let said = fetch.into_iter().chain(["next-reset"]).map(|id| self.say(id).to_string());
                 Some(said.collect::<Vec<_>>().join(" "))
             }
             PhaseName::BagSecured => {

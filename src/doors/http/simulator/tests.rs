@@ -39,7 +39,9 @@ async fn where_nothing_is_simulated_every_route_says_so() {
         assert!(text(response).await.contains("notSimulated"), "{method} {path}");
     }
     let console = text(app.get("/").await).await;
-    assert!(!console.contains("href=\"./simulator\""), "the console leads nobody there");
+    let css = include_str!("../../../../static/shell.css");
+    let hides = css.contains("html:not([data-simulated]) .of-simulator { display: none; }");
+    assert!(hides && !console.contains("-simulated"), "the rail leads nobody there");
 }
 
 /// Safety A3.

@@ -27,7 +27,7 @@ const UNIT_MS: i64 = 100;
 pub(in super::super) const MOST: usize = 20_000;
 
 /// Minimum length of the timeline, in milliseconds. A shorter mission leaves the rest empty.
-const LEAST_MS: i64 = 60_000;
+const LEAST_MS: i64 = 20_000;
 
 /// Maximum drawn length of a time in which the program was off, in milliseconds.
 const OFF_MS: i64 = 5_000;
@@ -401,7 +401,7 @@ mod tests {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
         assert!(!drawn.contains("M60 57"), "a verdict is one mark");
-        assert_eq!((line.width(), line.scale().end), (600, TEN.unix_ms + 8000));
+        assert_eq!((line.width(), line.scale().end), (200, TEN.unix_ms + 8000));
     }
 
     #[test]
