@@ -50,6 +50,11 @@ const THAW: &str = "please thaw the program";
 const COAP: &str = "over CoAP: ";
 
 #[test]
+fn the_components_of_the_pages_are_seen_side_by_side() {
+    play("components", &["--hall", "empty-8x8"]);
+}
+
+#[test]
 fn a_person_searches_the_airport() {
     play("mission", &["--hall", "airport", "--speed", "max"]);
 }

@@ -1,8 +1,8 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 means that a person would have been
 // content. This file opens the browser, watches it for faults that no page may have, and closes it. The scenarios are
 // in the files beside it: scenarios.mjs, always.mjs (STOP and the keyboard), verdicts.mjs (the moment of the
-// verdict), time.mjs (the timeline), italian.mjs, laboratory.mjs, large.mjs (large halls), report.mjs,
-// retrieval.mjs and simulator.mjs.
+// verdict), time.mjs (the timeline), italian.mjs, laboratory.mjs, large.mjs (large halls), pictures.mjs
+// (for people to look at), report.mjs, retrieval.mjs and simulator.mjs.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
@@ -12,6 +12,7 @@ import * as always from './always.mjs';
 import * as italian from './italian.mjs';
 import * as laboratory from './laboratory.mjs';
 import * as large from './large.mjs';
+import * as pictures from './pictures.mjs';
 import { relay } from './relay.mjs';
 import * as report from './report.mjs';
 import * as retrieval from './retrieval.mjs';
@@ -21,7 +22,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...large, ...report, ...retrieval, ...time, ...verdicts, ...simulator }[name];
+const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...large, ...pictures, ...report, ...retrieval, ...time, ...verdicts, ...simulator }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
@@ -73,11 +74,11 @@ try {
   watch(page, faults, scenario.tolerated ?? [], places);
   // Prints a line per loaded page, because the test that started this script treats a long silence as a hang.
   page.on('load', () => console.log(`${name}: on ${new URL(page.url()).pathname}`));
-  const picture = async (what) => {
+  const picture = async (what, shown = page) => {
     const path = `${shots}/${name}-${++shot}-${what}.png`;
     // On a busy machine Chromium sometimes fails to take a picture, once for two minutes. A missing picture is no
     // failure: pictures are for people to look at later, and the scenarios check the page itself.
-    const taken = () => page.screenshot({ path, timeout: 20_000 }).then(() => true);
+    const taken = () => shown.screenshot({ path, timeout: 20_000 }).then(() => true);
     const late = (error) => {
       if (error.name !== 'TimeoutError') throw error;
       return false;
