@@ -434,15 +434,15 @@ fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
     let program = serve("empty-8x8", "19");
     let (conditions, page) = moment(&program, 1, false);
     assert!(
-        conditions == before && page.contains("64 cells, 16.0 m²") && page.contains("<b>empty-8x8</b>"),
+        conditions == before && page.contains("64 cells, 16.0 m²") && page.contains("</span> empty-8x8</h1>"),
         "{conditions}: {page}"
     );
     let first = program.read("/missions/2/moment", &[("accept", "text/html")]).text();
-    assert!(first.contains("<b>wide</b>") && first.contains("limit 40.0 °C"), "when it began: {first}");
+    assert!(first.contains("</span> wide</h1>") && first.contains("limit 40.0 °C"), "when it began: {first}");
     let (conditions, page) = moment(&program, 2, true);
     let now = json!({"hall":"wide","cellM":2.0,"threshold":19.0,"reach":[4,4],"robots":robots,"seed":seed});
     assert_eq!(conditions, now, "since the restart");
-    assert!(page.contains("4 cells, 16.0 m²") && page.contains("<b>wide</b>"), "{page}");
+    assert!(page.contains("4 cells, 16.0 m²") && page.contains("</span> wide</h1>"), "{page}");
 }
 
 #[test]
