@@ -328,8 +328,11 @@ impl Driver for LineDriver {
             Some(_) => self.seq.before(),
             None => self.voided(),
         };
-        // The lines of repeated STOPs must not fill a slow wire, because the next order is sent after these lines.
-        let serves = |(voided, said)| voided == voids && now.since_start.saturating_sub(said) < REPEATED;
+        // The lines of repeated STOPs must not fill a slow wire, because the next order is sent after these lines. A halt
+        // that was sent during a photo still serves after it, because only the photo has a greater number.
+        let is_open = self.open.is_some();
+        let voids_enough = |voided| voided == voids || (!is_open && voided == voids.before());
+        let serves = |(voided, said)| voids_enough(voided) && now.since_start.saturating_sub(said) < REPEATED;
         if self.last_halt.is_some_and(serves) {
             return;
         }

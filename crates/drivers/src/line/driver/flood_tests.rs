@@ -145,6 +145,17 @@ fn a_second_of_stops_without_end_writes_ten_halts_and_the_next_order_right_behin
     }
 }
 
+/// Safety S1: the halt was sent during the photo and names the motion before the photo, which is the last motion.
+#[test]
+fn a_halt_during_a_photo_serves_the_stop_right_after_the_photo() {
+    let mut flooded = Flooded::new();
+    for step in [Step::Order, Step::Answer("done"), Step::Photograph, Step::Stop, Step::Answer("nophoto"), Step::Stop] {
+        flooded.step(step);
+    }
+    assert_eq!(flooded.within_a_second()["h"], 1);
+    assert!(flooded.is_halted());
+}
+
 /// Safety S1: a halt that was written on a lost connection may not have arrived.
 #[test]
 fn a_halt_of_the_connection_before_serves_no_stop() {
