@@ -10,150 +10,62 @@ use super::etag::conditional;
 use super::problem::Problem;
 use crate::api::fields::in_short;
 
+const STYLE: &str = "text/css; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const PICTURE: &str = "image/svg+xml";
+const TYPEFACE: &str = "font/woff2";
+
 struct Asset {
     path: &'static str,
     media_type: &'static str,
     bytes: &'static [u8],
 }
 
-static ASSETS: [Asset; 29] = [
-    Asset {
-        path: "/static/tokens.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/tokens.css"),
-    },
-    Asset {
-        path: "/static/shell.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/shell.css"),
-    },
-    Asset { path: "/static/map.css", media_type: "text/css; charset=utf-8", bytes: include_bytes!("../../../static/map.css") },
-    Asset {
-        path: "/static/vendor/inter.woff2",
-        media_type: "font/woff2",
-        bytes: include_bytes!("../../../static/vendor/inter.woff2"),
-    },
-    Asset {
-        path: "/static/vendor/icons.svg",
-        media_type: "image/svg+xml",
-        bytes: include_bytes!("../../../static/vendor/icons.svg"),
-    },
-    Asset {
-        path: "/static/console.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/console.css"),
-    },
-    Asset {
-        path: "/static/console.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/console.js"),
-    },
-    Asset {
-        path: "/static/hall.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/hall.js"),
-    },
-    Asset {
-        path: "/static/time.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/time.js"),
-    },
-    Asset {
-        path: "/static/verdict.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/verdict.css"),
-    },
-    Asset {
-        path: "/static/photo.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/photo.js"),
-    },
-    Asset {
-        path: "/static/verdict.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/verdict.js"),
-    },
-    Asset {
-        path: "/static/attention.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/attention.js"),
-    },
-    Asset {
-        path: "/static/theme.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/theme.js"),
-    },
-    Asset {
-        path: "/static/words.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/words.js"),
-    },
-    Asset {
-        path: "/static/stop.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/stop.js"),
-    },
-    Asset {
-        path: "/static/bar.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/bar.js"),
-    },
-    Asset {
-        path: "/static/laboratory.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/laboratory.css"),
-    },
-    Asset {
-        path: "/static/laboratory.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/laboratory.js"),
-    },
-    Asset {
-        path: "/static/pallet.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/pallet.js"),
-    },
-    Asset {
-        path: "/static/replay.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/replay.js"),
-    },
-    Asset {
-        path: "/static/roomba.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/roomba.js"),
-    },
-    Asset {
-        path: "/static/simulator.css",
-        media_type: "text/css; charset=utf-8",
-        bytes: include_bytes!("../../../static/simulator.css"),
-    },
-    Asset {
-        path: "/static/simulator.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/simulator.js"),
-    },
-    Asset {
-        path: "/static/editor.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/editor.js"),
-    },
-    Asset {
-        path: "/static/trees.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/trees.js"),
-    },
-    Asset {
-        path: "/static/vendor/idiomorph.js",
-        media_type: "text/javascript; charset=utf-8",
-        bytes: include_bytes!("../../../static/vendor/idiomorph.js"),
-    },
-    Asset { path: "/static/icon.svg", media_type: "image/svg+xml", bytes: include_bytes!("../../../static/icon.svg") },
-    Asset { path: "/favicon.ico", media_type: "image/svg+xml", bytes: include_bytes!("../../../static/icon.svg") },
-];
+macro_rules! assets {
+    ($($name:literal $media_type:ident)*) => {
+        &[$(Asset {
+            path: concat!("/static/", $name),
+            media_type: $media_type,
+            bytes: include_bytes!(concat!("../../../static/", $name)),
+        }),*]
+    };
+}
+
+static ASSETS: &[Asset] = assets! {
+    "tokens.css" STYLE
+    "shell.css" STYLE
+    "map.css" STYLE
+    "vendor/inter.woff2" TYPEFACE
+    "vendor/icons.svg" PICTURE
+    "console.css" STYLE
+    "console.js" SCRIPT
+    "hall.js" SCRIPT
+    "time.js" SCRIPT
+    "verdict.css" STYLE
+    "photo.js" SCRIPT
+    "verdict.js" SCRIPT
+    "attention.js" SCRIPT
+    "theme.js" SCRIPT
+    "words.js" SCRIPT
+    "stop.js" SCRIPT
+    "bar.js" SCRIPT
+    "laboratory.css" STYLE
+    "laboratory.js" SCRIPT
+    "pallet.js" SCRIPT
+    "replay.js" SCRIPT
+    "roomba.js" SCRIPT
+    "simulator.css" STYLE
+    "simulator.js" SCRIPT
+    "editor.js" SCRIPT
+    "trees.js" SCRIPT
+    "vendor/idiomorph.js" SCRIPT
+    "icon.svg" PICTURE
+};
 
 pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
-    let asset = ASSETS.iter().find(|asset| asset.path == uri.path());
+    // Some browsers ask for an icon at this path, whatever a page says.
+    let path = if uri.path() == "/favicon.ico" { "/static/icon.svg" } else { uri.path() };
+    let asset = ASSETS.iter().find(|asset| asset.path == path);
     let asset = asset.ok_or_else(|| Problem::not_found(format!("there is no file at {}", in_short(uri.path()))))?;
     let tag = format!("W/\"{:016x}\"", fingerprint(asset.bytes));
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.bytes).into_response()))
@@ -175,7 +87,7 @@ mod tests {
     #[tokio::test]
     async fn every_file_of_the_page_can_be_fetched_by_whoever_asks() {
         let app = app(idle());
-        for asset in &ASSETS {
+        for asset in ASSETS {
             let answer = app.get(asset.path).await;
             assert_eq!((answer.status().as_u16(), &answer.headers()["content-type"]), (200, &asset.media_type.parse().unwrap()));
         }
