@@ -62,7 +62,7 @@ pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
         ("bag", Mark::Luggage),
         ("todo", Mark::NotInspected),
     ] {
-        stroke(&mut group, class, &runs(map, corner, wanted));
+        stroke(&mut group, class, &areas(map, corner, wanted));
     }
     stroke(&mut group, "edge", &edges(map, corner));
     group.push_str("</g>");
@@ -75,22 +75,22 @@ fn stroke(group: &mut String, class: &str, path: &str) {
     }
 }
 
-/// Returns the sides of the tile's walls at which known floor begins. They are drawn as the lines of a floor plan.
+/// Returns the sides of the tile's walls at which known floor begins. They are drawn as the lines of a floor plan. A
+/// line lies within its wall, where no floor of a neighbouring tile is drawn over it.
 fn edges(map: &HallMap, corner: Cell) -> String {
+    let is_wall = |x, y| map.at(Cell::new(x, y)) == Mark::Wall;
     let is_floor = |x, y| !matches!(map.at(Cell::new(x, y)), Mark::Wall | Mark::Unknown);
-    let walls = (corner.y..corner.y + TILE).flat_map(|y| (corner.x..corner.x + TILE).map(move |x| (x, y)));
     let mut path = String::new();
-    for (x, y) in walls.filter(|(x, y)| map.at(Cell::new(*x, *y)) == Mark::Wall) {
-        let (left, top) = (x * CELL, y * CELL);
-        // The line lies within the wall, where no floor of a neighbouring tile is drawn over it.
-        let sides = [
-            (is_floor(x, y - 1), left, top + 1, 'h'),
-            (is_floor(x, y + 1), left, top + CELL - 1, 'h'),
-            (is_floor(x - 1, y), left + 1, top, 'v'),
-            (is_floor(x + 1, y), left + CELL - 1, top, 'v'),
-        ];
-        for (_, left, top, way) in sides.into_iter().filter(|(is_drawn, ..)| *is_drawn) {
-            write(&mut path, format_args!("M{left} {top}{way}{CELL}"));
+    for (side, inset) in [(-1, 1), (1, CELL - 1)] {
+        for y in corner.y..corner.y + TILE {
+            for (x, length) in runs(corner.x, |x| is_wall(x, y) && is_floor(x, y + side)) {
+                write(&mut path, format_args!("M{} {}h{}", x * CELL, y * CELL + inset, length * CELL));
+            }
+        }
+        for x in corner.x..corner.x + TILE {
+            for (y, length) in runs(corner.y, |y| is_wall(x, y) && is_floor(x + side, y)) {
+                write(&mut path, format_args!("M{} {}v{}", x * CELL + inset, y * CELL, length * CELL));
+            }
         }
     }
     path
@@ -99,18 +99,18 @@ fn edges(map: &HallMap, corner: Cell) -> String {
 /// Draws the numbers of columns and rows beside the known part of the hall. With scripts the numbers stay in sight
 /// when the picture is enlarged; `data-known` says how far they go.
 pub(super) fn labels(map: &HallMap) -> String {
-    let shown = map.known_bounds();
-    let Bounds { least, most } = shown;
+    let known = map.known_bounds();
+    let Bounds { least, most } = known;
     let mut group = format!("<g id=\"hall-labels\" data-known=\"{} {} {} {}\">", least.x, least.y, most.x, most.y);
     let size = larger(map);
     let fits = |count: i32, step: i32| count / step <= LABELS && step >= size;
     let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| fits(count, *step)).unwrap_or(1000);
-    let (every_x, every_y) = (step(shown.width()), step(shown.height()));
-    let (left, top) = (shown.least.x * CELL - CELL * size / 2, shown.least.y * CELL - CELL * size / 2);
-    for x in (shown.least.x..=shown.most.x).filter(|x| x % every_x == 0) {
+    let (every_x, every_y) = (step(known.width()), step(known.height()));
+    let (left, top) = (least.x * CELL - CELL * size / 2, least.y * CELL - CELL * size / 2);
+    for x in (least.x..=most.x).filter(|x| x % every_x == 0) {
         label(&mut group, (x * CELL + CELL / 2, top), size, x);
     }
-    for y in (shown.least.y..=shown.most.y).filter(|y| y % every_y == 0) {
+    for y in (least.y..=most.y).filter(|y| y % every_y == 0) {
         label(&mut group, (left, y * CELL + CELL / 2), size, y);
     }
     group.push_str("</g>");
@@ -205,20 +205,26 @@ fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, clas
     )
 }
 
-fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
+fn areas(map: &HallMap, corner: Cell, wanted: Mark) -> String {
     let mut path = String::new();
     for y in corner.y..corner.y + TILE {
-        let mut x = corner.x;
-        while x < corner.x + TILE {
-            let length = (x..corner.x + TILE).take_while(|x| map.at(Cell::new(*x, y)) == wanted).count();
-            let length = i32::try_from(length).expect("a run is not longer than a tile");
-            if length > 0 {
-                write(&mut path, format_args!("M{} {}h{}v{CELL}h-{}z", x * CELL, y * CELL, length * CELL, length * CELL));
-            }
-            x += length.max(1);
+        for (x, length) in runs(corner.x, |x| map.at(Cell::new(x, y)) == wanted) {
+            write(&mut path, format_args!("M{} {}h{}v{CELL}h-{}z", x * CELL, y * CELL, length * CELL, length * CELL));
         }
     }
     path
+}
+
+/// Returns start and length of each run of cells for which `is_wanted`, in a row or column of a tile.
+fn runs(first: i32, is_wanted: impl Fn(i32) -> bool) -> Vec<(i32, i32)> {
+    let mut runs: Vec<(i32, i32)> = Vec::new();
+    for at in (first..first + TILE).filter(|at| is_wanted(*at)) {
+        match runs.last_mut() {
+            Some((start, length)) if *start + *length == at => *length += 1,
+            _ => runs.push((at, 1)),
+        }
+    }
+    runs
 }
 
 fn trail(group: &mut String, snapshot: &Snapshot) {
@@ -305,7 +311,7 @@ mod tests {
         assert_eq!(
             tile,
             "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/>\
-             <path class=\"edge\" d=\"M0 11h10M10 11h10\"/></g>"
+             <path class=\"edge\" d=\"M0 11h20\"/></g>"
         );
     }
 
@@ -315,7 +321,7 @@ mod tests {
         let tile = tile(&map, Cell::HOME);
         let (_, edges) = tile.split_once("<path class=\"edge\" d=\"").expect("there are walls beside floor");
         let edges = edges.split_once('"').unwrap().0;
-        assert_eq!(edges, "M0 11h10M9 10v10M20 11h10M21 10v10M10 21h10", "no line lies between two walls or before the unknown");
+        assert_eq!(edges, "M0 11h10M20 11h10M10 21h10M21 10v10M9 10v10", "no line lies between two walls or before the unknown");
     }
 
     #[test]

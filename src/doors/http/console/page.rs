@@ -28,8 +28,8 @@ impl<'a> ConsolePage<'a> {
 
     /// Returns the tab that is open at first. Without scripts it is the one with the button that was refused.
     fn tab(&self) -> &'static str {
-        let refused = self.v.why.as_ref().map(Why::button);
-        if refused.is_some_and(|button| ["strategy", "drive"].contains(&button)) { "drive" } else { "status" }
+        let is_of_drive = |why: &Why| ["strategy", "drive"].contains(&&*why.button);
+        if self.v.why.as_ref().is_some_and(is_of_drive) { "drive" } else { "status" }
     }
 
     fn menu(&self) -> String {
@@ -51,10 +51,6 @@ impl<'a> ConsolePage<'a> {
 
     fn pieces(&self) -> String {
         pieces::all(self.v.language, self.v.snapshot)
-    }
-
-    fn is_pinned(&self) -> bool {
-        !self.pins().is_empty()
     }
 
     fn pins(&self) -> String {

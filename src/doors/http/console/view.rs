@@ -98,17 +98,13 @@ pub(super) struct Who {
 #[derive(Clone, Template)]
 #[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
 pub(super) struct Why {
-    button: String,
+    pub(super) button: String,
     text: String,
 }
 
 impl Why {
     pub(super) fn new(button: &str, text: &str) -> Why {
         Why { button: button.to_owned(), text: text.to_owned() }
-    }
-
-    pub(super) fn button(&self) -> &str {
-        &self.button
     }
 }
 
