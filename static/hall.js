@@ -5,15 +5,15 @@
 const hall = (() => {
   const CELL = 10; // a cell in the picture's units
   const NEAR_PX = 14; // from this size of a cell on every piece is drawn in its own cell
-  const CLOSE_PX = 44; // from this size of a cell on the name of the robot that searches covers no piece beside it
+  const NAMED_PX = 44; // the searching robot has its name from this size of a cell on: below, the name covers pieces
   const LARGEST_PX = 120; // no cell is drawn larger
   const STEP = 1.35;
   const CLICK_PX = 6; // a press that moved less is a click
   const RULER_PX = 90;
-  const NUMBER_PX = 26; // so much room a number of a column or row has
-  const EDGE_PX = 13; // no number is nearer to the edge of the panel
+  const NUMBER_PX = 26; // minimum distance of two numbers
+  const EDGE_PX = 13; // minimum distance of a number from the edge of the panel
   const NUMBERS = [1, 2, 5, 10, 20, 50, 100, 200, 500];
-  const CLOSE = 2.5; // how many times its whole picture's size a hall is shown in while the robot is followed, at least
+  const FOLLOWED = 2.5; // minimum magnification while the robot is followed
 
   const stage = at("stage");
   const svg = at("hall");
@@ -22,7 +22,7 @@ const hall = (() => {
   const fingers = new Map();
   let moved = 0;
   let pinched = 0;
-  let size = { width: 1, height: 1 }; // of the panel without the margins in which the numbers stand
+  let size = { width: 1, height: 1 }; // of the panel, without its margins
   let isFollowed = false;
 
   /** Pixels of a unit when the whole hall is shown. */
@@ -62,7 +62,7 @@ const hall = (() => {
     svg.style.setProperty("--sized", Math.max(1, drawnLarger * fitting() / scale()));
     svg.classList.toggle("closer", lens !== null);
     svg.classList.toggle("near", scale() * CELL >= NEAR_PX);
-    svg.classList.toggle("close", scale() * CELL >= CLOSE_PX);
+    svg.classList.toggle("named", scale() * CELL >= NAMED_PX);
     at("fit").disabled = at("wider").disabled = !lens;
     isFollowed &&= lens !== null;
     at("follow").setAttribute("aria-pressed", isFollowed);
@@ -77,11 +77,11 @@ const hall = (() => {
 
   function follow() {
     isFollowed = !isFollowed;
-    if (isFollowed) lens = { ...robot(), scale: Math.min(Math.max(scale(), fitting() * CLOSE), LARGEST_PX / CELL) };
+    if (isFollowed) lens = { ...robot(), scale: Math.min(Math.max(scale(), fitting() * FOLLOWED), LARGEST_PX / CELL) };
     draw();
   }
 
-  let known = ""; // how far the numbers go that are drawn
+  let known = ""; // bounds of the hall that the drawn numbers belong to
 
   /** The numbers of columns and rows: beside the hall, and at the edge of the panel where the hall goes on beyond it. */
   function rule() {

@@ -102,9 +102,9 @@ const time = (() => {
     at("hours").replaceChildren(...marks);
   }
 
-  const NAME_PX = 7; // so wide a letter of a phase's name is, at most
-  const SHOT_PX = 40; // so much room a photo has
-  let namesOf = ""; // what the names and photos stand for that are drawn
+  const LETTER_PX = 7; // maximum width of a letter
+  const SHOT_PX = 40; // minimum distance of two photos
+  let namesOf = ""; // mission and scale of the drawn names and photos; empty: they are to be drawn anew
 
   /** The names of the phases that have room, and the photos of the pieces where they were found. */
   function label(wide, present) {
@@ -119,7 +119,7 @@ const time = (() => {
       const from = startOf(band);
       const to = Math.min(index + 1 < bands.length ? startOf(bands[index + 1]) : present, wide);
       const words = wordsOf(band);
-      if (pixels(to - from) < words.length * NAME_PX + 8) return [];
+      if (pixels(to - from) < words.length * LETTER_PX + 8) return [];
       const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
       text.setAttribute("x", `${100 * from / wide}%`);
       text.setAttribute("dx", 5);
@@ -149,8 +149,9 @@ const time = (() => {
     if (width() < drawn || width() > drawn * (1 + 1 / track.clientWidth)) drawn = width();
     const wide = drawn;
     const present = Math.min(unitOf(end()), wide);
-    const here = Math.round((then ? unitOf(then.time) : present) / wide * track.clientWidth) / track.clientWidth * wide || 0;
-    paint("future", "d", `M${then ? present : here} -1H${wide * 2}V65H${then ? present : here}z`);
+    const whole = (unit) => Math.round(unit / wide * track.clientWidth) / track.clientWidth * wide || 0; // a whole pixel
+    const [here, future] = [whole(then ? unitOf(then.time) : present), whole(present)];
+    paint("future", "d", `M${future} -1H${wide * 2}V65H${future}z`);
     paint("time-line", "viewBox", `0 0 ${wide} 64`);
     paint("cursor", "d", `M${here} 0v64`);
     hours(wide);
