@@ -312,9 +312,11 @@ export const drawn = {
       await page.waitForTimeout(400);
       await stop(page).click();
       await until(async () => (({ robot, mission }) => robot.state === 'stopped' && !robot.halting && mission.holds.includes('operator'))(await state()), 'the robot standing', patience);
-      const { x, y } = (await state()).robot.position;
+      const { revision, robot: { position: { x, y } } } = await state();
       cells.add(`${x},${y}`);
-      await until(async () => (await drawnAt(page)) === `${x},${y}`, `the robot drawn at ${x},${y}`, patience);
+      await page.waitForFunction((seen) => Number(document.getElementById('revision').textContent) >= seen, revision);
+      const drawn = await drawnAt(page);
+      must(drawn === `${x},${y}`, `the robot stands at ${x},${y} and is drawn at ${drawn}`);
     }
     must(cells.size > 2, `it was looked at in ${[...cells]} only`);
     await page.emulateMedia({ reducedMotion: 'reduce' });

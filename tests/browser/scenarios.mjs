@@ -331,7 +331,8 @@ export const said = {
         const lies = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
         for (const [words, box] of boxes('#why-stop, #lost')) {
           if (box.top < 0 || box.left < 0 || box.right > innerWidth || box.bottom > innerHeight) return `${words.id} is not whole`;
-          const under = boxes('#stop-button, #inspect .photo img, #inspect .pair, #confirm').find(([, other]) => lies(box, other));
+          const others = boxes('#why-stop, #lost, #stop-button, #inspect .photo img, #inspect .pair, #confirm').filter(([one]) => one !== words);
+          const under = others.find(([, other]) => lies(box, other));
           if (under) return `${words.id} lies over ${under[0].id || under[0].outerHTML}`;
         }
         return null;

@@ -224,13 +224,13 @@ export const lens = {
     await page.keyboard.press('0');
     must((await view()) === whole, '0 shows the whole hall');
 
-    // The numbers stand at every column and row of the hall, and end with it.
+    // Columns and rows have numbers, which end with the hall.
     const numbers = () => page.locator('#rulers text').evaluateAll((texts) => texts.map(({ textContent }) => Number(textContent)));
     const [, , right, bottom] = (await page.locator('#hall-labels').getAttribute('data-known')).split(' ').map(Number);
     must((await numbers()).length > 4, 'columns and rows have no numbers');
     must(Math.max(...await numbers()) <= Math.max(right, bottom), `numbers up to ${Math.max(...await numbers())}, the hall ends at ${right}, ${bottom}`);
 
-    // While the robot is followed it stays in the middle of the plan; a hand that moves the plan ends that.
+    // A robot that is followed is in the middle of the plan; a hand that moves the plan ends that.
     const follow = page.getByRole('button', { name: 'Follow the robot' });
     await follow.click();
     const offCentre = () => page.evaluate(() => {
@@ -260,7 +260,9 @@ export const lens = {
     await page.mouse.click(cell.x, cell.y);
     await picture('offer');
     must((await state()).robot.position.y > 1, 'it is there already');
+    await follow.click();
     await page.getByRole('button', { name: 'Go to column 0, row 1' }).click();
     await until(async () => (({ x, y }) => x === 0 && y === 1)((await state()).robot.position), 'the robot at column 0, row 1', patience);
+    await until(async () => (await offCentre()) < 30, 'the robot in the middle of the plan after its way', patience);
   },
 };

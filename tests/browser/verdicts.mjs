@@ -348,8 +348,17 @@ async function bomb({ page, url, picture, patience }) {
   const top = await incident.boundingBox();
   must(top.y < page.viewportSize().height / 2, `the incident begins at ${top.y}`);
   await picture('incident');
+  // Another client acknowledges the alarm. A press that was aimed at the old button does not hit the new one in its place.
+  const [{ id: alarm }] = (await (await fetch(`${url}/api/v1/state`)).json()).alarms;
+  await page.evaluate(() => new MutationObserver((_, observer) => {
+    const next = document.querySelector('.acts .loud');
+    if (!/RETRIEVE/.test(next?.textContent)) return;
+    observer.disconnect();
+    requestAnimationFrame(() => next.click());
+  }).observe(document.getElementById('incident').parentElement, { subtree: true, childList: true, attributes: true }));
   await look(page);
-  await incident.getByRole('button', { name: 'Acknowledge' }).click();
+  await fetch(`${url}/api/v1/alarms/${alarm}/acknowledge`, { method: 'POST' });
+  await page.getByText('The page changed just before you pressed').waitFor();
   await incident.getByText(/acknowledged by operator/).waitFor();
   await phase(page, /bomb located/i, { patience });
   await hits(page, 'at an incident');
