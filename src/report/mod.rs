@@ -38,8 +38,8 @@ use hallsweep_core::units::{MissionId, Seq};
 /// everything that earlier editions use. `words.txt` has the words of the editions, and `pages.txt` has digests of
 /// some pages; tests compare both files with the program. Edition 2 scales down the photos of a large report. It also
 /// names the robots that took part, and says what was not searched. Its chart continues the last reading until the
-/// temperature is not known any more.
-pub const EDITION: u32 = 2;
+/// temperature is not known any more. Edition 3 has the form of a document, with a letterhead and lines to sign on.
+pub const EDITION: u32 = 3;
 
 /// Number of entries read at once, so that a long mission is never in memory as a whole.
 const BATCH: usize = 1000;

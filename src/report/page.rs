@@ -30,12 +30,20 @@ const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let state = report.moment.as_ref().map(|moment| &moment.past.of.state);
-    part(out, &Top { report, language: report.claim.language, state, zone: report.zone() })?;
+    let top = Top { report, language: report.claim.language, state, zone: report.zone() };
+    if report.claim.edition > 2 {
+        part(out, &Document { top })?
+    } else {
+        part(out, &top)?
+    }
     pieces(report, state, out)?;
     let threshold = state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.threshold);
     let chart = Chart::of(report, threshold)?;
     part(out, &Temperature { report, language: report.claim.language, chart })?;
     tables(report, out)?;
+    if report.claim.edition > 2 {
+        part(out, &Signatures { language: report.claim.language })?;
+    }
     let file_name = Report::file_name(report.claim.mission);
     part(out, &Evidence { report, language: report.claim.language, file_name })
 }
@@ -74,7 +82,40 @@ struct Top<'r> {
     zone: Zone,
 }
 
+/// The top of the page since edition 3.
+#[derive(Template)]
+#[template(path = "report/document.html")]
+struct Document<'r> {
+    top: Top<'r>,
+}
+
+/// Lines for the signatures of the operator and the receiver.
+#[derive(Template)]
+#[template(path = "report/signatures.html")]
+struct Signatures {
+    language: Language,
+}
+
 impl Top<'_> {
+    /// Returns the rows of the letterhead.
+    fn reference(&self) -> [(Phrase<'static>, String); 4] {
+        let (say, report) = (|id| self.language.say(id), self.report);
+        let venue = self.state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.venue.name.to_string());
+        let until = say("report-until").with("mission", report.claim.mission).with("entry", report.claim.until);
+        [
+            (say("hall"), venue.unwrap_or_else(|| "–".to_owned())),
+            (say("report-reference"), until.to_string()),
+            (say("report-began"), report.time_of(report.tally.first)),
+            self.end(),
+        ]
+    }
+
+    fn end(&self) -> (Phrase<'static>, String) {
+        let tally = &self.report.tally;
+        let end = if tally.archived.is_some() { "report-put-away" } else { "report-as-of" };
+        (self.language.say(end), self.report.time_of(tally.archived.or(tally.last)))
+    }
+
     fn outcome(&self) -> String {
         let Some(state) = self.state else { return self.language.say("report-not-kept").to_string() };
         let came_to = match reach(state) {
@@ -92,8 +133,12 @@ impl Top<'_> {
         let say = |id| self.language.say(id);
         let (tally, report) = (&self.report.tally, self.report);
         let mut figures = Vec::new();
+        // Since edition 3, the letterhead names the hall, and says when the mission began and ended.
+        let has_letterhead = report.claim.edition > 2;
         if let Some(conditions) = self.state.and_then(|state| state.conditions.as_ref()) {
-            figures.push((say("hall"), conditions.venue.name.to_string()));
+            if !has_letterhead {
+                figures.push((say("hall"), conditions.venue.name.to_string()));
+            }
             if let Some(side) = conditions.venue.cell_m {
                 figures.push((say("report-cell"), format!("{} m", self.language.number(&side.to_string()))));
             }
@@ -106,9 +151,9 @@ impl Top<'_> {
             let conditions = self.state.and_then(|state| state.conditions.as_ref());
             figures.push((say("robots"), self.language.team(conditions)));
         }
-        figures.push((say("report-began"), report.time_of(tally.first)));
-        let end = if tally.archived.is_some() { "report-put-away" } else { "report-as-of" };
-        figures.push((say(end), report.time_of(tally.archived.or(tally.last))));
+        if !has_letterhead {
+            figures.extend([(say("report-began"), report.time_of(tally.first)), self.end()]);
+        }
         figures.push((say("report-took"), lasted(tally.took_ms())));
         if tally.clock_sets > 0 {
             figures.push((say("report-clock-set"), say("report-clock-sets").with("count", tally.clock_sets).to_string()));

@@ -417,3 +417,19 @@ fn what_a_mission_took_is_what_each_run_measured_where_the_clock_was_set() {
     assert!(page.contains("<dt>Took (h:mm:ss)</dt><dd>0:00:25</dd>"), "{page}");
     assert!(page.contains("<dt>The clock was changed</dt><dd>1 ×"), "{page}");
 }
+
+#[test]
+fn a_report_begins_as_a_document_and_ends_with_lines_to_sign_on_and_its_evidence() {
+    let mission = Mission::of(vec![command("anna", "x"), command("anna", "y")]);
+    for (language, begins, signed) in [
+        (Language::English, "<span>Search of an evacuated hall by robots</span>", "<h3>Received by</h3>"),
+        (Language::Italian, "<span>Ispezione robotizzata di una sala evacuata</span>", "<h3>Ricevuto da</h3>"),
+    ] {
+        let page = mission.report(language);
+        let at = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} in {page}"));
+        assert!(at(begins) < at("<section>") && at(signed) < at("<section class=\"evidence\">"));
+        assert_eq!(page.matches("class=\"signatures\"").count(), 1);
+        assert_eq!(mission.confirms(&page), Ok(()));
+        assert!(!mission.report_of(2, language).contains(signed), "edition 2 has no such lines");
+    }
+}

@@ -1,6 +1,9 @@
 # The report of a mission. Reports that were handed over say these words: see src/report/mod.rs before one is changed.
 
 report-title = Report of mission { $id }
+report-kind = Search of an evacuated hall by robots
+report-reference = Reference
+report-until = mission { $mission }, entry { $entry }
 report-summary = Summary
 report-cell = Side of a cell
 report-threshold = Too hot above
@@ -83,6 +86,15 @@ report-why = Why
 report-none = Nothing on record.
 report-refusals = Refused commands
 report-happened = What happened
+
+## Lines to sign on
+
+report-signatures = Signatures
+report-signed-operator = Operator in charge
+report-signed-receiver = Received by
+report-signed-name = Name and office
+report-signed-date = Place, date and time
+report-signed-signature = Signature
 
 ## What it proves
 

@@ -1,6 +1,9 @@
 # Il rapporto di una missione. I rapporti già consegnati dicono queste parole: vedi src/report/mod.rs prima di cambiarne una.
 
 report-title = Rapporto della missione { $id }
+report-kind = Ispezione robotizzata di una sala evacuata
+report-reference = Riferimento
+report-until = missione { $mission }, voce { $entry }
 report-summary = Riepilogo
 report-cell = Lato di una cella
 report-threshold = Troppo caldo oltre
@@ -83,6 +86,15 @@ report-why = Perché
 report-none = Nessuna registrazione.
 report-refusals = Comandi rifiutati
 report-happened = Che cosa è successo
+
+## Righe per le firme
+
+report-signatures = Firme
+report-signed-operator = Operatore responsabile
+report-signed-receiver = Ricevuto da
+report-signed-name = Nome e qualifica
+report-signed-date = Luogo, data e ora
+report-signed-signature = Firma
 
 ## Che cosa prova
 
