@@ -104,21 +104,22 @@ const time = (() => {
 
   const LETTER_PX = 7; // maximum width of a letter
   const SHOT_PX = 40; // minimum distance of two photos
-  let namesOf = ""; // mission and scale of the drawn names and photos; empty: they are to be drawn anew
+  const SHOTS = 24; // maximum number of photos
+  let namesOf = ""; // mission and scale of the drawn names and photos; empty: they are drawn anew
 
   /** The names of the phases that have room, and the photos of the pieces where they were found. */
   function label(wide, present) {
     const what = [line.mission, wide, track.clientWidth].join();
     if (namesOf === what) return;
     namesOf = what;
-    const [bands, finds] = [[...document.querySelectorAll("#times .phase")], [...document.querySelectorAll("#times .mark.found")]];
+    const marks = (which) => [...at("times").querySelectorAll(which)];
+    const bands = marks(".phase");
     const startOf = (path) => Number(/^M(-?\d+)/.exec(path.getAttribute("d"))[1]);
-    const wordsOf = (path) => path.querySelector("title").textContent.replace(/^\S+ /, "");
     const pixels = (unit) => unit / wide * track.clientWidth;
     at("names").replaceChildren(...bands.flatMap((band, index) => {
       const from = startOf(band);
       const to = Math.min(index + 1 < bands.length ? startOf(bands[index + 1]) : present, wide);
-      const words = wordsOf(band);
+      const words = band.dataset.name;
       if (pixels(to - from) < words.length * LETTER_PX + 8) return [];
       const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
       text.setAttribute("x", `${100 * from / wide}%`);
@@ -128,14 +129,19 @@ const time = (() => {
       text.textContent = words;
       return [text];
     }));
-    let last = -SHOT_PX;
-    at("shots").replaceChildren(...finds.flatMap((find) => {
+    const verdicts = new Map(marks(".mark:is(.safe, .danger)").map((mark) => [mark.dataset.piece, mark.classList[1]]));
+    const there = new Map([...at("shots").children].map((shot) => [shot.dataset.photo, shot]));
+    const apart = Math.max(SHOT_PX, track.clientWidth / SHOTS);
+    let last = -apart;
+    at("shots").replaceChildren(...marks(".found[data-take]").flatMap((find) => {
+      const { piece, take } = find.dataset;
       const place = pixels(startOf(find));
-      const piece = at(`piece-${/#(\d+)/.exec(wordsOf(find))?.[1]}`);
-      const photo = piece?.querySelector("img");
-      if (!photo || place - last < SHOT_PX) return [];
+      if (place - last < apart) return [];
       last = place;
-      const shot = Object.assign(new Image(), { src: photo.src, alt: "", className: piece.className });
+      const photo = `./api/v1/luggage/${piece}/photo?take=${take}`;
+      const shot = there.get(photo) ?? Object.assign(new Image(), { fetchPriority: "low", src: photo, alt: "", onerror: () => shot.remove() });
+      shot.dataset.photo = photo;
+      shot.className = verdicts.get(piece) ?? "pending";
       shot.style.left = `max(1.1rem, ${100 * startOf(find) / wide}%)`;
       return [shot];
     }));
@@ -174,7 +180,7 @@ const time = (() => {
   /** The page shows this now: of the present, or of the past. */
   function shown(message) {
     if (message.line) line = message.line;
-    if (Object.keys(message.parts).some((id) => /^(time_|gallery)/.test(id))) namesOf = "";
+    if (Object.keys(message.parts).some((id) => id.startsWith("time_"))) namesOf = "";
     if (!message.then) present = message.line?.mission ?? present;
     then = message.then;
     if (then) root.dataset.past = "yes";
@@ -344,6 +350,6 @@ const time = (() => {
     now();
   });
 
-  draw();
+  new ResizeObserver(draw).observe(track);
   return { shown, meanwhile, go, isPast: () => then !== null };
 })();

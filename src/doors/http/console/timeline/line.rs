@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::section::{Section, TemperaturePoint, id};
+use super::section::{Section, TemperaturePoint, escaped, id};
 use crate::api::time::Zone;
 use crate::phrases::Language;
 use crate::runtime::archive::{At, Happened};
@@ -17,6 +17,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{Conditions, Phase, Speaking};
 use hallsweep_core::units::{Celsius, MissionId, Seq, WallTime};
+use hallsweep_core::world::luggage::PhotoState;
 
 const SECTION: usize = 64;
 
@@ -254,18 +255,33 @@ impl Timeline {
         }
         self.carried.phase = Some(phase);
         let (name, interrupted) = phase;
-        let said = format!("{} {}", self.zone.clock_time(wall), self.language.phase_and_before(name, interrupted));
-        self.growing.band(x, (0, 12), &format!("phase {}", name.name()), &said);
+        let phase = self.language.phase_and_before(name, interrupted);
+        let (said, about) = (format!("{} {phase}", self.zone.clock_time(wall)), format!(" data-name=\"{}\"", escaped(&phase)));
+        self.growing.band(x, (0, 12), &format!("phase {}", name.name()), &about, &said);
     }
 
     fn holds(&mut self, x: i64, wall: WallTime, fact: &Fact, is_held: bool) {
         let said = format!("{} {}", self.zone.clock_time(wall), self.language.fact(fact));
-        self.growing.band(x, (12, 16), if is_held { "hold" } else { "no-hold" }, &said);
+        self.growing.band(x, (12, 16), if is_held { "hold" } else { "no-hold" }, "", &said);
     }
 
     fn mark(&mut self, x: i64, wall: WallTime, class: &str, fact: &Fact) {
         let said = format!("{} {}", self.zone.clock_time(wall), self.language.fact(fact));
-        self.growing.mark(x, class, &said);
+        self.growing.mark(x, class, &about(fact), &said);
+    }
+}
+
+/// Returns attributes with the piece that a fact is about, and with the number of its photo. The page puts the photo
+/// on the timeline.
+fn about(fact: &Fact) -> String {
+    match fact {
+        Fact::Luggage { record, .. } => {
+            let take =
+                if let PhotoState::Taken { take, .. } = record.photo { format!(" data-take=\"{take}\"") } else { String::new() };
+            format!(" data-piece=\"{}\"{take}", record.id)
+        }
+        Fact::Verdict { luggage, .. } => format!(" data-piece=\"{luggage}\""),
+        _ => String::new(),
     }
 }
 
@@ -389,11 +405,11 @@ mod tests {
         ]);
         let drawn = drawn(&line);
         for part in [
-            "class=\"phase exploring\" d=\"M0 0H1000000000v12H0z\"",
+            "class=\"phase exploring\" d=\"M0 0H1000000000v12H0z\" data-name=\"exploring\">",
             "class=\"mark command\" d=\"M10 57V64\"",
-            "class=\"mark found\" d=\"M40 49V54\"",
-            "class=\"mark safe\" d=\"M60",
-            "class=\"mark danger\" d=\"M70",
+            "class=\"mark found\" d=\"M40 49V54\" data-piece=\"3\" data-take=\"1\">",
+            "class=\"mark safe\" d=\"M60 44V54\" data-piece=\"3\">",
+            "class=\"mark danger\" d=\"M70 42V56\" data-piece=\"3\">",
             "class=\"mark stop\" d=\"M80 0V64\"",
             "class=\"hold\" d=\"M80 12",
             "START by &#60;anna&#62;",

@@ -44,18 +44,23 @@ pub(super) struct Section {
 }
 
 impl Section {
-    pub(super) fn band(&mut self, x: i64, (top, bottom): (i64, i64), class: &str, said: &str) {
+    /// Adds a band. `about` has the attribute with the name of a phase.
+    pub(super) fn band(&mut self, x: i64, (top, bottom): (i64, i64), class: &str, about: &str, said: &str) {
         let (height, said) = (bottom - top, escaped(said));
         write(
             &mut self.marks,
-            format_args!("<path class=\"{class}\" d=\"M{x} {top}H{FAR}v{height}H{x}z\"><title>{said}</title></path>"),
+            format_args!("<path class=\"{class}\" d=\"M{x} {top}H{FAR}v{height}H{x}z\"{about}><title>{said}</title></path>"),
         );
     }
 
-    pub(super) fn mark(&mut self, x: i64, class: &str, said: &str) {
+    /// Adds a mark. `about` has the attributes that tell which piece it is about.
+    pub(super) fn mark(&mut self, x: i64, class: &str, about: &str, said: &str) {
         let (from, to) = heights(class);
         let said = escaped(said);
-        write(&mut self.marks, format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"><title>{said}</title></path>"));
+        write(
+            &mut self.marks,
+            format_args!("<path class=\"mark {class}\" d=\"M{x} {from}V{to}\"{about}><title>{said}</title></path>"),
+        );
     }
 
     /// Adds a reading to the curve. The line goes on horizontally to the new reading, then steps up or down.
@@ -128,7 +133,7 @@ fn heights(class: &str) -> (i64, i64) {
 
 /// Escapes markup and removes characters that XML does not allow. One such character would make the whole picture
 /// invalid.
-fn escaped(words: &str) -> String {
+pub(super) fn escaped(words: &str) -> String {
     let is_of_xml = |c: &char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     let words: String = words.chars().filter(is_of_xml).collect();
     escape(words.as_str(), Html).map(|safe| safe.to_string()).unwrap_or_default()
@@ -143,7 +148,8 @@ mod tests {
     fn whatever_is_said_of_a_mark_the_picture_stays_one() {
         let said: String = ('\0'..='\u{ff}').chain(['\u{fffd}', '\u{fffe}', '\u{ffff}', '鞄']).collect();
         let mut section = Section::default();
-        section.mark(3, "refused", &said);
+        section.mark(3, "refused", "", &said);
+        section.band(3, (0, 12), "phase", &format!(" data-name=\"{}\"", escaped(&said)), &said);
         let drawn = section.drawn(0, None);
         assert!(roxmltree::Document::parse(&drawn).is_ok(), "{drawn}");
         assert!(drawn.contains("é") && drawn.contains('鞄') && !drawn.contains('\u{ffff}'));
