@@ -121,7 +121,7 @@ class Room {
 
   body(context, [x, y, theta]) {
     const [cx, cy, r] = [x * this.scale, y * this.scale, this.told.robot.radiusM * this.scale];
-    context.fillStyle = this.colour("--body");
+    context.fillStyle = this.colour("--robot-body");
     context.strokeStyle = this.colour("--edge");
     context.lineWidth = 0.03 * this.scale;
     context.beginPath();

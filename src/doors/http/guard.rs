@@ -391,7 +391,8 @@ mod tests {
     async fn a_problem_is_said_in_the_language_of_the_reader_who_can_have_the_page_in_another() {
         let app = app(searching());
         let page = app.italian("GET", "/nowhere?a=b", "", &[], &[]).await;
-        for wanted in ["<h1>Qui non c", "non si trova: «there is nothing at /nowhere", "Alla console", "value=\"/nowhere?a=b\""]
+        for wanted in
+            ["<h1>Pagina non trovata", "non si trova: «there is nothing at /nowhere", "Alla console", "value=\"/nowhere?a=b\""]
         {
             assert!(page.contains(wanted), "{wanted}: {page}");
         }

@@ -1,6 +1,6 @@
 # The page that describes the interface for programs; what is in it is English in every language.
 
-api-title = For programs
+api-title = API for programs
 api-about = This page lists the requests that programs can send, and the answers. For client generators:
 api-subjects = Subjects
 api-shapes = Data types

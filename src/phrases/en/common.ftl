@@ -7,7 +7,7 @@ to-console = To the console
 
 rail = Pages of hallsweep
 rail-operate = Operate
-rail-interface = Interface
+rail-interface = API
 rail-menu = Settings
 colours = Colours
 colours-system = as the system

@@ -1,6 +1,6 @@
 # The editor of halls. What its script says too stands with the scripts.
 
-halls-title = Editor of halls
+halls-title = Hall editor
 halls-to-simulator = To the simulator
 halls-viewer = You are signed in as a viewer: you see the hall and may press STOP. Everything else needs an operator's key.
 

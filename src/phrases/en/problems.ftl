@@ -5,7 +5,8 @@
 astray-400 = The request was not understood
 astray-401 = You are not signed in
 astray-403 = This request is not allowed
-astray-404 = There is nothing here
+astray-404 = Page not found
+astray-nothing = No page of hallsweep has this address. Perhaps it was mistyped, or what it led to is gone.
 astray-408 = The request came too slowly
 astray-409 = This request is not possible now
 astray-421 = hallsweep does not have this name

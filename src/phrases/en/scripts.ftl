@@ -54,7 +54,7 @@ hall-cell = column { $x }, row { $y }
 
 ## laboratory
 
-laboratory-start = Start
+laboratory-start = Play
 laboratory-pause = Pause
 laboratory-speed = Speed
 laboratory-clock = { $time } of { $seconds } s

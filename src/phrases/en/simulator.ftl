@@ -20,7 +20,7 @@ simulator-set-speed = Set the speed
 
 ## Faults of the robot, by the name of what is so.
 
-simulator-faults = Faults of the robot
+simulator-faults = Robot faults
 simulator-well-linkLost = Link: working
 simulator-failing-linkLost = Link: lost
 simulator-means-linkLost = without the link, the robot halts by itself and the mission is held
@@ -39,7 +39,7 @@ simulator-mend-cameraFails = Repair the camera
 
 ## A blocked way.
 
-simulator-way = A blocked way
+simulator-way = Obstacles
 simulator-way-about = You can add obstacles that are not part of the hall. In a cell with a robot, the obstacle appears when the robot has left.
 simulator-block-ahead = Block the way ahead
 simulator-block = Block this cell
@@ -54,7 +54,7 @@ simulator-hall-now = The robots are in <b>{ $hall }</b>: { $columns } × { $rows
    *[other] { $pieces } pieces
 } of luggage; seed { $seed }.
 simulator-seed = Seed
-simulator-put-down = Put the robots into this hall
+simulator-put-down = Use this hall
 simulator-bound = At the moment: { $why }.
 simulator-to-editor = Edit the hall
 simulator-start = START the search

@@ -1,6 +1,6 @@
 # The page that describes the interface for programs; what is in it is English in every language.
 
-api-title = Per i programmi
+api-title = API per i programmi
 api-about = Questa pagina elenca le richieste che i programmi possono inviare, e le risposte. Per i generatori di client:
 api-subjects = Argomenti
 api-shapes = Tipi di dati

@@ -7,7 +7,7 @@ to-console = Alla console
 
 rail = Pagine di hallsweep
 rail-operate = Operazioni
-rail-interface = Interfaccia
+rail-interface = API
 rail-menu = Opzioni
 colours = Colori
 colours-system = come il sistema

@@ -5,7 +5,8 @@
 astray-400 = La richiesta non è stata capita
 astray-401 = Non è stato fatto l'accesso
 astray-403 = Questo non è permesso
-astray-404 = Qui non c'è niente
+astray-404 = Pagina non trovata
+astray-nothing = Nessuna pagina di hallsweep ha questo indirizzo. Forse è scritto male, o ciò a cui portava non c'è più.
 astray-408 = La richiesta è arrivata troppo lentamente
 astray-409 = Ora questa richiesta non è possibile
 astray-421 = hallsweep non ha questo nome

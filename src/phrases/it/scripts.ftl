@@ -54,7 +54,7 @@ hall-cell = colonna { $x }, riga { $y }
 
 ## laboratory
 
-laboratory-start = Avvia
+laboratory-start = Riprodurre
 laboratory-pause = Pausa
 laboratory-speed = Velocità
 laboratory-clock = { $time } di { $seconds } s

@@ -39,7 +39,7 @@ simulator-mend-cameraFails = Riparare la fotocamera
 
 ## Un passaggio ostruito.
 
-simulator-way = Un passaggio ostruito
+simulator-way = Ostacoli
 simulator-way-about = Si possono aggiungere ostacoli che non fanno parte della sala. In una cella con un robot, l'ostacolo appare quando il robot si è spostato.
 simulator-block-ahead = Ostruire il passaggio davanti
 simulator-block = Ostruire questa cella
@@ -54,7 +54,7 @@ simulator-hall-now = I robot sono in <b>{ $hall }</b>: { $columns } × { $rows }
    *[other] { $pieces } bagagli
 }; seme { $seed }.
 simulator-seed = Seme
-simulator-put-down = Mettere i robot in questa sala
+simulator-put-down = Usare questa sala
 simulator-bound = Al momento: { $why }.
 simulator-to-editor = Modificare la sala
 simulator-start = AVVIA la ricerca

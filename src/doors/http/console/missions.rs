@@ -199,7 +199,7 @@ impl One {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
         let found = hall::found(self.language, map, entrance(state), state.luggage.iter().map(|luggage| &**luggage));
-        format!("{tiles}{}{found}", hall::labels(map))
+        format!("{tiles}{found}{}", hall::labels(map))
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
@@ -323,7 +323,7 @@ mod tests {
             .and_then(|(_, rest)| rest.split_once(" known places not searched"));
         assert!(count.is_some_and(|(count, _)| count.parse::<u64>().is_ok()), "in the heading: {page}");
         let list = app(searching()).page("/missions").await;
-        check(&list, &["luggage #2 was left in place · the search ended there</td>"]);
+        check(&list, &["luggage #2 was left in place · the search ended there</span></td>"]);
         assert_eq!(list.matches("the search ended there").count(), 1, "the other mission is under way: {list}");
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "pending"]);

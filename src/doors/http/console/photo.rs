@@ -18,7 +18,7 @@ use super::view::failure;
 use crate::api::luggage::take_url;
 use crate::api::time::Zone;
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::units::WallTime;
+use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Maximum number of photos of one piece shown side by side. They are the latest ones. An older photo can be
@@ -33,9 +33,11 @@ pub(in crate::doors::http) async fn page(
     query: Query,
 ) -> Result<Html<String>, Problem> {
     let asked = asked_take(&query)?;
-    let luggage = record(&door, &door.handle.snapshot(), id).await?;
+    let snapshot = door.handle.snapshot();
+    let luggage = record(&door, &snapshot, id).await?;
     let take = if luggage.has_photo() || asked.is_some() { Some(taken(&luggage, asked)?) } else { None };
-    Ok(html(&PhotoPage { language, luggage: &luggage, take, zone: Zone::of(door.clock.now().wall) }))
+    let pieces = snapshot.luggage.iter().map(|piece| piece.id).collect();
+    Ok(html(&PhotoPage { language, luggage: &luggage, pieces, take, zone: Zone::of(door.clock.now().wall) }))
 }
 
 pub(super) struct Take {
@@ -54,12 +56,21 @@ pub(super) fn takes(luggage: &Luggage) -> Vec<Take> {
 struct PhotoPage<'a> {
     language: Language,
     luggage: &'a Luggage,
+    /// The pieces of the present mission.
+    pieces: Vec<LuggageId>,
     /// Number of the shown photo, counted from 1. `None` when the piece has no photo.
     take: Option<u32>,
     zone: Zone,
 }
 
 impl PhotoPage<'_> {
+    /// Returns the pieces before and after this one, each with the phrase of its link.
+    fn beside(&self) -> Vec<(LuggageId, &'static str)> {
+        let Some(place) = self.pieces.iter().position(|id| *id == self.luggage.id) else { return Vec::new() };
+        let at = |place: Option<usize>, name| Some((*self.pieces.get(place?)?, name));
+        [at(place.checked_sub(1), "photo-before"), at(place.checked_add(1), "photo-after")].into_iter().flatten().collect()
+    }
+
     fn url(&self, take: &u32) -> String {
         take_url(self.luggage.id, *take)
     }
@@ -152,6 +163,8 @@ mod tests {
         let page = app.page("/luggage/2").await;
         assert!(page.contains("> The bag was found at column 1, row 2 on ") && page.contains(" by operator. <span"), "{page}");
         assert!(!app.page("/luggage/3").await.contains("the verdict was given"));
+        let beside = |id| format!("<a href=\"./luggage/{id}\">");
+        assert!(page.contains(&beside(1)) && page.contains(&beside(3)), "it leads to the pieces before and after it: {page}");
     }
 
     #[tokio::test]

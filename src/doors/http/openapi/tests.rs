@@ -115,7 +115,7 @@ async fn the_page_shows_every_operation_and_every_shape() {
     let page = text(app(searching()).get("/api").await).await;
     let document = document(false);
     for (method, path) in of_description(&document) {
-        assert!(page.contains(&format!("<code>{method} {path}</code>")), "{method} {path}");
+        assert!(page.contains(&format!("{method}</span> {path}</code>")), "{method} {path}");
     }
     for name in document["components"]["schemas"].as_object().unwrap().keys() {
         assert!(page.contains(&format!("id=\"shape-{name}\"")), "{name}");
