@@ -16,7 +16,7 @@
     try {
       const answer = await fetch("./console/bar", { redirect: "error", signal: AbortSignal.timeout(SILENCE_MS) });
       const markup = await answer.text();
-      stopping.connected();
+      if (typeof stopping !== "undefined") stopping.connected();
       if (answer.ok) document.getElementById("bar").outerHTML = markup;
       if (document.querySelector("#bar .is-simulated")) document.documentElement.dataset.simulated = "";
       if (answer.ok) heard = performance.now();

@@ -43,7 +43,7 @@ async function refused() {
 }
 
 function alive() {
-  stopping.connected();
+  if (typeof stopping !== "undefined") stopping.connected();
   heard = performance.now();
   if (root.dataset.live !== "on") {
     root.dataset.live = "on";
@@ -149,10 +149,10 @@ function show(message) {
   else if (here !== document.body && isDead(here)) lead();
 }
 
-/** What the one button of the incident does: a double click on OK must not be START. */
+/** What the buttons of the incident and of the banners do: a double click on OK must not be START. */
 const nextAct = () => {
-  const form = at("incident").querySelector(".acts .loud")?.form;
-  return form && `${form.getAttribute("action")} ${form.elements.id?.value ?? ""}`;
+  const forms = [...document.querySelectorAll("#incident .acts form, #holds form")];
+  return [at("holds").childElementCount, ...forms.map((form) => `${form.getAttribute("action")} ${form.elements.id?.value ?? ""}`)].join();
 };
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
@@ -217,7 +217,7 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.getAttribute("action")?.includes("./console/")) return;
   event.preventDefault();
-  if (form.closest("#inspect, .acts") && performance.now() < settledAt) {
+  if (form.closest("#inspect, .acts, #holds") && performance.now() < settledAt) {
     return tell(form.dataset.why, say("console-changed"));
   }
   if (settling && event.submitter === settling.button && performance.now() < settling.until && !isAimed) {
@@ -227,6 +227,12 @@ document.addEventListener("submit", (event) => {
   if (asks.dataset.confirm) return ask(asks);
   if (form.closest("#confirm")) uncover();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
+});
+
+// A finger has no hover that shows the title: a press on a disabled button tells its reason.
+document.addEventListener("pointerup", ({ pointerType, target }) => {
+  const dead = pointerType !== "mouse" && target.closest?.(":disabled[title]:not([data-always])");
+  if (dead) tell("page", dead.title);
 });
 
 let isAimed = false; // whether the last press was one of its own with a pointer, and neither a key nor the second of a double click

@@ -5,7 +5,7 @@
 const hall = (() => {
   const CELL = 10; // a cell in the picture's units
   const NEAR_PX = 14; // from this size of a cell on every piece is drawn in its own cell
-  const NAMED_PX = 44; // the searching robot has its name from this size of a cell on: below, the name covers pieces
+  const NAMED_PX = 72; // the searching robot has its name from this size of a cell on: below, the name covers pieces
   const LARGEST_PX = 120; // no cell is drawn larger
   const STEP = 1.35;
   const CLICK_PX = 6; // a press that moved less is a click

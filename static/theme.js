@@ -1,11 +1,11 @@
-// Light, dark, or as the system says: chosen once for all pages of this browser. It runs before anything is drawn. Pages that draw on a
-// canvas are told by the event `themechange`.
+// Light, dark, or as the system says: chosen once for all pages of this browser. It runs before anything is drawn, so it also tells the
+// styles that scripts run. Pages that draw on a canvas are told by the event `themechange`.
 "use strict";
 
 (() => {
   const KEY = "hallsweep-theme";
   // Colours that a canvas asks for: as colours they are given resolved, the light or the dark one.
-  const DRAWN = "visited wall bag grid red text red-text focus floor passed forward spiral back turn wall-met edge body wall-yard target pallet "
+  const DRAWN = "visited wall bag grid red text red-text focus floor passed forward spiral back turn wall-met edge robot-body wall-yard target pallet "
     + "parcel parcel-edge carried one two arm-yard on-robot";
   const kept = () => {
     try {
@@ -21,6 +21,7 @@
     dispatchEvent(new Event("themechange"));
   }
 
+  document.documentElement.dataset.scripts = "";
   for (const name of DRAWN.split(" ")) CSS.registerProperty({ name: `--${name}`, syntax: "<color>", inherits: true, initialValue: "transparent" });
 
   show(kept());

@@ -200,6 +200,17 @@ fn a_stop_that_is_not_confirmed_stays_so_until_the_connection_stands_and_is_sent
     play("unconfirmed", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
+/// Safety S1.
+#[test]
+fn stop_halts_where_its_script_did_not_arrive() {
+    play("halfLoaded", &["--hall", "airport", "--speed", "1"]);
+}
+
+#[test]
+fn nothing_on_the_console_moves_away_from_under_a_pointer() {
+    play("unmoved", &["--hall", "airport", "--speed", "10"]);
+}
+
 /// Safety S1, S10.
 #[test]
 fn stop_is_on_every_page_on_every_screen_at_any_scroll() {

@@ -2,7 +2,7 @@
 // schemes and both languages.
 
 import { readFileSync } from 'node:fs';
-import { appears, danger, look, must, numberOf, phase, resize, safe, start, stop } from './person.mjs';
+import { appears, danger, look, menu, must, numberOf, phase, resize, safe, start, stop, tab } from './person.mjs';
 
 const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
@@ -62,6 +62,16 @@ export const accessible = {
     await page.getByText(/^Held: stopped by the operator/).waitFor();
     await look(page);
     await check(page, 'held', found);
+    for (const name of ['Drive', 'Log', 'Status']) {
+      await tab(page, name);
+      await checkOne(page, `the tab ${name}`, found);
+    }
+    await menu(page);
+    await checkOne(page, 'the menu is open', found);
+    await page.locator('#theme').selectOption('contrast');
+    await checkOne(page, 'high contrast', found);
+    await page.locator('#theme').selectOption('');
+    await menu(page);
     if (await start(page).isEnabled()) await start(page).click();
     await appears(page, danger(page), { patience });
     await look(page);

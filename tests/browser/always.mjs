@@ -468,3 +468,72 @@ export const keyboard = {
     await picture('stopped');
   },
 };
+
+/** The script of STOP does not arrive: pages still follow the state, and STOP halts as it does without scripts. */
+export const halfLoaded = {
+  tolerated: ['ERR_FAILED'],
+  async play({ page, url, picture, patience }) {
+    const state = async () => (await fetch(`${url}/api/v1/state`)).json();
+    await page.route('**/static/stop.js', (route) => route.abort());
+    for (const path of ['/missions', '/']) {
+      await page.goto(url + path);
+      await page.locator('#bar .phase').waitFor();
+      await page.waitForTimeout(4000);
+      must(await page.locator('#lost, #elsewhere .why').isHidden(), `${path} says that nothing answers`);
+      must(!(await page.locator('.esc').isVisible()), `${path} offers a key that nobody hears`);
+      await hits(page, 'a page with half its scripts');
+      await picture('half');
+      await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
+      await until(async () => (await state()).mission.holds.length === 0, 'the robot goes on', patience);
+      await stop(page).click();
+      await until(async () => (await state()).mission.holds.includes('operator'), `STOP without its script on ${path}`, patience);
+    }
+  },
+};
+
+/** Nothing moves away from under a pointer: from opening the page to the secured bag, no shift of the layout is above 0.02. */
+export const unmoved = {
+  browser: { viewport: { width: 1280, height: 720 } },
+  async play({ page, url, patience }) {
+    const ask = async (method, path, body) => {
+      const answer = await fetch(`${url}/api/v1/${path}`, { method, headers: { 'content-type': 'application/json' }, body: body && JSON.stringify(body) });
+      return answer.json();
+    };
+    const state = () => ask('GET', 'state');
+    await page.addInitScript(() => {
+      globalThis.shifts = [];
+      const what = ({ node, previousRect: from, currentRect: to }) => `${node?.id || node?.className || node?.nodeName}: ${from.x},${from.y} to ${to.x},${to.y}`;
+      new PerformanceObserver((list) => list.getEntries().forEach(({ value, sources }) => shifts.push([value, sources.map(what)])))
+        .observe({ type: 'layout-shift', buffered: true });
+    });
+    await page.goto(url);
+    const stays = async (when) => {
+      await look(page);
+      const [most] = await page.evaluate(() => shifts.splice(0).sort(([one], [other]) => other - one));
+      must(!most || most[0] <= 0.02, `${when}: ${most}`);
+    };
+    // Another client sends the commands, so every shift is unexpected.
+    const verdict = async (count, verdict) => {
+      await until(async () => (await state()).luggage.length === count && (await state()).mission.phase === 'inspecting', `piece ${count}`, patience);
+      await stays(`piece ${count}`);
+      await until(async () => 'id' in await ask('POST', `luggage/${(await state()).luggage.at(-1).id}/verdict`, { verdict }), `a verdict on piece ${count}`, patience);
+    };
+    await stays('open');
+    await ask('POST', 'commands/start');
+    await stays('started');
+    await verdict(1, 'safe');
+    await ask('PUT', 'temperature', { status: 'tooHigh' });
+    await stays('too hot');
+    await ask('PUT', 'temperature', { status: 'ok' });
+    await ask('POST', 'commands/start');
+    await verdict(2, 'danger');
+    await until(async () => (await state()).mission.phase === 'bombLocated', 'the robot at home', patience);
+    await stays('the incident');
+    for (const alarm of (await state()).alarms) await ask('POST', `alarms/${alarm.id}/acknowledge`);
+    await stays('acknowledged');
+    await ask('POST', 'commands/retrieve');
+    await stays('the retrieval');
+    await until(async () => (await state()).mission.phase === 'bagSecured', 'the bag secured', patience);
+    await stays('secured');
+  },
+};

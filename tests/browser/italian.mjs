@@ -53,7 +53,7 @@ export const italian = {
     await picture('waits');
     const id = await numberOf(safe(page));
     await page.keyboard.press('s');
-    await page.locator(`#piece-${id}`).filter({ hasText: 'sicuro' }).waitFor();
+    await page.locator(`#piece-${id}`).filter({ hasText: 'sicuro' }).waitFor({ state: 'attached' });
     await stop(page).click();
     await page.getByText('fermato dall\'operatore').first().waitFor();
     await readsNoEnglish(page, 'a mission that is held');

@@ -28,7 +28,7 @@ const watching = {
     must(before > 0, 'no robot is drawn');
 
     await panel.getByText('16×').click();
-    await button(panel, 'Start').click();
+    await button(panel, 'Play').click();
     await until(async () => await clock(panel) > 20, 'that time passes', patience);
     await button(panel, 'Pause').click();
     const stood = await clock(panel);
@@ -88,7 +88,7 @@ export const laboratoryCalm = {
     const panel = roomba(page);
     await panel.locator('.player output').waitFor();
     const pictures = new Set();
-    await button(panel, 'Start').click();
+    await button(panel, 'Play').click();
     const began = Date.now();
     await until(async () => pictures.add(await clock(panel)) && await clock(panel) >= 3, 'that time passes', patience);
     must(pictures.size <= 3 + (Date.now() - began) / 1000, `the picture moves all the time: ${[...pictures]}`);
@@ -114,7 +114,7 @@ const carrying = {
     const before = String(await heights());
 
     await panel.getByText('16×').click();
-    await button(panel, 'Start').click();
+    await button(panel, 'Play').click();
     await until(async () => await clock(panel) > 8, 'that time passes', patience);
     await button(panel, 'Pause').click();
     const stood = await yard(panel);

@@ -22,7 +22,11 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = { ...missions, ...access, ...always, ...italian, ...laboratory, ...large, ...pictures, ...report, ...retrieval, ...time, ...verdicts, ...simulator }[name];
+const modules = [missions, access, always, italian, laboratory, large, pictures, report, retrieval, time, verdicts, simulator];
+const names = modules.flatMap(Object.keys);
+const twice = names.filter((one, place) => names.indexOf(one) < place);
+if (twice.length > 0) throw new Error(`two scenarios are called ${twice}`);
+const scenario = Object.assign({}, ...modules)[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();

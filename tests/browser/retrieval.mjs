@@ -71,7 +71,7 @@ async function secured(page, url, waiting) {
   const beside = await page.evaluate(() => ['.left', '.engine'].map((name) => {
     const part = document.querySelector(`#bar ${name}`);
     const size = (of) => getComputedStyle(of).fontSize;
-    return part && { words: part.innerText, isCut: part.offsetWidth === 0 || part.scrollWidth > part.clientWidth + 1, isAsLarge: size(part) === size(part.parentElement) };
+    return part && { words: part.innerText.replace(/\s+/g, ' '), isCut: part.offsetWidth === 0 || part.scrollWidth > part.clientWidth + 1, isAsLarge: size(part) === size(part.parentElement) };
   }));
   const [left, engine] = beside;
   must(engine?.words === 'simulated' && !engine.isCut, `the bar does not say that it is simulated: ${JSON.stringify(beside)}`);
@@ -91,6 +91,7 @@ const fetched = {
     await tab(page, 'Trees');
     await page.locator('#trees .node.running.ticked').first().waitFor();
     must((await page.locator('#trees .tree').count()) === 3, 'not all three trees are shown');
+    await phase(page, /retrieving the bag[^]*(clears the way|fetches the bag|carries it out)/i, waiting);
     await until(async () => (await page.locator('#hall-carriers .carrier').count()) === 2, 'both robots on the map', patience);
     await fits(page);
     await until(async () => (await state(url)).robots.some((robot) => robot.arm?.lifted), 'the bag lifted', patience);
@@ -133,7 +134,7 @@ const fetched = {
     must(String(first) !== String(middle) && String(middle) !== String(last), 'the trees do not follow the time');
     must((await page.locator('#happened li[aria-current]').innerText()).includes('ended'), 'the list does not follow the time');
     must(String(await at(0)) === String(first), 'going back does not lead back');
-    await button(page, 'Start').click();
+    await button(page, 'Play').click();
     await until(async () => parseFloat(await page.locator('.player output').innerText()) > 0.2, 'that time passes', patience);
     await picture('again');
   },
@@ -155,7 +156,7 @@ export const retrievalPlain = {
     await answer(page, url, waiting);
     await secured(page, url, waiting);
     await page.goto(`${url}/missions/1`);
-    await page.getByRole('link', { name: /step by step/ }).click();
+    await page.getByRole('link', { name: 'Behaviour trees of the retrieval' }).click();
     await fits(page);
     const stands = () => page.locator('#trees').innerText();
     const last = await stands();

@@ -67,7 +67,7 @@ export const hallByPointer = {
 
     await page.getByLabel('Name').fill('drawn by hand');
     await button(page, 'Set name and size').click();
-    await button(page, 'Put the robots into this hall').click();
+    await button(page, 'Use this hall').click();
     await page.locator('main').getByText('drawn by hand').waitFor();
     await searched(page, patience);
     must(await page.locator('#bar h1').getByText('drawn by hand').isVisible(), 'the console calls the hall otherwise');
@@ -96,7 +96,7 @@ export const hallByKeys = {
     must(/: luggage$/.test(await cursor(page).innerText()), await cursor(page).innerText());
     await picture('typed');
     await page.getByText('The hall is valid').waitFor();
-    await button(page, 'Put the robots into this hall').focus();
+    await button(page, 'Use this hall').focus();
     await page.keyboard.press('Enter');
     await page.waitForURL(/\/simulator$/);
     await searched(page, patience);
@@ -270,7 +270,7 @@ export const simulatorControls = {
     await page.waitForURL(/\/$/);
     await page.goto(`${url}/simulator`);
     await page.getByText(/let the mission end, or press RESET/).waitFor();
-    must(await button(page, 'Put the robots into this hall').isDisabled(), 'the hall can be left');
+    must(await button(page, 'Use this hall').isDisabled(), 'the hall can be left');
     await button(page, /^One step/).click();
     await stop(page).click();
     await page.getByText('STOP is confirmed').waitFor();
@@ -306,7 +306,7 @@ export const simulatorPlain = {
     await page.getByText('The hall is valid').waitFor();
     await fits(page);
     await picture('checked');
-    await button(page, 'Put the robots into this hall').click();
+    await button(page, 'Use this hall').click();
     await page.getByText('written').waitFor();
     await button(page, 'START the search').click();
     await page.waitForURL(`${url}/`);

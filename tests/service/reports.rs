@@ -136,9 +136,9 @@ fn beside_what_a_mission_came_to_stands_what_was_not_searched() {
     let places = format!("{open} known places not searched");
     let page = |path: &str| program.read(path, &[("accept", "text/html")]).text();
     for (path, wanted) in [
-        ("/", format!("<span class=\"left\">· {places}</span>")),
+        ("/", format!("<span class=\"left\"><span class=\"unseen\">· </span>{places}</span>")),
         ("/", format!("bomb located · {places} · hallsweep</title>")),
-        ("/missions", "A bomb was located · the search ended there</td>".to_owned()),
+        ("/missions", "A bomb was located · the search ended there</span></td>".to_owned()),
         ("/missions/1", format!("A bomb was located · {places} · simulated</h2>")),
         ("/missions/1/report?language=en", format!("A bomb was located · {places} · simulated</p>")),
         ("/missions/1/report?language=en", format!("<dt>Known places not searched</dt><dd>{open}</dd>")),

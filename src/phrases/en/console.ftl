@@ -68,9 +68,11 @@ held-by = <b>Held:</b> { $what }
 fault-is = <b>Fault:</b> { $what }
 unrecorded = <b>Nothing can be recorded:</b> { $why }. The robot does not move until recording works again and START is pressed.
 piece-waits = luggage #{ $id } waits for your verdict
+piece-waited = luggage #{ $id } was waiting for its verdict
 interrupted = { $phase } (was { $before })
 hold-fetchers-called = the retrieving robots have raised an alarm: acknowledge the alarm first
 hold-with-why = { $hold }: { $why }
+hold-declared = an operator has set the temperature to TOO HIGH
 hold-waits-for-operator = waiting for the operator
 hold-too-hot = too hot: { $readings }; required: { $cool } or less
 reading-of = { $source } { $reading }
@@ -79,8 +81,8 @@ next-retrieve = Press RETRIEVE to bring the luggage into the container.
 next-acknowledge = Acknowledge the alarm.
 next-acknowledge-retrieve = Acknowledge the alarm, then press RETRIEVE to bring the luggage into the container.
 next-reset = When the hall is safe again, press RESET to archive this mission.
-next-secured = { $what }. START begins a new search, RESET archives this mission.
-next-explored = Everything reachable from here has been searched. START searches everything again, RESET archives this mission.
+next-secured = { $what }. START archives this mission and begins a new search, RESET only archives it.
+next-explored = Everything reachable from here has been searched. START archives this mission and searches everything again, RESET only archives it.
 secured-one = luggage #{ $id } is in the container
 secured-many = pieces of luggage { $ids } are in the container
 announced-searched = At least { $count } cells are searched.
@@ -89,7 +91,7 @@ announced-waits = Luggage #{ $id } waits for your verdict.
 ## Progress
 
 progress-searched = <b>{ $searched }</b> searched
-progress-reach = { $reachable } of { $free } free cells can be reached from the start
+progress-reach = { $reachable } of { $free } free cells reachable
 progress-none = The search has not begun.
 progress-forecast = Estimated driving time at the pace so far, without photos and answers. The estimate was correct at 95 of 100 moments in random halls, and at 83 of 100 in halls of corridors.
 progress-gone = <b>{ $time }</b> elapsed
@@ -124,12 +126,12 @@ incident-then = { $count ->
    *[other] Danger then: { $count } bombs were in the hall
 }
 incident-acknowledged = Alarm at <time class="num">{ $raised }</time>; acknowledged by <b>{ $who }</b> at <time class="num">{ $seen }</time>
-incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }.<br><b>Nobody has acknowledged this alarm yet.</b>
+incident-alarm = <b>Alarm</b> at <time class="num">{ $time }</time>: { $text }. <b>Nobody has acknowledged this alarm yet.</b>
 incident-unrecorded = <b>Alarm</b> at <time class="num">{ $time }</time> (not recorded yet): { $text }.
 incident-bomb = <b>Luggage #{ $id }</b> at { $place }:<br>{ $from_home }
 incident-bomb-held = <b>Luggage #{ $id }</b> is being carried ({ $now }); it was found at { $place }
 incident-found = judged dangerous by { $who } at { $time }
-incident-more = { $count } more: see the luggage list below.
+incident-more = { $count } more: see the list of this mission.
 evacuate-no-circle = Keep { $metres } m away. The page shows no circle because the cell size is unknown.
 evacuate-all = Keep { $metres } m away: the whole known hall is within this distance.
 evacuate-circle = Keep { $metres } m away: stay outside the red circle on the map.
@@ -161,8 +163,8 @@ from-home-straight = { $sides } of home, { $metres } m in a straight line
 inspect-title = Luggage #{ $id }
 inspect-waits = waiting for <b>{ $time }</b>
 inspect-waits-now = waiting for <b data-since="{ $since }">{ $time }</b>
-photo-large = Large
-photo-usual = Back
+photo-large = Enlarge
+photo-usual = Reduce
 no-photo = There is no photo: { $why }.
 no-photo-ask-again = There is no photo: { $why }. Take the photo again, or press DANGER without a photo.
 safe-button = ✓ SAFE #{ $id }
@@ -201,8 +203,8 @@ temperature-unheard = no thermometer responds: the temperature is unknown
 reading-age = read <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> ago
 reading-on-record = recorded at { $time }
 reading-lost-then = not known then, last: { $last }
-temperature-ok = ok
-temperature-declared = too high, reported by an operator: press OK to cancel
+temperature-ok = normal
+temperature-declared = too high (operator)
 temperature-high = too high: nothing moves
 temperature-stale = sensor silent: nothing moves
 temperature-reported = An operator reported { $reading }. This reading applies until a reading of { $cool } or less is reported.
@@ -212,7 +214,7 @@ temperature-ok-button = OK
 temperature-ok-act = TEMPERATURE OK
 temperature-high-button = TOO HIGH
 temperature-field = Reading in °C
-temperature-report = Report
+temperature-report = Enter
 
 ## Robots
 
@@ -234,7 +236,6 @@ sonar-none = none
 sonar-nothing = nothing near
 parts-unknown = not known while there is no link
 load-none = none
-load-held = held
 load-lifted = held, lifted
 load-on-floor = held, on the floor
 doing-held = held by STOP
@@ -261,7 +262,7 @@ hall-pieces = Pieces of luggage found: { $count }.
 
 more = Search order, archiving, driving by hand
 strategy = Search order
-strategy-choose = Choose
+strategy-choose = Set
 reset-question = Archive this mission?
 reset-what = Archive this mission
 reset-consequence = RESET archives the mission; at home, RESET also empties the map. Nothing moves.
@@ -293,9 +294,7 @@ log-lines = Log, the latest first
 retrieval-of = Retrieval of luggage #{ $id } <span class="quiet">by { $who }</span>
 retrieval = Retrieval
 retrieval-not = <b>The luggage cannot be fetched:</b> { $why }
-retrieval-secured = The bag is in the container.
 retrieval-again = Replay the retrieval step by step
-retrieval-robot = Robot { $robot }
 retrieval-gripper = Gripper
 gripper-open = open
 gripper-closed = closed

@@ -68,9 +68,11 @@ held-by = <b>Bloccato:</b> { $what }
 fault-is = <b>Guasto:</b> { $what }
 unrecorded = <b>Non si può registrare niente:</b> { $why }. Il robot resta fermo finché la registrazione non riprende e non si preme AVVIA.
 piece-waits = il bagaglio #{ $id } attende il verdetto
+piece-waited = il bagaglio #{ $id } attendeva il verdetto
 interrupted = { $phase } (prima: { $before })
 hold-fetchers-called = i robot che recuperano hanno dato un allarme: prima confermare l'allarme
 hold-with-why = { $hold }: { $why }
+hold-declared = un operatore ha impostato la temperatura su TROPPO ALTA
 hold-waits-for-operator = in attesa dell'operatore
 hold-too-hot = troppo caldo: { $readings }; servono { $cool } o meno
 reading-of = { $source } { $reading }
@@ -79,8 +81,8 @@ next-retrieve = Premere RECUPERA per portare il bagaglio nel contenitore.
 next-acknowledge = Confermare l'allarme.
 next-acknowledge-retrieve = Confermare l'allarme, poi premere RECUPERA per portare il bagaglio nel contenitore.
 next-reset = Quando la sala è di nuovo sicura, premere ARCHIVIA per archiviare questa missione.
-next-secured = { $what }. AVVIA comincia una nuova ricerca, ARCHIVIA archivia questa missione.
-next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA esplora tutto di nuovo, ARCHIVIA archivia questa missione.
+next-secured = { $what }. AVVIA archivia questa missione e comincia una nuova ricerca, ARCHIVIA la archivia soltanto.
+next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA archivia questa missione ed esplora tutto di nuovo, ARCHIVIA la archivia soltanto.
 secured-one = il bagaglio #{ $id } è nel contenitore
 secured-many = i bagagli { $ids } sono nel contenitore
 announced-searched = Celle esplorate: almeno { $count }.
@@ -89,7 +91,7 @@ announced-waits = Il bagaglio #{ $id } attende il verdetto.
 ## Progress
 
 progress-searched = esplorate <b>{ $searched }</b>
-progress-reach = dalla partenza si raggiungono { $reachable } celle libere su { $free }
+progress-reach = { $reachable } celle libere su { $free } raggiungibili
 progress-none = La ricerca non è cominciata.
 progress-forecast = Stima del tempo di guida al passo tenuto finora, senza foto e risposte. La stima era giusta in 95 momenti su 100 in sale a caso, e in 83 su 100 in sale di corridoi.
 progress-gone = <b>{ $time }</b> dall'inizio
@@ -124,14 +126,14 @@ incident-then = { $count ->
    *[other] Pericolo allora: { $count } bombe erano nella sala
 }
 incident-acknowledged = Allarme alle <time class="num">{ $raised }</time>; confermato da <b>{ $who }</b> alle <time class="num">{ $seen }</time>
-incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }.<br><b>Nessuno ha ancora confermato questo allarme.</b>
+incident-alarm = <b>Allarme</b> alle <time class="num">{ $time }</time>: { $text }. <b>Nessuno ha ancora confermato questo allarme.</b>
 incident-unrecorded = <b>Allarme</b> alle <time class="num">{ $time }</time> (non ancora registrato): { $text }.
 incident-bomb = <b>Bagaglio #{ $id }</b> in { $place }:<br>{ $from_home }
 incident-bomb-held = Il <b>bagaglio #{ $id }</b> è in trasporto ({ $now }); era in { $place }
 incident-found = giudicato pericoloso da { $who } alle { $time }
 incident-more = { $count ->
-    [one] E un altro: si vedano i bagagli più sotto.
-   *[other] E altri { $count }: si vedano i bagagli più sotto.
+    [one] E un altro: si veda l'elenco di questa missione.
+   *[other] E altri { $count }: si veda l'elenco di questa missione.
 }
 evacuate-no-circle = Tenersi a { $metres } m di distanza. La pagina non mostra il cerchio perché il lato di una cella non è noto.
 evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è entro questa distanza.
@@ -164,8 +166,8 @@ from-home-straight = { $sides } della base, { $metres } m in linea d'aria
 inspect-title = Bagaglio #{ $id }
 inspect-waits = attende da <b>{ $time }</b>
 inspect-waits-now = attende da <b data-since="{ $since }">{ $time }</b>
-photo-large = Grande
-photo-usual = Indietro
+photo-large = Ingrandire
+photo-usual = Ridurre
 no-photo = Non c'è nessuna foto: { $why }.
 no-photo-ask-again = Non c'è nessuna foto: { $why }. Rifare la foto, o premere PERICOLO senza foto.
 safe-button = ✓ SICURO #{ $id }
@@ -204,8 +206,8 @@ temperature-unheard = nessun termometro risponde: la temperatura non è nota
 reading-age = letta <b data-since="{ $since }" data-old="{ $old }">{ $time }</b> fa
 reading-on-record = registrata alle { $time }
 reading-lost-then = allora non nota; ultimo dato: { $last }
-temperature-ok = nella norma
-temperature-declared = troppo alta secondo un operatore: premere OK per annullare
+temperature-ok = normale
+temperature-declared = troppo alta (operatore)
 temperature-high = troppo alta: niente si muove
 temperature-stale = sensore muto: niente si muove
 temperature-reported = Un operatore ha riferito { $reading }. Questa lettura vale finché non è riferita una lettura di { $cool } o meno.
@@ -237,7 +239,6 @@ sonar-none = assente
 sonar-nothing = niente vicino
 parts-unknown = non note finché non c'è collegamento
 load-none = nessuno
-load-held = in presa
 load-lifted = in presa, sollevato
 load-on-floor = in presa, sul pavimento
 doing-held = bloccato da STOP
@@ -264,7 +265,7 @@ hall-pieces = Bagagli trovati: { $count }.
 
 more = Ordine di ricerca, archiviazione, guida a mano
 strategy = Ordine di ricerca
-strategy-choose = Scegliere
+strategy-choose = Impostare
 reset-question = Archiviare questa missione?
 reset-what = Archiviare questa missione
 reset-consequence = ARCHIVIA archivia la missione; alla base svuota anche la mappa. Niente si muove.
@@ -296,9 +297,7 @@ log-lines = Cronaca, dalla più recente
 retrieval-of = Recupero del bagaglio #{ $id } <span class="quiet">da parte di: { $who }</span>
 retrieval = Recupero
 retrieval-not = <b>Il bagaglio non può essere recuperato:</b> { $why }
-retrieval-secured = Il bagaglio è nel contenitore.
 retrieval-again = Rivedere il recupero passo per passo
-retrieval-robot = Robot { $robot }
 retrieval-gripper = Pinza
 gripper-open = aperta
 gripper-closed = chiusa

@@ -113,8 +113,9 @@ impl Scene {
         let ((x, y), size) = (self.at(waits, robot), self.size);
         let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
         let (name, arm) = (robot.id.name(), self.arm(waits, robot));
-        // The name is drawn on the side of the robot that is away from the piece.
-        let is_above = reaches(robot).is_some_and(|place| self.place(place).1 > y);
+        // The name is drawn on the side of the robot that is away from the piece. Before the entrance it is above, because
+        // the numbers of columns are below.
+        let is_above = robot.view.outside > 0 || reaches(robot).is_some_and(|place| self.place(place).1 > y);
         let name_y = if is_above { "-5" } else { "8.2" };
         write(
             group,

@@ -55,16 +55,14 @@ pub(super) const fn tile_corner(cell: Cell) -> Cell {
 /// Draws a tile as a group, with one path for each kind of mark in the tile.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
-    for (class, wanted) in [
-        ("seen", Mark::Seen),
-        ("visited", Mark::Visited),
-        ("wall", Mark::Wall),
-        ("bag", Mark::Luggage),
-        ("todo", Mark::NotInspected),
-    ] {
+    stroke(&mut group, "wall", &areas(map, corner, Mark::Wall));
+    stroke(&mut group, "edge", &edges(map, corner));
+    // The ends of the edges at inner corners lie over floor, so floor is drawn over them.
+    for (class, wanted) in
+        [("seen", Mark::Seen), ("visited", Mark::Visited), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
+    {
         stroke(&mut group, class, &areas(map, corner, wanted));
     }
-    stroke(&mut group, "edge", &edges(map, corner));
     group.push_str("</g>");
     group
 }
@@ -310,8 +308,8 @@ mod tests {
         let tile = tile(&map, Cell::HOME);
         assert_eq!(
             tile,
-            "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/>\
-             <path class=\"edge\" d=\"M0 11h20\"/></g>"
+            "<g id=\"tile_0_0\"><path class=\"wall\" d=\"M0 10h20v10h-20z\"/><path class=\"edge\" d=\"M0 11h20\"/>\
+             <path class=\"visited\" d=\"M0 0h30v10h-30z\"/></g>"
         );
     }
 

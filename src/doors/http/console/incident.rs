@@ -1,5 +1,5 @@
-//! The part `incident` of the page. It is shown while a piece in the hall is judged dangerous. It contains the next
-//! step with its button, the alarm, the evacuation distance, and each bomb with photo and place.
+//! The part `incident` of the page. It is shown while a piece in the hall is judged dangerous. It contains each
+//! bomb with photo and place, the evacuation distance, the next step, the alarm, and the buttons.
 
 use std::borrow::Cow;
 

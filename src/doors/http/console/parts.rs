@@ -10,7 +10,7 @@ use super::evacuation::{self, from_home};
 use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
-use super::retrieval::{TreeRow, armed, rows, sign, stage, stages};
+use super::retrieval::{TreeRow, rows, sign, stage, stages};
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::api::robot::ArmJson;
@@ -54,7 +54,7 @@ pub(super) const PARTS: [PagePart; 23] = [
     },
     PagePart {
         id: "bar",
-        shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
+        shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage, Resource::Retrieval],
         render: |v| html(&Bar { v }),
     },
     PagePart { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
@@ -84,15 +84,19 @@ pub(super) const PARTS: [PagePart; 23] = [
     PagePart { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     PagePart {
         id: "incident",
-        shows: &[Resource::Luggage, Resource::Alarms, Resource::Mission, Resource::Map, Resource::Temperature],
+        shows: &[
+            Resource::Luggage,
+            Resource::Alarms,
+            Resource::Mission,
+            Resource::Map,
+            Resource::Temperature,
+            Resource::Robot,
+            Resource::Retrieval,
+        ],
         render: |v| html(&Incident { v }),
     },
     PagePart { id: "alarms", shows: &[Resource::Alarms, Resource::Luggage], render: |v| html(&Alarms { v }) },
-    PagePart {
-        id: "retrieval",
-        shows: &[Resource::Retrieval, Resource::Robot, Resource::Mission],
-        render: |v| html(&Retrieval { v }),
-    },
+    PagePart { id: "retrieval", shows: &[Resource::Retrieval, Resource::Mission], render: |v| html(&Retrieval { v }) },
     PagePart { id: "trees", shows: &[Resource::Retrieval], render: |v| html(&Trees { v }) },
     PagePart { id: "blackboard", shows: &[Resource::Retrieval], render: |v| html(&Blackboard { v }) },
     PagePart {
@@ -223,6 +227,21 @@ impl Inspect<'_> {
 }
 
 impl Robot<'_> {
+    fn arm(&self, arm: &ArmState) -> ArmJson {
+        ArmJson::from(*arm)
+    }
+
+    /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has no
+    /// such figures.
+    fn has_arm(&self, robot: &RobotShown) -> bool {
+        robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
+    }
+
+    /// Returns a figure with exactly two decimals, so that the text does not change its width with the value.
+    fn figure(&self, value: &f64) -> String {
+        self.v.language.number(&format!("{value:.2}"))
+    }
+
     fn sonar(&self) -> String {
         if self.v.parts().is_some_and(|parts| !parts.has(robot::Part::Sonar)) {
             return self.v.say("sonar-none").to_string();
@@ -309,28 +328,8 @@ impl Retrieval<'_> {
         stages(*fetcher).iter().map(|name| (*name, stage(self.v.language, *fetcher, name))).collect()
     }
 
-    fn armed(&self) -> Vec<(&RobotShown, ArmState, ArmJson)> {
-        armed(&self.v.snapshot.robots)
-    }
-
-    /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has no
-    /// such figures.
-    fn has_arm(&self, robot: &RobotShown) -> bool {
-        robot.parts.is_some_and(|parts| parts.has(robot::Part::Arm))
-    }
-
     const fn fetcher(&self, fetcher: &Fetcher) -> Phrase<'static> {
         self.v.say_of("fetcher", fetcher.name())
-    }
-
-    /// Returns a figure with exactly two decimals, so that the text does not change its width with the value.
-    fn figure(&self, value: &f64) -> String {
-        self.v.language.number(&format!("{value:.2}"))
-    }
-
-    fn place(&self, robot: &RobotShown) -> String {
-        let outside = self.v.say("before-entrance").to_string();
-        if robot.view.outside > 0 { outside } else { self.v.place(robot.view.pose.cell) }
     }
 }
 

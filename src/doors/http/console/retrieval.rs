@@ -1,14 +1,11 @@
-//! The retrieval on the page: its stages and arms in an operator's words, and its behaviour trees as nested rows. The
+//! The retrieval on the page: its stages in an operator's words, and its behaviour trees as nested rows. The
 //! templates have the markup. `carriers` draws the robots in the hall.
 
 use behaviour_trees::Status;
-use hallsweep_core::arm::ArmState;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::snapshot::retrieval::NodeShown;
-use hallsweep_core::snapshot::robot::RobotShown;
 
-use crate::api::robot::ArmJson;
 use crate::phrases::{Language, Phrase};
 
 /// Returns the names of the stages in the interface, in order. The stages depend on which robots fetch. If the
@@ -55,10 +52,6 @@ pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
         Status::Failure => "✗",
         Status::Skipped => "⤼",
     }
-}
-
-pub(super) fn armed(robots: &[RobotShown]) -> Vec<(&RobotShown, ArmState, ArmJson)> {
-    robots.iter().filter_map(|robot| robot.arm.map(|arm| (robot, arm, ArmJson::from(arm)))).collect()
 }
 
 /// Returns which button the operator has to press so that the halted robots continue. The result is the id of a

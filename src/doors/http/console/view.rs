@@ -10,7 +10,7 @@ use std::sync::Arc;
 use askama::Template;
 use serde::Serialize;
 
-use super::retrieval::wanted_of_the_operator;
+use super::retrieval::{stage, stages, wanted_of_the_operator};
 use super::timeline::Timeline;
 use crate::access::{Need, Role};
 use crate::api::time::Zone;
@@ -190,9 +190,19 @@ impl View<'_> {
         let mission = &self.snapshot.mission;
         let waits = self.snapshot.pending().filter(|_| mission.phase == PhaseName::Inspecting);
         match (waits, mission.interrupted) {
-            (Some(luggage), _) => self.say("piece-waits").with("id", luggage.id).to_string(),
+            (Some(luggage), _) => {
+                let said = if self.then.is_none() { self.say("piece-waits") } else { self.say("piece-waited") };
+                said.with("id", luggage.id).to_string()
+            }
             (None, interrupted) => self.language.phase_and_before(mission.phase, interrupted),
         }
+    }
+
+    /// Returns the stage of a retrieval that is under way. A robot that fetches alone makes no room, so there is no name for
+    /// the stage before it sets out.
+    pub(super) fn stage(&self) -> Option<Phrase<'_>> {
+        let retrieval = self.snapshot.retrieval.as_ref().filter(|_| self.snapshot.mission.phase == PhaseName::Retrieving)?;
+        stages(retrieval.fetcher).contains(&retrieval.stage).then(|| stage(self.language, retrieval.fetcher, retrieval.stage))
     }
 
     pub(super) fn wanted(&self) -> Option<Phrase<'static>> {
@@ -200,9 +210,8 @@ impl View<'_> {
         goes_on.then(|| wanted_of_the_operator(&self.snapshot.mission.holds)).flatten().map(|id| self.say_of("wanted", id))
     }
 
-    /// Whether the page shows a retrieval, or the one that has secured the bag.
     pub(super) fn is_fetching(&self) -> bool {
-        self.snapshot.retrieval.is_some() || self.snapshot.mission.phase == PhaseName::BagSecured
+        self.snapshot.retrieval.is_some()
     }
 
     pub(super) fn has_carriers(&self) -> bool {
@@ -238,6 +247,7 @@ impl View<'_> {
             (Hold::RobotLink, _) if let Some(why) = self.unreached() => {
                 self.say("hold-with-why").with("hold", self.language.hold(*hold)).with("why", why).to_string()
             }
+            (Hold::TooHigh, _) => self.say("hold-declared").to_string(),
             // In this phase the robot waits for RETRIEVE or RESET, and not for START.
             (Hold::AwaitingStart, PhaseName::BombLocated) => self.say("hold-waits-for-operator").to_string(),
             (Hold::Temperature, _) if !heat.is_empty() => {

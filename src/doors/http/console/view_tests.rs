@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::super::page::ConsolePage;
 use super::super::parts::PARTS;
+use super::super::retrieval::stages;
 use super::*;
 use crate::api::tests::fixture::{TEN, degrees, idle, searching, touch};
 use hallsweep_core::arm::{ArmState, Parcel};
@@ -130,9 +131,9 @@ fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
 fn without_a_reading_nothing_is_said_to_be_ok_and_no_button_is_lit() {
     let mut snapshot = idle();
     assert_eq!(view(&snapshot).celsius(), "no reading");
-    assert!(!view(&snapshot).temperature_words().to_string().contains("ok") && !view(&snapshot).reads_ok());
+    assert!(!view(&snapshot).temperature_words().to_string().contains("normal") && !view(&snapshot).reads_ok());
     snapshot.temperature.celsius = Some(degrees(21.0));
-    assert!(view(&snapshot).temperature_words() == "ok" && view(&snapshot).reads_ok());
+    assert!(view(&snapshot).temperature_words() == "normal" && view(&snapshot).reads_ok());
     snapshot.temperature.status = TemperatureStatus::TooHigh;
     assert!(!view(&snapshot).reads_ok(), "OK is not lit while it is too hot");
     snapshot.temperature.status = TemperatureStatus::Stale;
@@ -171,8 +172,8 @@ fn how_much_of_the_hall_can_be_reached_is_said_where_the_hall_is_known_beforehan
     assert!(view(&snapshot).reach().is_none(), "of a hall that nobody knows nothing is said");
     snapshot.mission.progress.reach = Some(Reach { reachable: 51, free: 60 });
     let said = |language| View { language, ..view(&snapshot) }.reach().map(|phrase| phrase.to_string());
-    assert_eq!(said(Language::English).as_deref(), Some("51 of 60 free cells can be reached from the start"));
-    assert_eq!(said(Language::Italian).as_deref(), Some("dalla partenza si raggiungono 51 celle libere su 60"));
+    assert_eq!(said(Language::English).as_deref(), Some("51 of 60 free cells reachable"));
+    assert_eq!(said(Language::Italian).as_deref(), Some("51 celle libere su 60 raggiungibili"));
 }
 
 #[test]
@@ -309,10 +310,11 @@ fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
     };
     for phase in [PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
         for said in shown(phase, 24) {
-            assert!(said.contains("· 24 known places not searched"), "{phase:?}: {said}");
+            assert!(said.replace("<span class=\"unseen\">· </span>", "· ").contains("· 24 known places not searched"), "{phase:?}: {said}");
         }
         assert!(
-            shown(phase, 1)[0].contains("<span class=\"left\">· 1 known place not searched</span></p>"),
+            shown(phase, 1)[0]
+                .contains("<span class=\"left\"><span class=\"unseen\">· </span>1 known place not searched</span></p>"),
             "in the heading itself"
         );
         assert!(shown(phase, 0).iter().all(|said| !said.contains("not searched")), "{phase:?}");
@@ -373,24 +375,50 @@ fn retrieving(holds: &[Hold]) -> Snapshot {
     })
 }
 
+fn at_stage(fetcher: Fetcher, stage: &'static str) -> RetrievalView {
+    RetrievalView { luggage: LuggageId(2), fetcher, stage, reason: None, piece: Vec::new(), trees: Arc::default() }
+}
+
+#[test]
+fn the_bar_names_the_stage_of_a_retrieval_where_it_has_a_name() {
+    for fetcher in Fetcher::ALL {
+        for stage in ["makingRoom", "fetching", "lettingGo", "goingOut", "comingHome"] {
+            let snapshot = changed(retrieving(&[]), |snapshot| snapshot.retrieval = Some(Arc::new(at_stage(fetcher, stage))));
+            let named = view(&snapshot).stage().map(|stage| stage.to_string());
+            assert_eq!(named.is_some(), stages(fetcher).contains(&stage), "{} {stage}", fetcher.name());
+            let bar = part("bar", &snapshot);
+            assert!(named.is_none_or(|named| bar.contains(&named)) && !bar.contains("stage-"), "{stage} in {bar}");
+        }
+    }
+}
+
+fn part(id: &str, snapshot: &Snapshot) -> String {
+    let part = PARTS.iter().find(|part| part.id == id).expect("it is there");
+    (part.render)(&view(snapshot))
+}
+
+#[test]
+fn a_robot_with_an_arm_shows_how_it_grips_and_one_with_a_hook_only_what_it_holds() {
+    for (parts, figures) in [(Parts::default().with(Part::Arm), 2), (Parts::default(), 0)] {
+        let snapshot = changed(searching(), |snapshot| {
+            let robot = RobotShown { parts: Some(parts), arm: Some(ArmState::default()), ..snapshot.robots[0].clone() };
+            snapshot.robots = vec![robot.clone(), robot].into();
+        });
+        let robots = part("robot", &snapshot);
+        assert_eq!(robots.matches("<dt>Gripper</dt>").count(), 2, "{robots}");
+        assert_eq!(robots.matches(" N</dd>").count(), figures, "{robots}");
+    }
+}
+
 #[test]
 fn a_bomb_that_is_carried_is_said_to_be_where_it_is() {
     let incident = |place: Option<Place>| {
         let snapshot = changed(retrieving(&[]), |snapshot| {
-            let view = RetrievalView {
-                luggage: LuggageId(2),
-                fetcher: Fetcher::Pair,
-                stage: "carrying",
-                reason: None,
-                piece: Vec::new(),
-                trees: Arc::default(),
-            };
-            snapshot.retrieval = Some(Arc::new(view));
+            snapshot.retrieval = Some(Arc::new(at_stage(Fetcher::Pair, "carrying")));
             let arm = ArmState { holds: place.map(|place| Parcel { piece: Piece(1), place }), ..ArmState::default() };
             snapshot.robots = snapshot.robots.iter().map(|robot| RobotShown { arm: Some(arm), ..robot.clone() }).collect();
         });
-        let part = PARTS.iter().find(|part| part.id == "incident").expect("it is there");
-        (part.render)(&view(&snapshot))
+        part("incident", &snapshot)
     };
     let found = incident(None);
     assert!(!found.contains("is being carried") && found.contains("of home"), "{found}");
@@ -436,10 +464,10 @@ fn in_every_state_of_a_mission_each_field_says_what_is_so() {
             ("exploring", explores, moving, &[LIT, "\" data-old=\"0\">1:14</b> ago"], &["unlinked\">"]),
             ("awaiting a verdict", searching(), KNOWN, &["data-luggage=\"3\"", "Nobody has acknowledged this alarm yet"], &[]),
             ("stopped", stopped, KNOWN, &["held by STOP", "stopped by the operator"], &[]),
-            ("too hot", hot, too_hot, &["num heat tooHigh", "Hall reads 27.0 °C"], &["<p class=\"status\">ok</p>"]),
+            ("too hot", hot, too_hot, &["num heat tooHigh", "Hall reads 27.0 °C"], &["class=\"status\">normal<"]),
             ("a retrieval", retrieving(&[]), KNOWN, &[FETCHED], &[]),
             ("a retrieval stopped", retrieving(&[Hold::Operator]), KNOWN, &["held by STOP"], &[FETCHED]),
-            ("secured, with open places", secured, KNOWN, &["· 4 known places not searched"], &[]),
+            ("secured, with open places", secured, KNOWN, &["· </span>4 known places not searched"], &[]),
         ],
     );
 }
@@ -469,7 +497,7 @@ fn what_is_not_heard_any_more_is_not_known_in_any_field() {
                 silent,
                 without,
                 &["not known since 10:00:00, last: 21.4 °C", "num heat stale"],
-                &["num heat ok", "<p class=\"status\">ok</p>", "ago</p>"],
+                &["num heat ok", "class=\"status\">normal<", "ago</span>"],
             ),
         ],
     );
@@ -488,7 +516,7 @@ fn in_the_past_nothing_is_live_and_alarms_were_raised_then() {
                 searching(),
                 on_record,
                 &["data-past=\"yes\"", "recorded at 10:00:00", "<b>Alarm</b> raised at", "Danger then:"][..],
-                &["Nobody has acknowledged", "<b>Next:</b>", "class=\"evacuate\"", "panel alarm", "ago</p>", "unlinked\">"][..],
+                &["Nobody has acknowledged", "<b>Next:</b>", "class=\"evacuate\"", "panel alarm", "ago</span>", "unlinked\">"][..],
             ),
             ("the past of a lost link", unlinked(), on_record, &["data-past=\"yes\""], &["unlinked\">"]),
         ],
