@@ -104,7 +104,7 @@ const time = (() => {
 
   const LETTER_PX = 7; // maximum width of a letter
   const SHOT_PX = 40; // minimum distance of two photos
-  const SHOTS = 24; // maximum number of photos
+  const SHOTS = 24; // number of the latest pieces whose photos are shown, as in the list of luggage
   let namesOf = ""; // mission and scale of the drawn names and photos; empty: they are drawn anew
 
   /** The names of the phases that have room, and the photos of the pieces where they were found. */
@@ -131,12 +131,11 @@ const time = (() => {
     }));
     const verdicts = new Map(marks(".mark:is(.safe, .danger)").map((mark) => [mark.dataset.piece, mark.classList[1]]));
     const there = new Map([...at("shots").children].map((shot) => [shot.dataset.photo, shot]));
-    const apart = Math.max(SHOT_PX, track.clientWidth / SHOTS);
-    let last = -apart;
-    at("shots").replaceChildren(...marks(".found[data-take]").flatMap((find) => {
+    let last = -SHOT_PX;
+    at("shots").replaceChildren(...marks(".found[data-take]").slice(-SHOTS).flatMap((find) => {
       const { piece, take } = find.dataset;
       const place = pixels(startOf(find));
-      if (place - last < apart) return [];
+      if (place - last < SHOT_PX) return [];
       last = place;
       const photo = `./api/v1/luggage/${piece}/photo?take=${take}`;
       const shot = there.get(photo) ?? Object.assign(new Image(), { fetchPriority: "low", src: photo, alt: "", onerror: () => shot.remove() });

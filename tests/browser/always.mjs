@@ -516,7 +516,7 @@ export const unmoved = {
     const verdict = async (count, verdict) => {
       await until(async () => (await state()).luggage.length === count && (await state()).mission.phase === 'inspecting', `piece ${count}`, patience);
       await stays(`piece ${count}`);
-      await until(async () => 'id' in await ask('POST', `luggage/${(await state()).luggage.at(-1).id}/verdict`, { verdict }), `a verdict on piece ${count}`, patience);
+      await until(async () => (await ask('POST', `luggage/${(await state()).luggage.at(-1).id}/verdict`, { verdict })).accepted, `a verdict on piece ${count}`, patience);
     };
     await stays('open');
     await ask('POST', 'commands/start');

@@ -34,7 +34,7 @@ halls-download = Download
 halls-file = The hall as a file
 halls-file-about = In the drawing, <code>.</code> is floor, <code>#</code> is wall, <code>S</code> is home, and other letters are luggage. <code>dangerous = true</code> marks a dangerous piece.
 halls-check = Check
-halls-use = Put the robots into this hall
+halls-use = Use this hall
 halls-another = Begin with another hall
 
 ## Halls that are kept.

@@ -34,7 +34,7 @@ halls-download = Scaricare
 halls-file = La sala come file
 halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> è parete, <code>S</code> è la base, e le altre lettere sono bagagli. <code>dangerous = true</code> segna un bagaglio pericoloso.
 halls-check = Controllare
-halls-use = Collocare i robot in questa sala
+halls-use = Usare questa sala
 halls-another = Cominciare da un'altra sala
 
 ## Halls that are kept.

@@ -310,7 +310,10 @@ fn beside_what_sounds_like_an_end_stands_what_is_not_searched() {
     };
     for phase in [PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored] {
         for said in shown(phase, 24) {
-            assert!(said.replace("<span class=\"unseen\">· </span>", "· ").contains("· 24 known places not searched"), "{phase:?}: {said}");
+            assert!(
+                said.replace("<span class=\"unseen\">· </span>", "· ").contains("· 24 known places not searched"),
+                "{phase:?}: {said}"
+            );
         }
         assert!(
             shown(phase, 1)[0]
