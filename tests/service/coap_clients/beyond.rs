@@ -81,15 +81,16 @@ fn strangers_read_everything_once_they_have_proved_their_address() {
     let piece = program.until_asked();
     let state = shown::state(program.json("state"));
     let photo = program.read(&format!("/api/v1/luggage/{piece}/photo"), &[]).body;
+    // This client comes first: the system may give it the port of a client that has proved its address.
+    if Client::CoapCli.is_here() {
+        assert_eq!(Client::CoapCli.ask(&door, &Ask::get("/state")).code, "4.01");
+    }
     for client in [Client::Libcoap, Client::Aiocoap].into_iter().filter(|client| client.is_here()) {
         let get = |path: &str| client.ask(&door, &Ask { block: Some(1024), ..Ask::get(path) });
         assert_eq!(get("/robot").json(), state["robot"], "{client:?}");
         assert!(get("/.well-known/core").text().contains("</resourcemodel>"));
         assert_eq!(get("/state").json(), state, "{client:?}");
         assert!(get(&format!("/luggage/{piece}/photo")).content() == photo, "{client:?}");
-    }
-    if Client::CoapCli.is_here() {
-        assert_eq!(Client::CoapCli.ask(&door, &Ask::get("/state")).code, "4.01");
     }
 }
 
