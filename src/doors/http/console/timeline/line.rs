@@ -274,15 +274,16 @@ impl Timeline {
 /// Returns attributes with the piece that a fact is about, and with the number of its photo. The page puts the photo
 /// on the timeline.
 fn about(fact: &Fact) -> String {
-    match fact {
-        Fact::Luggage { record, .. } => {
-            let take =
-                if let PhotoState::Taken { take, .. } = record.photo { format!(" data-take=\"{take}\"") } else { String::new() };
-            format!(" data-piece=\"{}\"{take}", record.id)
-        }
-        Fact::Verdict { luggage, .. } => format!(" data-piece=\"{luggage}\""),
-        _ => String::new(),
-    }
+    let (piece, take) = if let Fact::Luggage { record, .. } = fact {
+        let take = if let PhotoState::Taken { take, .. } = record.photo { Some(take) } else { None };
+        (record.id, take)
+    } else if let Fact::Verdict { luggage, .. } = fact {
+        (*luggage, None)
+    } else {
+        return String::new();
+    };
+    let take = take.map(|take| format!(" data-take=\"{take}\"")).unwrap_or_default();
+    format!(" data-piece=\"{piece}\"{take}")
 }
 
 /// Returns the CSS class of a fact's mark, or `None` if the fact has no mark.
