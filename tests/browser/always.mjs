@@ -527,6 +527,13 @@ export const unmoved = {
     await ask('PUT', 'temperature', { status: 'ok' });
     await ask('POST', 'commands/start');
     await verdict(2, 'danger');
+    const place = async () => {
+      const { x, width } = await page.getByRole('button', { name: 'Acknowledge' }).boundingBox();
+      return `${x}, ${width} px wide`;
+    };
+    const before = await place();
+    await page.getByRole('button', { name: 'RETRIEVE' }).waitFor();
+    must(before === await place(), `Acknowledge was at ${before}, and is at ${await place()} when RETRIEVE appears`);
     await until(async () => (await state()).mission.phase === 'bombLocated', 'the robot at home', patience);
     await stays('the incident');
     for (const alarm of (await state()).alarms) await ask('POST', `alarms/${alarm.id}/acknowledge`);
