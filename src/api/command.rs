@@ -10,7 +10,7 @@ use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
 use hallsweep_core::command::{Command, CommandId, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
-use hallsweep_core::units::{Cell, Celsius, Epoch};
+use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::REACH;
 
@@ -20,6 +20,18 @@ pub use super::fields::Unusable;
 #[derive(Clone, Copy, Debug, Default, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct EpochBody {
+    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
+    #[schemars(range(max = u64::MAX))]
+    epoch: Option<u64>,
+}
+
+/// Piece to fetch, as `{"luggage":3}`. The body may be absent.
+#[derive(Clone, Copy, Debug, Default, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct RetrieveBody {
+    /// Number of a dangerous piece in the hall. Without a number, the piece that was found first is fetched.
+    #[schemars(range(max = u64::MAX))]
+    luggage: Option<u64>,
     /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
@@ -132,6 +144,14 @@ impl Body for EpochBody {
     }
 }
 
+impl Body for RetrieveBody {
+    const FIELDS: &'static [&'static str] = &["luggage", "epoch"];
+
+    fn taken(fields: &BodyFields) -> Result<RetrieveBody, Unusable> {
+        Ok(RetrieveBody { luggage: fields.count("luggage")?, epoch: fields.count("epoch")? })
+    }
+}
+
 impl Body for MoveBody {
     const FIELDS: &'static [&'static str] = &["move", "epoch"];
 
@@ -178,6 +198,12 @@ impl Body for StrategyBody {
 impl EpochBody {
     pub fn epoch(self) -> Option<Epoch> {
         self.epoch.map(Epoch)
+    }
+}
+
+impl RetrieveBody {
+    pub fn command(self) -> (Command, Option<Epoch>) {
+        (Command::Retrieve(self.luggage.map(LuggageId)), self.epoch.map(Epoch))
     }
 }
 

@@ -2,7 +2,7 @@
 //! topics. The lists of commands in `docs/` are derived from it, too. A new command needs one row here, and its
 //! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
-use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
+use super::command::{EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
 use crate::access::Need;
 use hallsweep_core::command::{Command, LuggageRef};
@@ -13,6 +13,7 @@ pub enum CommandKind {
     Start,
     Stop,
     BackHome,
+    GoOn,
     Retrieve,
     Reset,
     Move,
@@ -40,6 +41,8 @@ pub enum Takes {
     Nothing,
     /// The body has at most an epoch, and may be missing.
     Epoch,
+    /// The body has at most an epoch and the number of a piece, and may be missing.
+    Retrieve,
     Move,
     Goto,
     Verdict,
@@ -78,11 +81,13 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
-pub const COMMANDS: [CommandRow; 12] = [
+pub const COMMANDS: [CommandRow; 13] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
-    word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
+    word("goOn", "/commands/goOn", "go on with the search after a find", CommandKind::GoOn, EPOCH),
+    CommandRow { takes: Takes::Retrieve, ..word("retrieve", "/commands/retrieve", "fetch a dangerous piece", CommandKind::Retrieve,
+        &[r#"{"epoch":4}"#, r#"{"luggage":3}"#]) },
     word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
@@ -131,7 +136,8 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Stop => Ok((Command::Stop, None)),
         CommandKind::Start => with_epoch(Command::Start),
         CommandKind::BackHome => with_epoch(Command::BackHome),
-        CommandKind::Retrieve => with_epoch(Command::Retrieve),
+        CommandKind::GoOn => with_epoch(Command::GoOn),
+        CommandKind::Retrieve => Ok(payload.optional::<RetrieveBody>()?.command()),
         CommandKind::Reset => with_epoch(Command::Reset),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),
         CommandKind::Goto => Ok(payload.needed::<GotoBody>()?.command()?),
@@ -150,7 +156,7 @@ impl CommandRow {
     }
 
     pub const fn needs_body(&self) -> bool {
-        !matches!(self.takes, Takes::Nothing | Takes::Epoch)
+        !matches!(self.takes, Takes::Nothing | Takes::Epoch | Takes::Retrieve)
     }
 }
 

@@ -10,6 +10,7 @@ use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::{MissionView, Progress, Refusals, TimeLeft};
 use hallsweep_core::units::Revision;
+use hallsweep_core::world::keep_out::{KeepOut, Ring};
 
 /// State of the mission.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -43,8 +44,22 @@ pub struct MissionJson {
     pub epoch: u64,
     /// Progress of the search.
     pub progress: ProgressJson,
+    /// Keep-out rings round the bombs in the hall that nobody is fetching; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub keep_out: Vec<RingJson>,
     /// For each button, the sentence that says why the button would be refused now, or null.
     pub refusals: RefusalsJson,
+}
+
+/// Keep-out ring: the cells round a bomb that no robot enters by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct RingJson {
+    /// Number of the dangerous piece.
+    pub luggage: u64,
+    /// Known cells of the piece.
+    pub cells: Vec<PositionJson>,
+    /// Radius round each of these cells, in cells, from middle to middle.
+    pub radius: f64,
 }
 
 /// Progress of the search.
@@ -55,6 +70,9 @@ pub struct ProgressJson {
     pub visited: usize,
     /// Number of open places: unknown cells beside visited cells, and obstacles still to be inspected.
     pub unknown: usize,
+    /// Number of open places inside keep-out rings, which are not in `unknown`; absent if there are no such places.
+    #[serde(skip_serializing_if = "is_none")]
+    pub kept_out: usize,
     /// 100 when no place is open any more. Null until then, because the size of the hall is not known yet.
     pub percent: Option<u8>,
     /// Remaining driving time of the search, without the time for photos and verdicts; null while there is no
@@ -84,6 +102,7 @@ pub struct SecondsLeftJson {
 pub struct RefusalsJson {
     pub start: Option<String>,
     pub back_home: Option<String>,
+    pub go_on: Option<String>,
     pub retrieve: Option<String>,
     pub reset: Option<String>,
     pub drive: Option<String>,
@@ -119,9 +138,25 @@ impl MissionJson {
             strategy: mission.strategy.name(),
             epoch: mission.epoch.0,
             progress: mission.progress.into(),
+            keep_out: rings(&mission.keep_out),
             refusals: (&mission.refusals).into(),
         }
     }
+}
+
+fn rings(keep_out: &KeepOut) -> Vec<RingJson> {
+    let radius = (keep_out.radius() * 100.0).round() / 100.0;
+    let ring = |ring: &Ring| RingJson {
+        luggage: ring.luggage.0,
+        cells: ring.bomb.iter().copied().map(PositionJson::from).collect(),
+        radius,
+    };
+    keep_out.rings().iter().map(ring).collect()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 impl From<Progress> for ProgressJson {
@@ -134,6 +169,7 @@ impl From<Progress> for ProgressJson {
         ProgressJson {
             visited: progress.visited,
             unknown: progress.unknown,
+            kept_out: progress.kept_out,
             percent: progress.percent(),
             seconds_left: progress.left.map(seconds_left),
             reachable: progress.reach.map(|reach| reach.reachable),
@@ -148,6 +184,7 @@ impl From<&Refusals> for RefusalsJson {
         RefusalsJson {
             start: words(&refusals.start),
             back_home: words(&refusals.back_home),
+            go_on: words(&refusals.go_on),
             retrieve: words(&refusals.retrieve),
             reset: words(&refusals.reset),
             drive: words(&refusals.drive),

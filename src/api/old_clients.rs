@@ -47,7 +47,7 @@ pub static ROWS: [OldCommandRow; 12] = [
     row(Asks::For(Command::BackHome), &["backhomeappl"], &["backHomeCmd", "backHome"]),
     row(Asks::For(Command::Temperature(TemperatureReport::Ok)), &["temperatureOk"], &["temperatureOk"]),
     row(Asks::Halt(Command::Temperature(TemperatureReport::TooHigh)), &["temperatureTooHigh"], &["temperatureTooHigh"]),
-    row(Asks::For(Command::Retrieve), &[], &["reachBag"]),
+    row(Asks::For(Command::Retrieve(None)), &[], &["reachBag"]),
     row(Asks::Goto, &[], &["startTest"]),
     row(Asks::GoOn, &[], &["continueExplore"]),
     row(Asks::Change, &[], &["modelChange"]),

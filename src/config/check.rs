@@ -21,7 +21,7 @@ use hallsweep_core::command::{Strategy, TemperatureReport};
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::settings::Settings as CoreSettings;
+use hallsweep_core::settings::{AfterDanger, Rules, Settings as CoreSettings};
 use hallsweep_core::units::Celsius;
 
 /// Maximum number of required temperature sensors. The core remembers 64 sources of temperatures, and the
@@ -152,6 +152,7 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
     let threshold = Celsius::new(read(layers, "temperature.threshold_celsius")?)
         .ok_or_else(|| layers.wrong("temperature.threshold_celsius", "it is out of range"))?;
     Ok(CoreSettings {
+        rules: rules(layers)?,
         threshold,
         hysteresis: number(layers, "temperature.hysteresis_celsius")?,
         inspect_everything: read(layers, "mission.inspect_everything")?,
@@ -160,6 +161,14 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         sonar_cells: robots::sonar_cells(layers, "robot")?,
         costs: costs(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
+    })
+}
+
+fn rules(layers: &Layers) -> Result<Rules, SettingsError> {
+    let key = "mission.after_danger";
+    Ok(Rules {
+        after_danger: one_of(layers, key, &AfterDanger::ALL, AfterDanger::name, "there is no such rule")?,
+        keep_out_m: number(layers, "mission.keep_out_m")?,
     })
 }
 

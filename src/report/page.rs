@@ -146,6 +146,10 @@ impl Top<'_> {
                 figures.push((say("report-reckoned"), say("report-reckoned-so").to_string()));
             }
             figures.push((say("report-threshold"), self.language.celsius(conditions.threshold)));
+            let rules = self.language.rules(conditions.rules);
+            if !rules.is_empty() {
+                figures.push((say("report-rules"), rules.join("; ")));
+            }
         }
         if report.claim.edition > 1 {
             let conditions = self.state.and_then(|state| state.conditions.as_ref());

@@ -21,6 +21,7 @@ use hallsweep_core::command::{Command, Door, Issuer, Strategy};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::hold::Hold;
+use hallsweep_core::settings::Rules;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{Conditions, Participant, PersistentState, Phase, Reach, Venue};
 use hallsweep_core::units::{Cell, Celsius, LuggageId, MissionId, Pose, Seq, WallTime};
@@ -167,7 +168,7 @@ fn the_outcome_of_a_search_says_how_much_of_the_hall_could_be_reached_where_that
     let page = |reach, language| {
         let venue = Venue { name: "depot".into(), cell_m: Some(0.5), reach, ..Venue::default() };
         let threshold = Celsius::new(25.0).expect("a temperature");
-        let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::Explored)];
+        let facts = [Fact::Conditions(Conditions { venue, threshold, rules: Rules::default() }), Fact::Phase(Phase::Explored)];
         Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec()).report(language)
     };
     let partly = Some(Reach { reachable: 51, free: 60 });
@@ -193,7 +194,7 @@ fn the_outcome_says_what_was_not_searched_and_whether_it_was_simulated_and_by_wh
         };
         let venue = Venue { name: "depot".into(), robots: robots.iter().map(robot).collect(), seed, ..Venue::default() };
         let threshold = Celsius::new(25.0).expect("a temperature");
-        let facts = [Fact::Conditions(Conditions { venue, threshold }), Fact::Phase(Phase::BagSecured)];
+        let facts = [Fact::Conditions(Conditions { venue, threshold, rules: Rules::default() }), Fact::Phase(Phase::BagSecured)];
         Mission::of(facts.map(|fact| Entry { fact, ..command("anna", "x") }).to_vec())
     };
     let simulated = mission(&[("discovery", "sim", None), ("srm1", "sim", None)], Some(7));

@@ -374,7 +374,7 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start(handle, task, robot).await;
-    let refused = || giving(&handle, Command::Retrieve);
+    let refused = || giving(&handle, Command::Retrieve(None));
     let first = refused();
     seen(&handle, "the refusal", says("refused")).await;
     give(&handle, Command::Stop).await.unwrap().unwrap();
@@ -443,7 +443,7 @@ async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
     // The accepted command is not shown before it is on record. The later refusal is shown at once, so when it is
     // shown, the loop has taken both commands.
-    giving(&handle, Command::Retrieve);
+    giving(&handle, Command::Retrieve(None));
     seen(&handle, "the refusal", says("refused")).await;
     assert!(!waiting.is_finished());
     word.send_modify(|word| word.losses = 1);

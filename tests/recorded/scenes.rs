@@ -104,7 +104,7 @@ impl Scene {
         if self == Scene::BombLocated {
             return;
         }
-        given(app, Command::Retrieve);
+        given(app, Command::Retrieve(None));
         if self == Scene::Fetching {
             return some(app, 20);
         }

@@ -25,6 +25,7 @@ mod rules_alarms;
 mod rules_commands;
 mod rules_crossings;
 mod rules_driving;
+mod rules_going_on;
 mod rules_holds;
 mod rules_luggage;
 mod rules_phases;

@@ -119,6 +119,6 @@ fn a_retrieval_by_the_pair_is_shown_later_as_it_was_shown_then() {
     for alarm in alarms {
         run.give(Command::Acknowledge(alarm)).unwrap();
     }
-    run.give(Command::Retrieve).unwrap();
+    run.give(Command::Retrieve(None)).unwrap();
     until(&mut run, |state| state.mission.phase == PhaseName::BagSecured);
 }

@@ -70,7 +70,7 @@ pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
         _ => match dice.below(4) {
             0 => Command::Reset,
             1 => Command::Acknowledge(AlarmId(1)),
-            2 => Command::Retrieve,
+            2 => Command::Retrieve(None),
             _ => Command::ChooseStrategy(Default::default()),
         },
     }

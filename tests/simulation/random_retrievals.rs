@@ -209,7 +209,7 @@ impl Mission {
         if !self.state().mission.holds.is_empty() {
             self.release(tally);
         }
-        self.must(Command::Retrieve);
+        self.must(Command::Retrieve(None));
         let mut left = self.trouble.most;
         self.steps = 0;
         let mut gripped = self.grip();
@@ -292,7 +292,7 @@ impl Mission {
             0 => Command::BackHome,
             1 => Command::Goto(Cell::HOME),
             2 => Command::Move(Move::Forward),
-            3 => Command::Retrieve,
+            3 => Command::Retrieve(None),
             4 => Command::RetakePhoto(LuggageId(1)),
             _ => Command::Reset,
         };

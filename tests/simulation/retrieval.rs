@@ -91,7 +91,7 @@ fn every_bag_of_the_built_in_halls_can_be_secured() {
         for bag in pieces {
             let mut run = begun(built_in(name), Settings::default(), pair(1));
             assert!(locate(&mut run, bag.piece), "{name}: {bag:?}");
-            run.give(Command::Retrieve).expect("discovery is home");
+            run.give(Command::Retrieve(None)).expect("discovery is home");
             go_on(&mut run);
             check_secured(&mut run, bag.piece);
         }
@@ -102,7 +102,7 @@ fn every_bag_of_the_built_in_halls_can_be_secured() {
 fn after_a_retrieval_a_new_mission_begins_and_the_bag_is_not_met_again() {
     let mut run = begun(built_in("seed"), Settings::default(), pair(1));
     assert!(locate(&mut run, Piece(1)));
-    run.give(Command::Retrieve).expect("discovery is home");
+    run.give(Command::Retrieve(None)).expect("discovery is home");
     go_on(&mut run);
     run.give(Command::Start).expect("the bag is in the container");
     assert!(!locate(&mut run, Piece(1)), "it is in the container");
@@ -114,7 +114,7 @@ fn after_a_retrieval_a_new_mission_begins_and_the_bag_is_not_met_again() {
 fn stop_halts_the_retrieval_where_it_stands_and_start_goes_on() {
     let mut run = begun(built_in("seed"), Settings::default(), pair(1));
     assert!(locate(&mut run, Piece(1)));
-    run.give(Command::Retrieve).expect("discovery is home");
+    run.give(Command::Retrieve(None)).expect("discovery is home");
     for _ in 0..40 {
         run.wait(1.7);
         if run.phase() != PhaseName::Retrieving {

@@ -34,7 +34,7 @@ fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
     let piece = mortal.state().luggage[0].clone();
     assert_eq!((piece.cell, piece.pose.cell), (Cell::new(3, 0), Cell::HOME));
     mortal.give(Command::Acknowledge(AlarmId(1))).unwrap();
-    mortal.give(Command::Retrieve).unwrap();
+    mortal.give(Command::Retrieve(None)).unwrap();
     go_on(&mut mortal, 1);
     assert!(check(&mut mortal, 1));
 }
@@ -96,7 +96,7 @@ fn it_brings_every_bag_of_the_built_in_halls_home() {
             let mut mortal = Mortal::born(Arc::clone(&hall), with_hook(1));
             let is_bomb = |state: &Snapshot| state.pending().is_some_and(|piece| piece.piece == Some(bag.piece));
             assert!(locate(&mut mortal, is_bomb), "{name}: {bag:?} is met");
-            mortal.give(Command::Retrieve).expect("the robot is home");
+            mortal.give(Command::Retrieve(None)).expect("the robot is home");
             go_on(&mut mortal, 0);
             assert_eq!(mortal.sim.taken_in().collect::<Vec<_>>(), [bag.piece], "{name}");
             mortal.give(Command::Start).expect("a new search begins");
@@ -118,7 +118,7 @@ fn whatever_stops_heats_or_kills_it_the_bag_is_secured_when_it_is_in_the_contain
             continue;
         }
         fetched += 1;
-        mortal.give(Command::Retrieve).expect("the robot is home");
+        mortal.give(Command::Retrieve(None)).expect("the robot is home");
         for _ in 0..dice.below(12) {
             (0..dice.below(12)).for_each(|_| {
                 mortal.advance();

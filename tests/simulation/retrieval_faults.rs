@@ -74,7 +74,7 @@ fn sent(mut trio: Trio) -> Trio {
     let piece = trio.state().pending().expect("it is there").id;
     must(&mut trio, Command::Verdict { luggage: LuggageRef::Id(piece), verdict: Verdict::Danger, note: None });
     until(&mut trio, "discovery is home", |trio, state| state.mission.phase == PhaseName::BombLocated && trio.is_quiet());
-    must(&mut trio, Command::Retrieve);
+    must(&mut trio, Command::Retrieve(None));
     trio
 }
 
@@ -220,7 +220,7 @@ fn a_piece_that_was_recorded_without_an_identity_is_fetched_from_where_it_stands
     };
     assert!(trio.state().luggage.iter().all(|piece| piece.piece.is_none()), "nobody could tell what they are");
     until(&mut trio, "discovery is home", |trio, state| state.mission.phase == PhaseName::BombLocated && trio.is_quiet());
-    must(&mut trio, Command::Retrieve);
+    must(&mut trio, Command::Retrieve(None));
     check_secured(&mut trio);
     assert_eq!(trio.pair.taken_in(), [bomb]);
 }

@@ -122,7 +122,7 @@ fn an_unacknowledged_alarm_stands_after_a_restart_and_an_acknowledged_one_stays_
 fn every_command_lost_with_the_store_is_recorded_again() {
     let mut bare = Bare::linked();
     bare.keeps = false;
-    let commands = [Command::Start, Command::Retrieve, Command::Stop, Command::Reset, Command::Start, Command::BackHome];
+    let commands = [Command::Start, Command::Retrieve(None), Command::Stop, Command::Reset, Command::Start, Command::BackHome];
     for (n, command) in commands.into_iter().enumerate() {
         let _ = bare.ask(named(&format!("c{n}"), command));
     }
@@ -180,9 +180,9 @@ fn retrieve_while_held_names_the_hold() {
     let mut bare = Bare::at_home_with_a_pending_bag();
     bare.verdict(Verdict::Danger).unwrap();
     assert_eq!(bare.phase(), PhaseName::BombLocated);
-    assert_eq!(bare.give(Command::Retrieve), Err(Refused::NoRetrievalRobot));
+    assert_eq!(bare.give(Command::Retrieve(None)), Err(Refused::NoRetrievalRobot));
     bare.give(Command::Temperature(TemperatureReport::TooHigh)).unwrap();
-    assert_eq!(bare.give(Command::Retrieve), Err(Refused::Held(vec![Hold::TooHigh], None)));
+    assert_eq!(bare.give(Command::Retrieve(None)), Err(Refused::Held(vec![Hold::TooHigh], None)));
 }
 
 #[test]

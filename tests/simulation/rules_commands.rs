@@ -168,7 +168,7 @@ fn an_equal_verdict_that_comes_later_does_not_change_the_note() {
 fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
     let mut bare = Bare::linked();
     bare.ask(named("a", Command::Start)).unwrap();
-    bare.ask(by("mallory", "b", Command::Retrieve)).unwrap_err();
+    bare.ask(by("mallory", "b", Command::Retrieve(None))).unwrap_err();
     let outdated = Request { epoch: Some(Epoch(0)), ..named("c", Command::BackHome) };
     bare.give(Command::Stop).unwrap();
     bare.ask(outdated).unwrap_err();

@@ -63,7 +63,7 @@ fn start_is_refused_while_a_verdict_is_pending_and_once_the_bomb_is_located() {
     run.verdict(1, Verdict::Danger).unwrap();
     run.until_phase(PhaseName::BombLocated);
     assert_eq!(run.give(Command::Start), Err(Refused::NotInPhase(PhaseName::BombLocated)));
-    assert_eq!(run.give(Command::Retrieve), Err(Refused::NoRetrievalRobot));
+    assert_eq!(run.give(Command::Retrieve(None)), Err(Refused::NoRetrievalRobot));
 }
 
 /// Rule 2.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Request, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Request, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Obstacle, RobotEvent, Whereabouts};
@@ -11,7 +11,7 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::settings::Settings;
+use hallsweep_core::settings::{AfterDanger, Rules, Settings};
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Piece, Pose, Seq};
@@ -224,6 +224,37 @@ fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     assert_eq!(state.mission.phase, PhaseName::ReturningWithAlarm);
     assert!(state.luggage(pending).unwrap().is_dangerous() && !state.robot.led_blinking);
     assert_eq!(state.alarms.len(), 1);
+}
+
+/// A search that goes on after a danger: a kill at any moment neither ends the search nor raises a second alarm.
+#[test]
+fn a_danger_after_which_the_search_goes_on_is_carried_out_once() {
+    let rules = Rules { after_danger: AfterDanger::GoOn, ..Rules::default() };
+    let settings = Settings { rules, ..Settings::default() };
+    let mut carried_out = 0;
+    for (told, durable) in (0..4).flat_map(|told| (0..4).map(move |durable| (told, durable))) {
+        let mut mortal = Mortal::searching_by(Strategy::Auto, settings, hall("seed"), SimSettings::new(1, Camera::Stub));
+        mortal.give(Command::Start).unwrap();
+        let pending = until_pending(&mut mortal);
+        mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger, note: None }).unwrap();
+        for _ in 0..told {
+            mortal.keep_one();
+        }
+        let mut mortal = mortal.killed(durable);
+        mortal.keep_all();
+        if mortal.state().luggage(pending).unwrap().is_pending() {
+            continue;
+        }
+        mortal.give(Command::Acknowledge(AlarmId(1))).unwrap();
+        mortal.keep_all();
+        let mut mortal = mortal.killed(0);
+        mortal.keep_all();
+        let state = mortal.state();
+        assert_eq!((state.mission.phase, state.alarms.len()), (PhaseName::Exploring, 1), "{told}, {durable}");
+        assert!(state.robot.led_blinking && state.luggage(pending).unwrap().is_dangerous(), "{told}, {durable}");
+        carried_out += 1;
+    }
+    assert!(carried_out > 8, "{carried_out}");
 }
 
 /// A robot that was carried home while the program was down does not photograph a piece that it no longer sees.

@@ -100,7 +100,7 @@ fn a_start_that_was_sent_before_and_names_no_epoch_is_outdated_and_nothing_else_
     let raised = bare.raise();
     bare.halted();
     let goto = Command::Goto(Cell { x: 1, y: 1 });
-    for command in [Command::Start, Command::BackHome, Command::Retrieve, Command::Move(Move::Forward), goto] {
+    for command in [Command::Start, Command::BackHome, Command::Retrieve(None), Command::Move(Move::Forward), goto] {
         assert_eq!(bare.ask(again(command, None)).err(), Some(Refused::SentBefore));
     }
     assert!(bare.order().is_none());

@@ -5,8 +5,35 @@ use super::search::costs::Costs;
 use super::units::Celsius;
 use crate::not_fetched::Fetcher;
 
+named! {
+    ALL by name;
+    /// What the robot that searches does after a verdict of danger.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum AfterDanger {
+        /// The robot comes home, and the search ends.
+        #[default]
+        Return = "return",
+        /// The search goes on, because there may be further bombs.
+        GoOn = "go_on",
+    }
+}
+
+/// The rules of the team that searches. They are recorded, because they may change between missions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rules {
+    pub after_danger: AfterDanger,
+    /// The radius of the keep-out ring round each located bomb, in metres. If 0, there are no rings.
+    pub keep_out_m: f64,
+}
+
+impl Rules {
+    /// Widest keep-out ring, in metres. It bounds the work for each bomb.
+    pub const WIDEST_M: f64 = 50.0;
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    pub rules: Rules,
     /// Temperature threshold. When the hall is hotter, nothing moves.
     pub threshold: Celsius,
     /// How far a reading must be below the threshold, in °C, before it counts as cool again.
@@ -28,6 +55,7 @@ impl Default for Settings {
     fn default() -> Settings {
         let threshold = Celsius::new(25.0).expect("25 °C is within a thermometer's range");
         Settings {
+            rules: Rules::default(),
             threshold,
             hysteresis: 1.0,
             inspect_everything: false,

@@ -93,7 +93,7 @@ impl Walk {
         match self.grid.at(cell) {
             Square::Visited => false,
             Square::Seen => self.terms.objective == Objective::Cover,
-            Square::Unknown | Square::Obstacle | Square::Target | Square::Luggage => true,
+            Square::Unknown | Square::Obstacle | Square::Target | Square::Luggage | Square::KeptOut => true,
         }
     }
 

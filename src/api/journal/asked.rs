@@ -90,6 +90,7 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         return Ok(bare);
     }
     Ok(match &*coded.code {
+        "retrieve" => Command::Retrieve(coded.field::<Option<u64>>("luggage")?.map(LuggageId)),
         "move" => Command::Move(coded.field::<Step>("step")?.into()),
         "goto" => Command::Goto(coded.field::<Point>("cell")?.into()),
         "verdict" => Command::Verdict {

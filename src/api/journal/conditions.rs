@@ -8,10 +8,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
+use hallsweep_core::settings::{AfterDanger, Rules};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 
 /// Minimum and maximum side of a cell, in metres: no hall has smaller or larger cells.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
+/// Minimum and maximum radius of a keep-out ring, in metres.
+const RINGS_M: RangeInclusive<f64> = 0.0..=Rules::WIDEST_M;
 /// Maximum length of the name of a hall, in bytes.
 const NAME_BYTES: usize = 4096;
 
@@ -40,6 +43,12 @@ pub struct ConditionsShape {
     /// Seed of a simulated hall, in digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seed: Option<String>,
+    /// What the search does after a danger: `go_on`; absent if the robot comes home.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    after_danger: Option<String>,
+    /// Radius of the keep-out rings, in metres; absent if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    keep_out_m: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,7 +63,8 @@ struct ParticipantShape {
 }
 
 impl From<&Conditions> for ConditionsShape {
-    fn from(Conditions { venue, threshold }: &Conditions) -> ConditionsShape {
+    fn from(Conditions { venue, threshold, rules }: &Conditions) -> ConditionsShape {
+        let usual = Rules::default();
         ConditionsShape {
             hall: venue.name.to_string(),
             cell_m: venue.cell_m,
@@ -63,6 +73,8 @@ impl From<&Conditions> for ConditionsShape {
             reach: venue.reach.map(|Reach { reachable, free }| (reachable, free)),
             robots: venue.robots.iter().map(ParticipantShape::from).collect(),
             seed: venue.seed.map(|seed| seed.to_string()),
+            after_danger: (rules.after_danger != usual.after_danger).then(|| rules.after_danger.name().to_owned()),
+            keep_out_m: Some(rules.keep_out_m).filter(|metres| *metres != usual.keep_out_m),
         }
     }
 }
@@ -81,7 +93,7 @@ impl From<ParticipantShape> for Participant {
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed } = self;
+        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, after_danger, keep_out_m } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is out of range".to_owned()));
@@ -93,12 +105,24 @@ impl ConditionsShape {
             return Err(Unparsed("the name of the hall is too long".to_owned()));
         }
         let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is not a number".to_owned()))).transpose()?;
+        let rules = Rules {
+            after_danger: after_danger.map_or(Ok(AfterDanger::default()), |name| after_danger_named(&name))?,
+            keep_out_m: keep_out_m.unwrap_or(0.0),
+        };
+        if !RINGS_M.contains(&rules.keep_out_m) {
+            return Err(Unparsed("the radius of the keep-out rings is out of range".to_owned()));
+        }
         let robots = robots.into_iter().map(Participant::from).collect();
         Ok(Conditions {
             venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, seed },
             threshold: names::celsius(threshold)?,
+            rules,
         })
     }
+}
+
+fn after_danger_named(name: &str) -> Result<AfterDanger, Unparsed> {
+    AfterDanger::ALL.into_iter().find(|known| known.name() == name).ok_or_else(|| Unparsed(format!("no such rule: {name}")))
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::VerdictPending(id)
         | Refused::BombUnfetched(id)
         | Refused::UnknownLuggage(id)
+        | Refused::NotABomb(id)
         | Refused::NoPhoto(id)
         | Refused::NotInspected(id) => json!({ "luggage": id.0 }),
         Refused::Decided { luggage, verdict } => json!({ "luggage": luggage.0, "verdict": verdict.name() }),
@@ -79,6 +80,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "unrecorded" => Refused::Unrecorded,
         "bombUnfetched" => Refused::BombUnfetched(luggage()?),
         "unknownLuggage" => Refused::UnknownLuggage(luggage()?),
+        "notABomb" => Refused::NotABomb(luggage()?),
         "nothingPending" => Refused::NothingPending,
         "decided" => Refused::Decided { luggage: luggage()?, verdict: names::verdict(&coded.field::<String>("verdict")?)? },
         "noPhoto" => Refused::NoPhoto(luggage()?),

@@ -16,6 +16,7 @@ use hallsweep_core::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{AlarmCause, AlarmView};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
+use hallsweep_core::world::keep_out::KeepOut;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
@@ -181,6 +182,7 @@ fn idle_mission() -> MissionView {
         strategy: Strategy::Snail,
         epoch: Epoch(1),
         progress: Progress::default(),
+        keep_out: KeepOut::default(),
         clock_set_ms: 0,
         refusals: Refusals { back_home: Some(Refused::NotInPhase(PhaseName::Idle)), ..Refusals::default() },
     }

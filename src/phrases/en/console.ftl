@@ -62,6 +62,7 @@ start = START
 back-home = BACK HOME
 start-refused = START: { $reason }.
 retrieve = RETRIEVE
+retrieve-one = RETRIEVE #{ $id }
 retrieve-refused = RETRIEVE: { $reason }.
 nothing-holds = Ready
 held-by = <b>Held:</b> { $what }
@@ -80,6 +81,9 @@ next = <b>Next:</b> { $what }
 next-retrieve = Press RETRIEVE to bring the luggage into the container.
 next-acknowledge = Acknowledge the alarm.
 next-acknowledge-retrieve = Acknowledge the alarm, then press RETRIEVE to bring the luggage into the container.
+next-go-on = Or press GO ON SEARCHING: there may be another bomb.
+go-on = GO ON SEARCHING
+go-on-what = There may be another bomb
 next-reset = When the hall is safe again, press RESET to archive this mission.
 next-secured = { $what }. START archives this mission and begins a new search, RESET only archives it.
 next-explored = Everything reachable from here has been searched. START archives this mission and searches everything again, RESET only archives it.
@@ -106,6 +110,10 @@ open-places = { $count ->
     [0] no place left to search
     [one] 1 place left to search
    *[other] { $count } places left to search
+}
+kept-out-places = { $count ->
+    [one] 1 place inside a keep-out ring
+   *[other] { $count } places inside keep-out rings
 }
 left-least = at least { $least } of driving left
 left-range = { $least } to { $most } of driving left
@@ -136,10 +144,14 @@ evacuate-no-circle = Keep { $metres } m away. The page shows no circle because t
 evacuate-all = Keep { $metres } m away: the whole known hall is within this distance.
 evacuate-circle = Keep { $metres } m away: stay outside the red circle on the map.
 incident-next-home = The search has ended and the robot is coming home. When the robot is home, the luggage can be fetched or the hall can be made safe.
+incident-next-search = The search goes on, because there may be another bomb. When the robot is home, the luggage can be fetched.
+incident-next-back = The robot is coming home. When it is home, the luggage can be fetched.
 incident-next-fetched = The piece is being fetched and brought into the container.
 incident-next-fault = The robot has a fault, and nothing moves by itself.
 incident-next-phase = The robot: { $phase }.
 incident-halted-home = The robot's way home is halted: { $holds }.
+incident-halted-search = The search is halted: { $holds }.
+incident-halted-back = The robot's way home is halted: { $holds }.
 incident-halted-fetched = The retrieval is halted: { $holds }.
 goes-on-acknowledge = Acknowledge the alarm, then press START.
 goes-on-ok = Press TEMPERATURE OK, then START.
@@ -171,6 +183,7 @@ safe-button = ✓ SAFE #{ $id }
 danger-button = ▲ DANGER #{ $id }…
 danger-question = Is luggage #{ $id } dangerous?
 danger-consequence = The search ends, the alarm is raised and the robot comes home. A verdict is final.
+danger-consequence-goes-on = The alarm is raised and the search goes on. A verdict is final.
 danger-yes = Yes: DANGER #{ $id }
 key-safe = s
 key-danger = d
@@ -340,6 +353,8 @@ legend-arm = arm with load
 legend-container = container
 legend-sonar = sonar
 legend-home = home
+legend-keep-out = keep-out ring
+keep-out-of = keep-out ring of luggage #{ $id }
 legend-goal = goal
 legend-path = planned path
 legend-trail = trail

@@ -6,6 +6,7 @@ report-reference = Reference
 report-until = mission { $mission }, entry { $entry }
 report-summary = Summary
 report-cell = Side of a cell
+report-rules = Rules of the team
 report-threshold = Too hot above
 report-began = Began
 report-put-away = Put away

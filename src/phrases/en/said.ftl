@@ -99,6 +99,7 @@ refused-moving = the robot is moving: press STOP first
 refused-unrecorded = a piece of luggage is being recorded: wait for its photo
 refused-bombUnfetched = luggage #{ $id } is dangerous and still in the hall: acknowledge its alarm first
 refused-unknownLuggage = there is no luggage #{ $id }
+refused-notABomb = luggage #{ $id } is no bomb in the hall: name a dangerous piece that was not fetched yet
 refused-nothingPending = no luggage waits for a verdict
 refused-decided = luggage #{ $id } was already found { $verdict }: a verdict is final
 refused-noPhoto = luggage #{ $id } has no usable photo: take it again, or answer danger
@@ -170,6 +171,10 @@ search-ended-there = the search ended there
 unsearched = { $count ->
     [one] 1 known place not searched
    *[other] { $count } known places not searched
+}
+unsearched-kept-out = { $count ->
+    [one] 1 known place not searched, inside a keep-out ring
+   *[other] { $count } known places not searched, { $inside } of them inside a keep-out ring
 }
 engine-sim = simulated
 engine-virtual = virtual robot

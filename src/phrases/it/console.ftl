@@ -62,6 +62,7 @@ start = AVVIA
 back-home = ALLA BASE
 start-refused = AVVIA: { $reason }.
 retrieve = RECUPERA
+retrieve-one = RECUPERA #{ $id }
 retrieve-refused = RECUPERA: { $reason }.
 nothing-holds = Pronto
 held-by = <b>Bloccato:</b> { $what }
@@ -80,6 +81,9 @@ next = <b>Poi:</b> { $what }
 next-retrieve = Premere RECUPERA per portare il bagaglio nel contenitore.
 next-acknowledge = Confermare l'allarme.
 next-acknowledge-retrieve = Confermare l'allarme, poi premere RECUPERA per portare il bagaglio nel contenitore.
+next-go-on = Oppure premere PROSEGUI LA RICERCA: può esserci un'altra bomba.
+go-on = PROSEGUI LA RICERCA
+go-on-what = Può esserci un'altra bomba
 next-reset = Quando la sala è di nuovo sicura, premere ARCHIVIA per archiviare questa missione.
 next-secured = { $what }. AVVIA archivia questa missione e comincia una nuova ricerca, ARCHIVIA la archivia soltanto.
 next-explored = Tutto ciò che si raggiunge da qui è stato esplorato. AVVIA archivia questa missione ed esplora tutto di nuovo, ARCHIVIA la archivia soltanto.
@@ -106,6 +110,10 @@ open-places = { $count ->
     [0] nessun posto ancora da esplorare
     [one] 1 posto ancora da esplorare
    *[other] { $count } posti ancora da esplorare
+}
+kept-out-places = { $count ->
+    [one] 1 posto in una zona vietata
+   *[other] { $count } posti in zone vietate
 }
 left-least = ancora almeno { $least } di guida
 left-range = ancora da { $least } a { $most } di guida
@@ -139,10 +147,14 @@ evacuate-no-circle = Tenersi a { $metres } m di distanza. La pagina non mostra i
 evacuate-all = Tenersi a { $metres } m di distanza: tutta la sala nota è entro questa distanza.
 evacuate-circle = Tenersi a { $metres } m di distanza: restare fuori dal cerchio rosso sulla mappa.
 incident-next-home = La ricerca è finita e il robot torna alla base. Quando il robot è alla base, si può recuperare il bagaglio o mettere in sicurezza la sala.
+incident-next-search = La ricerca prosegue, perché può esserci un'altra bomba. Quando il robot è alla base, il bagaglio può essere recuperato.
+incident-next-back = Il robot torna alla base. Quando è alla base, il bagaglio può essere recuperato.
 incident-next-fetched = Il bagaglio viene recuperato e portato nel contenitore.
 incident-next-fault = Il robot ha un guasto, e niente si muove da solo.
 incident-next-phase = Il robot: { $phase }.
 incident-halted-home = Il ritorno del robot alla base è sospeso: { $holds }.
+incident-halted-search = La ricerca è sospesa: { $holds }.
+incident-halted-back = Il ritorno del robot alla base è sospeso: { $holds }.
 incident-halted-fetched = Il recupero è sospeso: { $holds }.
 goes-on-acknowledge = Confermare l'allarme, poi premere AVVIA.
 goes-on-ok = Premere TEMPERATURA OK, poi AVVIA.
@@ -174,6 +186,7 @@ safe-button = ✓ SICURO #{ $id }
 danger-button = ▲ PERICOLO #{ $id }…
 danger-question = Il bagaglio #{ $id } è pericoloso?
 danger-consequence = La ricerca finisce, scatta l'allarme e il robot torna alla base. Un verdetto è definitivo.
+danger-consequence-goes-on = Scatta l'allarme e la ricerca prosegue. Un verdetto è definitivo.
 danger-yes = Sì: PERICOLO #{ $id }
 key-safe = s
 key-danger = p
@@ -343,6 +356,8 @@ legend-arm = braccio con carico
 legend-container = contenitore
 legend-sonar = sonar
 legend-home = base
+legend-keep-out = zona vietata
+keep-out-of = zona vietata del bagaglio #{ $id }
 legend-goal = meta
 legend-path = percorso previsto
 legend-trail = scia

@@ -6,6 +6,7 @@ report-reference = Riferimento
 report-until = missione { $mission }, voce { $entry }
 report-summary = Riepilogo
 report-cell = Lato di una cella
+report-rules = Regole della squadra
 report-threshold = Troppo caldo oltre
 report-began = Inizio
 report-put-away = Archiviata

@@ -99,6 +99,7 @@ refused-moving = il robot si muove: prima premere STOP
 refused-unrecorded = un bagaglio viene registrato: attendere la sua foto
 refused-bombUnfetched = il bagaglio #{ $id } è pericoloso e ancora nella sala: prima confermare il suo allarme
 refused-unknownLuggage = non c'è nessun bagaglio #{ $id }
+refused-notABomb = il bagaglio #{ $id } non è una bomba nella sala: indica un bagaglio pericoloso non ancora recuperato
 refused-nothingPending = nessun bagaglio attende un verdetto
 refused-decided = il bagaglio #{ $id } è già stato giudicato ({ $verdict }): un verdetto è definitivo
 refused-noPhoto = il bagaglio #{ $id } non ha una foto utilizzabile: rifarla, o rispondere pericolo
@@ -170,6 +171,10 @@ search-ended-there = la ricerca è finita lì
 unsearched = { $count ->
     [one] 1 posto noto non esplorato
    *[other] { $count } posti noti non esplorati
+}
+unsearched-kept-out = { $count ->
+    [one] 1 posto noto non esplorato, in una zona vietata
+   *[other] { $count } posti noti non esplorati, { $inside } dei quali in zone vietate
 }
 engine-sim = simulato
 engine-virtual = robot virtuale

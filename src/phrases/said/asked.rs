@@ -34,6 +34,9 @@ impl Language {
         let celsius = |celsius: &Celsius| self.number(&format!("{} °C", celsius.degrees()));
         let said = match command.carries() {
             Carries::Nothing => named,
+            Carries::Luggage(id) if matches!(command, Command::Retrieve(_)) => {
+                self.say("asked-of").with("asked", named).with("id", id)
+            }
             Carries::Luggage(id) => named.with("id", id),
             Carries::Alarm(id) => named.with("id", id),
             Carries::Move(step) => named.with("move", self.say_of("move", letter(step))),

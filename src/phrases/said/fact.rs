@@ -3,6 +3,7 @@
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
+use hallsweep_core::settings::{AfterDanger, Rules};
 use hallsweep_core::snapshot::fact_words::hours;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
@@ -18,14 +19,23 @@ impl Language {
         self.say("fact-refused").with("why", self.refused(refused)).to_string()
     }
 
-    fn conditions(self, Conditions { venue, threshold }: &Conditions) -> Phrase<'static> {
+    fn conditions(self, Conditions { venue, threshold, rules }: &Conditions) -> String {
         let id = match (venue.cell_m, venue.is_reckoned) {
             (Some(_), _) => "fact-conditions",
             (None, true) => "fact-conditions-reckoned",
             (None, false) => "fact-conditions-no-side",
         };
         let say = self.say(id).with("hall", &venue.name).with("threshold", self.celsius(*threshold));
-        venue.cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())))
+        let said = venue.cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())));
+        let rules = self.rules(*rules).into_iter().map(|rule| format!(", {rule}"));
+        std::iter::once(said.to_string()).chain(rules).collect()
+    }
+
+    /// Words for each rule that differs from the usual ones.
+    pub fn rules(self, Rules { after_danger, keep_out_m }: Rules) -> Vec<String> {
+        let goes_on = (after_danger == AfterDanger::GoOn).then(|| self.say("rule-goes-on"));
+        let rings = (keep_out_m > 0.0).then(|| self.say("rule-rings").with("metres", self.number(&keep_out_m.to_string())));
+        goes_on.into_iter().chain(rings).map(|rule| rule.to_string()).collect()
     }
 
     fn happened(self, fact: &Fact) -> String {
@@ -42,7 +52,7 @@ impl Language {
                 let say = self.say("fact-unpacked").with("file", file).with("digest", digest);
                 say.with("behind", behind).with("page", page)
             }
-            Fact::Conditions(conditions) => self.conditions(conditions),
+            Fact::Conditions(conditions) => return self.conditions(conditions),
             Fact::State(standing) if standing.under_way => {
                 self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
             }

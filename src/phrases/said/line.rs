@@ -31,6 +31,7 @@ impl Language {
             Said::PhotographedAgain(luggage) => self.say("said-photographed-again").with("id", luggage),
             Said::PhotoStays(luggage) => self.say("said-photo-stays").with("id", luggage),
             Said::Secured(luggage) => self.say("secured-one").with("id", luggage),
+            Said::HomeThroughRings => self.say("said-home-through-rings"),
             Said::NoWay(cell) => self.say("said-no-way").with("cell", cell),
             Said::Stands(robot, pose) => {
                 let say = self.say(if robot.is_some() { "said-robot-stands" } else { "said-stands" });

@@ -30,6 +30,7 @@ impl Language {
             Refused::VerdictPending(id)
             | Refused::BombUnfetched(id)
             | Refused::UnknownLuggage(id)
+            | Refused::NotABomb(id)
             | Refused::NoPhoto(id)
             | Refused::NotInspected(id) => say().with("id", id),
             Refused::Decided { luggage, verdict } => say().with("id", luggage).with("verdict", self.verdict(verdict.name())),

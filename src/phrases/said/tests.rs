@@ -14,6 +14,7 @@ use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotId;
+use hallsweep_core::settings::{AfterDanger, Rules};
 use hallsweep_core::snapshot::said::{Said, Trouble};
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Inspection, Phase, Retrieval, RetrievalStage, Stage, Venue};
@@ -57,7 +58,7 @@ fn commands() {
         Command::Start,
         Command::Stop,
         Command::BackHome,
-        Command::Retrieve,
+        Command::Retrieve(None),
         Command::Reset,
         Command::Goto(CELL),
         Command::RetakePhoto(ID),
@@ -220,11 +221,17 @@ fn the_journal_says_where_it_is_and_what_left_it() {
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), cell_m: Some(0.25), ..Venue::default() },
             threshold: degrees(25.5),
+            rules: Rules { after_danger: AfterDanger::GoOn, keep_out_m: 2.5 },
         }),
-        Fact::Conditions(Conditions { venue: Venue { name: "depot".into(), ..Venue::default() }, threshold: degrees(25.5) }),
+        Fact::Conditions(Conditions {
+            venue: Venue { name: "depot".into(), ..Venue::default() },
+            threshold: degrees(25.5),
+            rules: Rules::default(),
+        }),
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), is_reckoned: true, ..Venue::default() },
             threshold: degrees(25.5),
+            rules: Rules::default(),
         }),
         Fact::WrittenOut(WrittenOut {
             missions: (MissionId(1), MissionId(7)),

@@ -312,12 +312,13 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 12] {
+    fn commands() -> [Command; 13] {
         [
             Command::Start,
             Command::Stop,
             Command::BackHome,
-            Command::Retrieve,
+            Command::GoOn,
+            Command::Retrieve(None),
             Command::Reset,
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
@@ -338,7 +339,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 24.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 26.0);
     }
 
     #[test]

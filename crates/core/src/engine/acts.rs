@@ -33,6 +33,9 @@ impl Engine {
             Act::Raise(hold) => self.raise(hold, context.why.clone()),
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
+            Act::LedOn => self.led(true),
+            Act::EndSearch if self.goes_on() => {}
+            Act::EndSearch => self.led(false),
             Act::AlarmDanger => {
                 self.alarm_about(context.luggage, AlarmCause::Dangerous);
                 self.end_alarm_hold();
@@ -50,7 +53,7 @@ impl Engine {
             Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
             Act::RetryBlocked => self.retry_blocked(),
-            Act::BeginRetrieval => self.begin_retrieval(),
+            Act::BeginRetrieval => self.begin_retrieval(context.luggage),
             Act::EndRetrieval => self.end_retrieval(),
         }
     }

@@ -10,6 +10,7 @@ use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
 use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
 use crate::search::plan::after;
+use crate::settings::AfterDanger;
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
@@ -50,7 +51,7 @@ impl Engine {
     /// Refuses a movement command that was sent, or may have been sent, before the last stop (safety S4). Other
     /// commands are never refused as outdated.
     pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
-        let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
+        let moves = matches!(input, Input::Start | Input::BackHome | Input::GoOn | Input::Retrieve | Input::Move | Input::Goto);
         match sent {
             _ if moves && request.is_again && request.epoch.is_none() => Err(Refused::SentBefore),
             Some(sent) if moves && sent < self.state.epoch => Err(Refused::Outdated { sent, now: self.state.epoch }),
@@ -65,7 +66,19 @@ impl Engine {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => {
-                let explores = matches!(phase.underlying(), Phase::Exploring | Phase::AtHome);
+                let explores = match phase.underlying() {
+                    Phase::Exploring | Phase::AtHome => true,
+                    // From these phases, only GO ON explores.
+                    Phase::BombLocated | Phase::BagSecured => input == Input::GoOn,
+                    Phase::Idle
+                    | Phase::Inspecting(_)
+                    | Phase::Driving { .. }
+                    | Phase::ReturningHome
+                    | Phase::ReturningWithAlarm
+                    | Phase::Retrieving
+                    | Phase::Explored
+                    | Phase::Fault { .. } => false,
+                };
                 self.first_pending(true).filter(|_| explores).map(Refused::VerdictPending)
             }
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
@@ -102,6 +115,11 @@ impl Engine {
                 None => Some(Refused::NothingPending),
                 Some(id) => forbids(luggage.is_none(), Refused::UnknownLuggage(id)),
             },
+            Guard::NotABomb => match (context.luggage, luggage) {
+                (Some(id), None) => Some(Refused::UnknownLuggage(id)),
+                (Some(id), Some(luggage)) => forbids(!luggage.is_bomb_left(), Refused::NotABomb(id)),
+                (None, _) => None,
+            },
             Guard::Decided => self.decided(input, context),
             Guard::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
             Guard::NotInspected => match context.luggage {
@@ -133,6 +151,10 @@ impl Engine {
         }
     }
 
+    pub(super) fn goes_on(&self) -> bool {
+        self.settings.rules.after_danger == AfterDanger::GoOn
+    }
+
     fn held(&self, holds: Vec<Hold>) -> Option<Refused> {
         let store_failure = self.world.store_failure.clone().filter(|_| holds.contains(&Hold::Store));
         (!holds.is_empty()).then_some(Refused::Held(holds, store_failure))
@@ -151,6 +173,9 @@ impl Engine {
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
             Case::BombLeft => self.state.luggage.bombs_left().next().is_some(),
+            Case::GoesOn => self.goes_on(),
+            Case::GoesOnFromHere => self.goes_on() && self.case(Case::ThisPiece, phase, context),
+            Case::SearchUnderWay => self.state.led_blinking,
         }
     }
 
@@ -177,7 +202,7 @@ impl Engine {
         let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
-                let is_shut = self.state.map.at(Cell::HOME).is_obstacle() || !self.planner.knows_way(self.state.pose, Cell::HOME);
+                let is_shut = self.state.map.at(Cell::HOME).is_obstacle() || !self.knows_way_home();
                 self.state.blocked.is_empty() && is_shut
             }
             FaultCause::Undecided => true,

@@ -17,6 +17,7 @@ use crate::state::fact::Fact;
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};
+use crate::world::keep_out::{KeepOut, Ring, USUAL_CELL_M};
 use crate::world::resource::Resource;
 
 /// Maximum number of consecutive decisions that lead to no order. A search that exceeds it has an error: a correct
@@ -49,6 +50,7 @@ pub(super) enum Turn {
 
 impl Engine {
     pub(super) fn pump(&mut self) {
+        self.draw_rings();
         for _ in 0..TURNS {
             if let Turn::Rest = self.turn() {
                 return;
@@ -186,6 +188,13 @@ impl Engine {
     /// Explores: goes first to a piece without a photo, then to the present goal, then to the goal that the strategy
     /// wants.
     fn explore(&mut self) -> Turn {
+        // A robot that goes home may have to pass a ring. There it does not turn back.
+        if self.state.goal != Some(Goal::Home)
+            && self.planner.keep_out.contains(self.state.pose.cell)
+            && let Some(turn) = self.leave_ring()
+        {
+            return turn;
+        }
         if let Some(turn) = self.revisit() {
             return turn;
         }
@@ -209,7 +218,10 @@ impl Engine {
 
     fn is_wanted(&self, goal: Goal) -> bool {
         match goal {
-            Goal::Visit(cell) => matches!(self.state.map.at(cell), Mark::Unknown | Mark::Seen | Mark::NotInspected),
+            Goal::Visit(cell) => {
+                let is_open = matches!(self.state.map.at(cell), Mark::Unknown | Mark::Seen | Mark::NotInspected);
+                is_open && !self.planner.keep_out.contains(cell)
+            }
             Goal::Home => self.state.pose.cell != Cell::HOME,
         }
     }
@@ -253,7 +265,10 @@ impl Engine {
         }
         let way = match goal {
             Goal::Visit(cell) => self.planner.way_to_cell(self.state.pose, cell, Through::Unknown),
-            Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
+            Goal::Home => {
+                let around = self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown));
+                around.or_else(|| self.way_home_through_rings())
+            }
         };
         self.set_route(way);
     }
@@ -285,10 +300,59 @@ impl Engine {
         self.follow_route().then_some(Turn::Rest)
     }
 
+    /// Leaves a keep-out ring over visited cells. Returns `None` if no way leads out.
+    fn leave_ring(&mut self) -> Option<Turn> {
+        if self.mission.route.is_empty() {
+            let is_outside = |cell: Cell| !self.planner.keep_out.contains(cell);
+            let way = self.planner.way_through_rings(&self.state.map, self.state.pose, is_outside)?;
+            self.set_route(Some(way));
+        }
+        self.follow_route().then_some(Turn::Rest)
+    }
+
+    /// Makes the rings follow the bombs that are known now.
+    pub(super) fn draw_rings(&mut self) {
+        let keep_out = self.keep_out();
+        if self.planner.keep_out != keep_out {
+            self.planner.set_keep_out(keep_out, &self.state.map);
+            self.mission.route.clear();
+            self.mission.has_news = true;
+            self.world.touch(Resource::Mission);
+        }
+    }
+
+    /// Returns the rings round all bombs in the hall. A retrieval ignores the ring of the piece that it fetches.
+    pub(super) fn keep_out(&self) -> KeepOut {
+        let radius_m = self.settings.rules.keep_out_m;
+        if radius_m == 0.0 {
+            return KeepOut::default();
+        }
+        let cell_m = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.cell_m);
+        let fetched = self.state.retrieval.as_ref().map(|retrieval| retrieval.luggage);
+        let bombs = self.state.luggage.bombs_left().filter(|bomb| Some(bomb.id) != fetched);
+        let rings = bombs.map(|bomb| Ring { luggage: bomb.id, bomb: self.cells_of(bomb).into_iter().collect() });
+        KeepOut::new(rings.collect(), radius_m, cell_m.unwrap_or(USUAL_CELL_M))
+    }
+
+    /// Returns the way home through the rings, and says so, because there is no way round them.
+    fn way_home_through_rings(&mut self) -> Option<Vec<Move>> {
+        if self.planner.keep_out.is_empty() {
+            return None;
+        }
+        let way = self.planner.way_through_rings(&self.state.map, self.state.pose, |cell| cell == Cell::HOME)?;
+        self.world.write(self.now.wall, Tone::Warning, Said::HomeThroughRings);
+        Some(way)
+    }
+
+    pub(super) fn knows_way_home(&self) -> bool {
+        let through_rings = || self.planner.way_through_rings(&self.state.map, self.state.pose, |cell| cell == Cell::HOME);
+        self.planner.knows_way(self.state.pose, Cell::HOME) || !self.planner.keep_out.is_empty() && through_rings().is_some()
+    }
+
     /// Goes home over visited cells only.
     fn go_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
-            let way = self.way_home(Through::Known);
+            let way = self.way_home(Through::Known).or_else(|| self.way_home_through_rings());
             self.set_route(way);
         }
         if !self.follow_route() {

@@ -76,7 +76,8 @@ impl Past {
     pub fn snapshot(self, settings: Settings, others: impl IntoIterator<Item = RobotId>) -> Snapshot {
         let Past { seq, state, trail, temperatures, latest } = self;
         let threshold = state.conditions.as_ref().map_or(settings.threshold, |conditions| conditions.threshold);
-        let settings = Settings { threshold, ..settings };
+        let rules = state.conditions.as_ref().map_or(settings.rules, |conditions| conditions.rules);
+        let settings = Settings { threshold, rules, ..settings };
         let mut engine = Engine::new(settings, state.strategy, Arc::from("past"));
         let known: Vec<RobotId> = others.into_iter().chain(state.others.keys().chain(state.outside.keys()).cloned()).collect();
         for robot in known {

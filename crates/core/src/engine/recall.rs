@@ -9,13 +9,13 @@ use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::Effect;
 use crate::mission::{Input, InputContext};
-use crate::phase::PhaseName;
 use crate::settings::Settings;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::fact::{Entry, Fact};
 use crate::state::{Conditions, PersistentState, Phase, Venue};
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
+use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
@@ -122,7 +122,7 @@ impl Engine {
     }
 
     pub(super) fn record_conditions(&mut self, venue: Venue) {
-        let conditions = Conditions { venue, threshold: self.settings.threshold };
+        let conditions = Conditions { venue, threshold: self.settings.threshold, rules: self.settings.rules };
         if self.state.conditions.as_ref() != Some(&conditions) {
             self.record(Fact::Conditions(conditions));
         }
@@ -186,12 +186,10 @@ impl Engine {
         self.end_alarm_hold();
     }
 
+    /// Whether the consequences of a danger are on record. The alarm is recorded together with them.
     fn is_alarmed_about(&self, luggage: LuggageId) -> bool {
-        let searches = matches!(
-            self.state.phase.underlying().name(),
-            PhaseName::Exploring | PhaseName::Inspecting | PhaseName::ReturningHome | PhaseName::AtHome
-        );
-        !searches && self.state.alarms.iter().any(|alarm| alarm.luggage == Some(luggage))
+        let of_danger = |alarm: &Alarm| !matches!(alarm.cause, AlarmCause::Unrecorded(..) | AlarmCause::Call(..));
+        self.state.alarms.iter().any(|alarm| alarm.luggage == Some(luggage) && of_danger(alarm))
     }
 }
 

@@ -22,6 +22,7 @@ use crate::state::fact::Fact;
 use crate::state::{Phase, Retrieval, RetrievalStage};
 use crate::units::{Cell, Heading, LuggageId};
 use crate::world::hall_map::Mark;
+use crate::world::keep_out::NOWHERE;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
@@ -74,9 +75,10 @@ impl Engine {
         }
     }
 
-    /// Begins the retrieval of the dangerous piece that was found first.
-    pub(super) fn begin_retrieval(&mut self) {
-        let Some(bomb) = self.state.luggage.bombs_left().next().cloned() else { return };
+    /// Begins the retrieval of the named piece, or of the dangerous piece that was found first.
+    pub(super) fn begin_retrieval(&mut self, named: Option<LuggageId>) {
+        let wanted = self.state.luggage.bombs_left().find(|bomb| named.is_none_or(|id| bomb.id == id)).cloned();
+        let Some(bomb) = wanted else { return };
         let piece = self.cells_of(&bomb);
         let (luggage, fetcher) = (bomb.id, self.settings.fetcher);
         let stage = RetrievalStage::MakingRoom;
@@ -141,7 +143,7 @@ impl Engine {
     }
 
     /// Returns the cells where any robot has met this piece.
-    fn cells_of(&self, luggage: &Luggage) -> BTreeSet<Cell> {
+    pub(super) fn cells_of(&self, luggage: &Luggage) -> BTreeSet<Cell> {
         let same = self.state.met_again.iter().filter(|(_, piece)| luggage.piece == Some(**piece)).map(|(cell, _)| *cell);
         same.chain([luggage.cell]).collect()
     }
@@ -218,8 +220,11 @@ impl Engine {
         }
         for which in inside.into_iter().rev() {
             let (base, taken) = (stands[which.index()], [stands[which.other().index()].place]);
-            let floor = Floor { map: &self.state.map, way_out: true, freed: &BTreeSet::new(), taken: &taken };
-            let way = floor.approach(base.place, Place::ENTRANCE);
+            let (freed, kept_out) = (BTreeSet::new(), &self.planner.keep_out);
+            let floor = Floor { map: &self.state.map, way_out: true, freed: &freed, taken: &taken, kept_out };
+            // A bomb that was found meanwhile must not lock the robots in.
+            let through_rings = Floor { kept_out: &NOWHERE, ..floor };
+            let way = [floor, through_rings].iter().find_map(|floor| floor.approach(base.place, Place::ENTRANCE));
             if let Some(action) = way.and_then(|way| steer(base, *way.first()?, Gear::Forwards)) {
                 return self.all(&[which], action);
             }

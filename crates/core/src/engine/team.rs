@@ -121,6 +121,7 @@ impl Engine {
             target: Place::ENTRANCE,
             bases: Which::ALL.map(|which| self.base_view(which)),
             is_calling: self.is_calling(),
+            kept_out: &self.planner.keep_out,
         };
         look(&view)
     }

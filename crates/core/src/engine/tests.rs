@@ -102,6 +102,7 @@ fn command(input: Input) -> Option<Command> {
         Input::Start => Command::Start,
         Input::Stop => Command::Stop,
         Input::BackHome => Command::BackHome,
+        Input::GoOn => Command::GoOn,
         Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None },
         Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None },
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
@@ -110,7 +111,7 @@ fn command(input: Input) -> Option<Command> {
         Input::SensorReading => {
             Command::Temperature(TemperatureReport::Sensor("roof".into(), Celsius::new(20.0).expect("a believable temperature")))
         }
-        Input::Retrieve => Command::Retrieve,
+        Input::Retrieve => Command::Retrieve(None),
         Input::Reset => Command::Reset,
         Input::Move => Command::Move(Move::TurnLeft),
         Input::Goto => Command::Goto(Cell::new(3, 3)),

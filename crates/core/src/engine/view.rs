@@ -17,6 +17,7 @@ use crate::snapshot::robot::{RobotShown, RobotView};
 use crate::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
 use crate::state::{Phase, Stage};
 use crate::world::alarm::AlarmView;
+use crate::world::hall_map::{HallMap, Mark};
 use crate::world::resource::Resource;
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
@@ -118,6 +119,7 @@ impl Engine {
             strategy: shown.strategy,
             epoch: self.state.epoch,
             progress: self.progress(),
+            keep_out: self.keep_out(),
             clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
         }
@@ -159,7 +161,18 @@ impl Engine {
     fn progress(&self) -> Progress {
         let map = self.shown_map();
         let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
-        Progress { visited: map.visited(), unknown: map.unsearched(), left: self.time_left(), reach }
+        let kept_out = self.unsearched_in_rings(map);
+        Progress { visited: map.visited(), unknown: map.unsearched() - kept_out, kept_out, left: self.time_left(), reach }
+    }
+
+    fn unsearched_in_rings(&self, map: &HallMap) -> usize {
+        let keep_out = self.keep_out();
+        if keep_out.is_empty() {
+            return 0;
+        }
+        let open = map.frontier().filter(|cell| keep_out.contains(*cell)).count();
+        let uninspected = map.known().filter(|(cell, mark)| *mark == Mark::NotInspected && keep_out.contains(*cell));
+        open + uninspected.count()
     }
 
     /// Returns the remaining time. It is shown during a search, even while something holds or interrupts the search.
@@ -202,6 +215,7 @@ impl Engine {
         Refusals {
             start: why(Input::Start, &plain, &shown.start),
             back_home: why(Input::BackHome, &plain, &shown.back_home),
+            go_on: why(Input::GoOn, &plain, &shown.go_on),
             retrieve: why(Input::Retrieve, &plain, &shown.retrieve),
             reset: why(Input::Reset, &plain, &shown.reset),
             drive: why(Input::Move, &turn, &shown.drive),

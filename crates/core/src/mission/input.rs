@@ -16,6 +16,7 @@ named! {
         Start = "START",
         Stop = "STOP",
         BackHome = "BACK HOME",
+        GoOn = "GO ON",
         Safe = "safe",
         Danger = "danger",
         TemperatureOk = "temperature OK",
@@ -59,7 +60,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 16] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 17] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -98,7 +99,8 @@ impl InputContext {
             Command::Start => (Input::Start, context),
             Command::Stop => (Input::Stop, context),
             Command::BackHome => (Input::BackHome, context),
-            Command::Retrieve => (Input::Retrieve, context),
+            Command::GoOn => (Input::GoOn, context),
+            Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),

@@ -44,6 +44,7 @@ named! {
         Unrecorded = "a piece is being recorded",
         BombUnfetched = "a bomb is still in the hall and its alarm is not acknowledged",
         UnknownLuggage = "there is no such piece",
+        NotABomb = "the named piece is no bomb in the hall",
         Decided = "the piece has the other verdict already",
         NoPhoto = "there is no usable photo",
         NotInspected = "the piece already has a verdict or is not in front of the robot",
@@ -70,7 +71,10 @@ named! {
         SameVerdict = "the piece has this verdict already",
         FromIdle = "the interrupted phase is idle",
         RobotAtHome = "the robot is at home",
-        BombLeft = "another bomb is still in the hall",
+        BombLeft = "a bomb is still in the hall",
+        GoesOn = "`mission.after_danger` is `go_on`",
+        GoesOnFromHere = "`mission.after_danger` is `go_on`, and the piece is in front of the robot",
+        SearchUnderWay = "the LED blinks, because the search goes on after a find",
     }
 }
 
@@ -84,6 +88,8 @@ pub(crate) enum Act {
     Raise(Hold),
     Clear(Hold),
     LedOff,
+    LedOn,
+    EndSearch,
     AlarmDanger,
     AlarmUnrecorded,
     FacePiece,
@@ -112,6 +118,8 @@ impl Act {
             Act::Raise(hold) => return format!("halts, raises `{}`", hold.name()),
             Act::Clear(hold) => return format!("clears `{}`", hold.name()),
             Act::LedOff => "turns the LED off",
+            Act::EndSearch => "turns the LED off, unless `mission.after_danger` is `go_on`",
+            Act::LedOn => "lets the LED blink",
             Act::AlarmDanger => "raises an alarm, clears `alarm` if no other alarm needs it",
             Act::AlarmUnrecorded => "raises an alarm and the hold `alarm`",
             Act::FacePiece => "takes the photo",

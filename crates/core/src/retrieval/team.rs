@@ -260,6 +260,7 @@ mod tests {
     use crate::retrieval::BaseView;
     use crate::units::{Cell, Heading, Revision};
     use crate::world::hall_map::HallMap;
+    use crate::world::keep_out::NOWHERE;
 
     fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> TickOutcome {
         ticked_holding(team, places, piece, failures, [None; 2])
@@ -290,6 +291,7 @@ mod tests {
             target: Place::ENTRANCE,
             bases: [base(0), base(1)],
             is_calling: false,
+            kept_out: &NOWHERE,
         };
         team.tick(&view, TICK)
     }

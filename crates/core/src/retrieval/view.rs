@@ -10,6 +10,7 @@ use crate::pair::Which;
 use crate::place::{BasePose, Place};
 use crate::units::{Cell, Piece};
 use crate::world::hall_map::HallMap;
+use crate::world::keep_out::KeepOut;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseView {
@@ -44,6 +45,8 @@ pub struct View<'a> {
     pub bases: [BaseView; 2],
     /// Whether a call to the operator has not been acknowledged yet.
     pub is_calling: bool,
+    /// The rings of other bombs, which neither robot enters.
+    pub kept_out: &'a KeepOut,
 }
 
 impl View<'_> {

@@ -18,6 +18,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use crate::place::Place;
 use crate::units::Cell;
 use crate::world::hall_map::{Bounds, HallMap, Mark};
+use crate::world::keep_out::KeepOut;
 
 /// The cost of a step into a cell in which no robot has been, as a multiple of other steps. A parcel that may explode
 /// is carried round such cells, unless the detour is long.
@@ -36,6 +37,8 @@ pub struct Floor<'a> {
     pub freed: &'a BTreeSet<Cell>,
     /// Places that no base may enter, because robots stand there.
     pub taken: &'a [Place],
+    /// The rings of other bombs, which no base enters.
+    pub kept_out: &'a KeepOut,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -142,7 +145,7 @@ impl Floor<'_> {
     /// Returns the cost of a step to this place; `None` if nobody can enter it.
     fn cost(&self, place: Place) -> Option<u32> {
         let Place::Cell(cell) = place else { return self.way_out.then_some(1) };
-        if self.taken.contains(&place) {
+        if self.taken.contains(&place) || self.kept_out.contains(cell) {
             return None;
         }
         match self.map.at(cell) {

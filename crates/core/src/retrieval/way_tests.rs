@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, VecDeque};
 use super::*;
 use crate::rng::RandomStream;
 use crate::units::Revision;
+use crate::world::keep_out::NOWHERE;
 
 /// A hall from a drawing: `.` is visited, `?` unknown, `#` wall, `b` the piece, `o` another piece. The first cell is
 /// (0, 0), home.
@@ -51,7 +52,7 @@ fn at(x: i32, y: i32) -> Place {
 
 impl Drawn {
     fn floor(&self) -> Floor<'_> {
-        Floor { map: &self.map, way_out: true, freed: &self.piece, taken: &[] }
+        Floor { map: &self.map, way_out: true, freed: &self.piece, taken: &[], kept_out: &NOWHERE }
     }
 
     fn fetch(&self) -> Option<(Stands, Vec<Train>)> {

@@ -17,6 +17,8 @@ pub enum Square {
     Obstacle = 3,
     Target = 4,
     Luggage = 5,
+    /// Inside a keep-out ring, whatever the map shows there.
+    KeptOut = 6,
 }
 
 impl Square {
@@ -24,10 +26,10 @@ impl Square {
         matches!(self, Square::Unknown | Square::Seen | Square::Target)
     }
 
-    /// Whether the kind of the obstacle is known.
+    /// Whether nothing can be found out by entering the cell.
     #[must_use]
     pub const fn is_settled(self) -> bool {
-        matches!(self, Square::Obstacle | Square::Luggage)
+        matches!(self, Square::Obstacle | Square::Luggage | Square::KeptOut)
     }
 }
 
@@ -103,6 +105,13 @@ impl Grid {
         self.set(cell, square);
     }
 
+    /// Shuts a cell inside a ring. The cell does not count as known.
+    pub(crate) fn keep_out_of(&mut self, cell: Cell) {
+        let known = self.known;
+        self.set(cell, Square::KeptOut);
+        self.known = known;
+    }
+
     pub fn set(&mut self, cell: Cell, square: Square) {
         if self.at(cell) == square || !is_in_reach(cell) {
             return;
@@ -160,7 +169,7 @@ impl Grid {
                 Square::Luggage if is_along() => census.luggage_along += 1,
                 Square::Visited => census.visited_inside += 1,
                 Square::Luggage => census.luggage_inside += 1,
-                Square::Unknown | Square::Seen | Square::Obstacle | Square::Target => {}
+                Square::Unknown | Square::Seen | Square::Obstacle | Square::Target | Square::KeptOut => {}
             }
         }
         census

@@ -81,7 +81,7 @@ impl<'a> Looking<'a> {
             Square::Unknown => UNKNOWN,
             Square::Seen => self.seen,
             Square::Visited => VISITED,
-            Square::Obstacle | Square::Luggage | Square::Target => BLOCKED,
+            Square::Obstacle | Square::Luggage | Square::Target | Square::KeptOut => BLOCKED,
         }
     }
 

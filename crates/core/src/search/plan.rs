@@ -3,13 +3,14 @@
 
 use super::Search;
 use super::costs::{Costs, STEP};
-use super::far::turn;
+use super::far::{Steps, turn};
 use super::grid::{Grid, Spot, Square};
 use super::view::{Gait, NextGoal, Objective, Terms, View};
 use super::ways::Ways;
 use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
-use crate::world::hall_map::{Bounds, HallMap};
+use crate::world::hall_map::{Bounds, HallMap, Mark};
+use crate::world::keep_out::KeepOut;
 
 /// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is not inspected yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,23 +25,42 @@ pub(crate) struct Planner {
     pub(crate) grid: Grid,
     pub(crate) ways: Ways,
     pub(crate) costs: Costs,
+    /// The rings that no way enters. `set_keep_out` changes them.
+    pub(crate) keep_out: KeepOut,
 }
 
 impl Planner {
     pub(crate) fn of(map: &HallMap) -> Planner {
-        Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN }
+        Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN, keep_out: KeepOut::default() }
     }
 
     pub(crate) fn learn(&mut self, map: &HallMap) {
         self.grid = Grid::of(map);
+        self.shut_rings();
+    }
+
+    pub(crate) fn set_keep_out(&mut self, keep_out: KeepOut, map: &HallMap) {
+        self.keep_out = keep_out;
+        self.learn(map);
+    }
+
+    /// Shuts the cells of the rings as far as ways may lead, which is one cell beyond the known area.
+    fn shut_rings(&mut self) {
+        for cell in self.keep_out.cells_within(self.grid.known().grown(1)) {
+            self.grid.keep_out_of(cell);
+        }
     }
 
     pub(crate) fn mark(&mut self, cell: Cell, map: &HallMap) {
+        let known = self.grid.known();
         self.grid.mark(cell, map.at(cell));
+        if self.grid.known() != known || self.keep_out.contains(cell) {
+            self.shut_rings();
+        }
     }
 
     pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, objective: Objective, sonar_cells: u8) -> NextGoal {
-        let Planner { grid, ways, costs } = self;
+        let Planner { grid, ways, costs, .. } = self;
         if !grid.has_room_for(pose.cell) {
             return NextGoal::GoHome;
         }
@@ -54,6 +74,23 @@ impl Planner {
         Ways::default().way_to_cell(&self.grid, self.costs, start, goal, passable).is_some()
     }
 
+    /// Returns a way over visited cells to a cell for which `is_goal` holds. The way may lead through rings, but as far
+    /// from the bombs there as possible.
+    pub(crate) fn way_through_rings(&self, map: &HallMap, start: Pose, is_goal: impl Fn(Cell) -> bool) -> Option<Vec<Move>> {
+        let visited = self.keep_out.cells_within(map.known_bounds()).filter(|cell| map.at(*cell) == Mark::Visited);
+        let mut clearances: Vec<f64> = visited.map(|cell| self.keep_out.clearance(cell)).collect();
+        clearances.sort_by(f64::total_cmp);
+        clearances.dedup();
+        let mut steps = Steps::default();
+        let mut way = |least: f64| {
+            let cell = |spot: Spot| self.grid.cell(spot);
+            let passable = |spot: Spot| map.at(cell(spot)) == Mark::Visited && self.keep_out.clearance(cell(spot)) >= least;
+            steps.way(&self.grid, start, passable, |spot| is_goal(cell(spot))).map(|(_, way)| way)
+        };
+        let open = clearances.partition_point(|least| way(*least).is_some());
+        way(*clearances.get(open.checked_sub(1)?)?)
+    }
+
     /// Returns the cheapest way to `goal`. It is empty if the robot stands there, and `None` if there is no way. If
     /// the goal is beyond the known cells, the way leads over their edge, as if everything beyond were free.
     pub(crate) fn way_to_cell(&mut self, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
@@ -61,7 +98,7 @@ impl Planner {
     }
 
     pub(crate) fn way_to_pose(&mut self, start: Pose, goal: Pose) -> Option<Vec<Move>> {
-        let Planner { grid, ways, costs } = self;
+        let Planner { grid, ways, costs, .. } = self;
         if grid.at(goal.cell) != Square::Visited {
             return None;
         }
@@ -137,7 +174,7 @@ fn may_enter(grid: &Grid, area: Bounds, spot: Spot, through: Through) -> bool {
     match grid.here(spot) {
         Square::Visited => true,
         Square::Unknown | Square::Seen => through == Through::Unknown && area.contains(grid.cell(spot)),
-        Square::Obstacle | Square::Luggage | Square::Target => false,
+        Square::Obstacle | Square::Luggage | Square::Target | Square::KeptOut => false,
     }
 }
 
@@ -169,8 +206,8 @@ pub(crate) fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::Revision;
-    use crate::world::hall_map::Mark;
+    use crate::units::{LuggageId, Revision};
+    use crate::world::keep_out::Ring;
 
     /// Returns a map from a drawing: `.` is visited, `?` unknown, `#` wall, `b` a bag that is not inspected yet. The
     /// first cell is (0, 0).
@@ -262,5 +299,41 @@ mod tests {
         let goal = Pose { cell: Cell::new(1, 0), heading: Heading::West };
         let way = Planner::of(&map(&["..", ".."])).way_to_pose(Pose::START, goal).unwrap();
         assert_eq!(ends_at(&way), goal);
+    }
+
+    /// A visited room of 5 × 3 cells, with a bomb in the middle of its north wall.
+    fn room(radius: f64) -> (Planner, HallMap) {
+        let map = map(&[".....", ".....", "....."]);
+        let ring = Ring { luggage: LuggageId(1), bomb: vec![Cell::new(2, -1)] };
+        let mut planner = Planner::of(&map);
+        planner.set_keep_out(KeepOut::new(vec![ring], radius, 1.0), &map);
+        (planner, map)
+    }
+
+    #[test]
+    fn a_way_goes_round_a_ring_and_through_it_only_as_far_from_the_bomb_as_possible() {
+        let east = Pose { cell: Cell::new(4, 0), ..Pose::START };
+        let (mut planner, _) = room(1.0);
+        let round = planner.way_to_cell(east, Cell::HOME, Through::Known).expect("a way leads round");
+        assert!(!cells_along(east, round).contains(&Cell::new(2, 0)));
+        let (mut planner, map) = room(3.0);
+        assert_eq!(planner.way_to_cell(east, Cell::HOME, Through::Known), None, "the ring lies across the room");
+        let through = planner.way_through_rings(&map, east, |cell| cell == Cell::HOME).expect("visited cells lead home");
+        assert!(cells_along(east, through.clone()).contains(&Cell::new(2, 2)), "along the south wall: {through:?}");
+        let (mut planner, _) = room(9.0);
+        assert_eq!(planner.way_to_cell(east, Cell::HOME, Through::Unknown), None, "home is in the ring");
+    }
+
+    #[test]
+    fn what_is_marked_later_inside_a_ring_stays_shut() {
+        let (mut planner, mut map) = room(3.0);
+        for cell in [Cell::new(2, 0), Cell::new(5, 0)] {
+            map.mark(cell, Mark::Visited, Revision(2));
+            planner.mark(cell, &map);
+        }
+        assert_eq!(
+            [(2, 0), (4, -1), (5, 0)].map(|(x, y)| planner.grid.at(Cell::new(x, y))),
+            [Square::KeptOut, Square::KeptOut, Square::Visited]
+        );
     }
 }

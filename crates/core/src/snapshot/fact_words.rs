@@ -7,6 +7,7 @@ use crate::asked::Asked;
 use crate::command::{Command, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
+use crate::settings::{AfterDanger, Rules};
 use crate::state::fact::{Fact, Unpacked, WrittenOut};
 use crate::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use crate::units::LuggageId;
@@ -33,10 +34,10 @@ fn said(fact: &Fact) -> String {
                 "unpacked from the archive {file}, SHA-256 {digest}; begins behind entry {behind}, the digest of whose page is {page}"
             )
         }
-        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold }) => {
+        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold, rules }) => {
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
             let reckoned = if *is_reckoned { ", reckoned without a scene file" } else { "" };
-            format!("hall: {name}{cells}{reckoned}, too hot above {threshold}")
+            format!("hall: {name}{cells}{reckoned}, too hot above {threshold}{}", rules_in_words(*rules))
         }
         Fact::State(standing) => {
             let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
@@ -80,6 +81,13 @@ fn said(fact: &Fact) -> String {
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
     }
+}
+
+/// Returns the rules that differ from the usual ones, each after a comma.
+fn rules_in_words(Rules { after_danger, keep_out_m }: Rules) -> String {
+    let goes_on = (after_danger == AfterDanger::GoOn).then(|| ", the search goes on after danger".to_owned());
+    let rings = (keep_out_m > 0.0).then(|| format!(", keep-out rings of {keep_out_m} m"));
+    goes_on.into_iter().chain(rings).collect()
 }
 
 /// Formats milliseconds as hours, minutes and seconds, such as `13:00:05`. The sign is left out.

@@ -21,6 +21,7 @@ use crate::state::Reach;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 use crate::world::alarm::AlarmView;
 use crate::world::hall_map::HallMap;
+use crate::world::keep_out::KeepOut;
 use crate::world::luggage::Luggage;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
@@ -106,6 +107,8 @@ pub struct MissionView {
     /// A number that every stop increases.
     pub epoch: Epoch,
     pub progress: Progress,
+    /// The rings round the bombs in the hall that nobody is fetching.
+    pub keep_out: KeepOut,
     /// Total of all clock changes since the mission began, in milliseconds.
     pub clock_set_ms: i64,
     pub refusals: Refusals,
@@ -119,6 +122,8 @@ pub struct Progress {
     /// Number of places that can be searched next: unknown cells beside visited ones, and obstacles that are not
     /// inspected yet.
     pub unknown: usize,
+    /// Number of such places inside keep-out rings. They are not searched while the rings are there.
+    pub kept_out: usize,
     /// The remaining driving time of the search, without the time for photos and for the operator's answers. `None`
     /// while it cannot be estimated, or if nothing is left to search.
     pub left: Option<TimeLeft>,
@@ -139,7 +144,7 @@ impl Progress {
     /// hall is.
     #[must_use]
     pub const fn percent(self) -> Option<u8> {
-        if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }
+        if self.visited > 0 && self.unknown == 0 && self.kept_out == 0 { Some(100) } else { None }
     }
 }
 
@@ -148,6 +153,7 @@ impl Progress {
 pub struct Refusals {
     pub start: Option<Refused>,
     pub back_home: Option<Refused>,
+    pub go_on: Option<Refused>,
     pub retrieve: Option<Refused>,
     pub reset: Option<Refused>,
     /// Moves by hand, in any direction.

@@ -47,6 +47,7 @@ pub enum Said {
     PhotoStays(LuggageId),
     Secured(LuggageId),
     NoWay(Cell),
+    HomeThroughRings,
     /// The robot reports a place that differs from the recorded one. `None` means the robot that searches.
     Stands(Option<RobotId>, Pose),
     Robot(RobotId, Trouble),
@@ -106,6 +107,9 @@ impl fmt::Display for Said {
             }
             Said::Secured(luggage) => write!(f, "luggage #{luggage} is in the container"),
             Said::NoWay(cell) => write!(f, "no way leads to {cell}"),
+            Said::HomeThroughRings => {
+                f.write_str("every known way home leads through a keep-out ring: the robot keeps as far from the bomb as it can")
+            }
             Said::Stands(robot, Pose { cell, heading }) => {
                 let robot = robot.as_ref().map_or("the robot", RobotId::name);
                 write!(f, "{robot} says that it stands at {cell}, facing {}", heading.name())

@@ -1,8 +1,10 @@
-//! The place of a mission and its temperature threshold. They are recorded because they may change later.
+//! The place of a mission, its temperature threshold and the rules of its team. They are recorded because they may
+//! change later.
 
 use std::fmt;
 use std::sync::Arc;
 
+use crate::settings::Rules;
 use crate::units::Celsius;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +12,7 @@ pub struct Conditions {
     pub venue: Venue,
     /// Temperature above which nothing moves.
     pub threshold: Celsius,
+    pub rules: Rules,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -66,7 +66,10 @@ pub enum Command {
     /// The halt is raised before this command enters the queue.
     Stop,
     BackHome,
-    Retrieve,
+    /// Go on with the search after a bomb was found.
+    GoOn,
+    /// Fetch this dangerous piece, or the one that was found first.
+    Retrieve(Option<LuggageId>),
     /// Archive the mission and return to idle.
     Reset,
     Move(Move),
@@ -97,10 +100,11 @@ pub enum Carries<'a> {
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 12] = [
+    pub const CODES: [&str; 13] = [
         "start",
         "stop",
         "backHome",
+        "goOn",
         "retrieve",
         "reset",
         "move",
@@ -112,7 +116,7 @@ impl Command {
         "temperature",
     ];
 
-    pub const BARE: [Command; 5] = [Command::Start, Command::Stop, Command::BackHome, Command::Retrieve, Command::Reset];
+    pub const BARE: [Command; 5] = [Command::Start, Command::Stop, Command::BackHome, Command::GoOn, Command::Reset];
 
     #[must_use]
     pub const fn code(&self) -> &'static str {
@@ -120,7 +124,8 @@ impl Command {
             Command::Start => "start",
             Command::Stop => "stop",
             Command::BackHome => "backHome",
-            Command::Retrieve => "retrieve",
+            Command::GoOn => "goOn",
+            Command::Retrieve(_) => "retrieve",
             Command::Reset => "reset",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
@@ -135,7 +140,10 @@ impl Command {
     #[must_use]
     pub const fn carries(&self) -> Carries<'_> {
         match self {
-            Command::Start | Command::Stop | Command::BackHome | Command::Retrieve | Command::Reset => Carries::Nothing,
+            Command::Start | Command::Stop | Command::BackHome | Command::GoOn | Command::Retrieve(None) | Command::Reset => {
+                Carries::Nothing
+            }
+            Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note } => Carries::Verdict(*luggage, *verdict, note.as_ref()),
@@ -164,7 +172,13 @@ impl Command {
     #[must_use]
     pub const fn releases(&self) -> bool {
         match self {
-            Command::Start | Command::BackHome | Command::Retrieve | Command::Reset | Command::Move(_) | Command::Goto(_) => true,
+            Command::Start
+            | Command::BackHome
+            | Command::GoOn
+            | Command::Retrieve(_)
+            | Command::Reset
+            | Command::Move(_)
+            | Command::Goto(_) => true,
             Command::Stop
             | Command::Verdict { .. }
             | Command::RetakePhoto(_)
@@ -181,7 +195,9 @@ impl std::fmt::Display for Command {
             Command::Start => f.write_str("START"),
             Command::Stop => f.write_str("STOP"),
             Command::BackHome => f.write_str("BACK HOME"),
-            Command::Retrieve => f.write_str("RETRIEVE"),
+            Command::GoOn => f.write_str("GO ON"),
+            Command::Retrieve(None) => f.write_str("RETRIEVE"),
+            Command::Retrieve(Some(id)) => write!(f, "RETRIEVE #{id}"),
             Command::Reset => f.write_str("RESET"),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),

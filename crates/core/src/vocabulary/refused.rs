@@ -57,6 +57,9 @@ pub enum Refused {
     BombUnfetched(LuggageId),
     #[error("there is no luggage #{0}")]
     UnknownLuggage(LuggageId),
+    /// Only a dangerous piece that is still in the hall is fetched.
+    #[error("luggage #{0} is no bomb in the hall: name a dangerous piece that was not fetched yet")]
+    NotABomb(LuggageId),
     /// An old client sent a verdict without a number, but no piece waits for a verdict.
     #[error("no luggage waits for a verdict")]
     NothingPending,
@@ -114,7 +117,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 28] = {
+pub const CODES: [(&str, RefusalKind); 29] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -130,6 +133,7 @@ pub const CODES: [(&str, RefusalKind); 28] = {
         ("unrecorded", Conflict),
         ("bombUnfetched", Conflict),
         ("unknownLuggage", Unknown),
+        ("notABomb", Conflict),
         ("nothingPending", Conflict),
         ("decided", Conflict),
         ("noPhoto", Conflict),
@@ -169,6 +173,7 @@ impl Refused {
             | Refused::Moving
             | Refused::Unrecorded
             | Refused::BombUnfetched(_)
+            | Refused::NotABomb(_)
             | Refused::NothingPending
             | Refused::Decided { .. }
             | Refused::NoPhoto(_)
@@ -198,6 +203,7 @@ impl Refused {
             Refused::Unrecorded => "unrecorded",
             Refused::BombUnfetched(_) => "bombUnfetched",
             Refused::UnknownLuggage(_) => "unknownLuggage",
+            Refused::NotABomb(_) => "notABomb",
             Refused::NothingPending => "nothingPending",
             Refused::Decided { .. } => "decided",
             Refused::NoPhoto(_) => "noPhoto",

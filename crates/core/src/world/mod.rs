@@ -3,6 +3,7 @@
 pub mod alarm;
 mod area;
 pub mod hall_map;
+pub mod keep_out;
 pub mod luggage;
 pub mod records;
 pub mod resource;

@@ -14,6 +14,7 @@ use hallsweep_core::place::{BasePose, Place};
 use hallsweep_core::retrieval::{BaseView, Proposal, View};
 use hallsweep_core::units::{Cell, Epoch, Heading, OrderId, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
+use hallsweep_core::world::keep_out::NOWHERE;
 
 #[derive(Clone, Debug)]
 pub(super) struct Crew {
@@ -58,6 +59,7 @@ impl Crew {
             target: self.target,
             bases: self.bases,
             is_calling,
+            kept_out: &NOWHERE,
         }
     }
 

@@ -17,6 +17,7 @@ use hallsweep_core::retrieval::Floor;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Heading, Piece, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
+use hallsweep_core::world::keep_out::NOWHERE;
 use hallsweep_sim::{Hall, Truth};
 
 /// Maximum number of parcels: three full rows of a pallet. More parcels would take hours of simulated time and show
@@ -109,7 +110,7 @@ impl Yard {
         }
         let target = self.target;
         let freed = BTreeSet::new();
-        let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[] };
+        let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[], kept_out: &NOWHERE };
         // The places of the two robots after they have put down the first parcel. They may have come from any side.
         let beside = |heading| target.cell().map_or(target, |cell| Place::Cell(cell.ahead(heading)));
         let after = [beside(Heading::North), beside(Heading::South)];

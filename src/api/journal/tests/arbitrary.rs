@@ -25,6 +25,7 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::{Goal, Search};
+use hallsweep_core::settings::{AfterDanger, Rules};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
 use hallsweep_core::state::fact::{Entry, Fact, Unpacked, WrittenOut};
@@ -98,10 +99,13 @@ fn conditions() -> impl Strategy<Value = Conditions> {
         address: address.map(Into::into),
     });
     let side = (option::of(0.01..100.0), any::<bool>());
-    (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>())).prop_map(
-        |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed)| Conditions {
+    let rules = (one_of(&AfterDanger::ALL), prop_oneof![Just(0.0), 0.1..Rules::WIDEST_M]);
+    let rules = rules.prop_map(|(after_danger, keep_out_m)| Rules { after_danger, keep_out_m });
+    (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>()), rules).prop_map(
+        |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed, rules)| Conditions {
             venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), seed },
             threshold,
+            rules,
         },
     )
 }

@@ -52,7 +52,7 @@ async fn every_command_reaches_the_loop_as_what_it_says() {
         (post("/commands/start", "{}"), Command::Start),
         (post("/commands/stop", ""), Command::Stop),
         (post("/commands/backHome", ""), Command::BackHome),
-        (post("/commands/retrieve", ""), Command::Retrieve),
+        (post("/commands/retrieve", ""), Command::Retrieve(None)),
         (post("/commands/reset", ""), Command::Reset),
         (post("/commands/move", r#"{"move":"w"}"#), Command::Move(Move::Forward)),
         (post("/commands/move", r#"{"move":"h"}"#), Command::Stop),

@@ -23,6 +23,7 @@ pub(in crate::doors::http) struct Fields {
     status: Option<String>,
     celsius: Option<String>,
     note: Option<String>,
+    luggage: Option<String>,
 }
 
 /// The note that the operator typed. It comes from the query of the confirmation page (`?note=…`).
@@ -52,7 +53,11 @@ impl Fields {
             "start" => Command::Start,
             "stop" => Command::Stop,
             "backHome" => Command::BackHome,
-            "retrieve" => Command::Retrieve,
+            "goOn" => Command::GoOn,
+            "retrieve" => {
+                let named = self.luggage.as_deref().map(|text| number("luggage", text)).transpose()?;
+                Command::Retrieve(named.map(LuggageId))
+            }
             "reset" => Command::Reset,
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => {
@@ -132,6 +137,7 @@ mod tests {
             y: Some("-2".to_owned()),
             name: Some("snail".to_owned()),
             status: None,
+            luggage: Some("3".to_owned()),
             celsius: Some("21,5".to_owned()),
             note: Some(" a lunch\r\n\tbox".to_owned()),
         };

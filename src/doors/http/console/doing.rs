@@ -136,6 +136,7 @@ mod tests {
     use crate::api::tests::fixture::{TEN, searching};
     use crate::phrases::Language;
     use hallsweep_core::pair::Which;
+    use hallsweep_core::settings::Rules;
     use hallsweep_core::snapshot::Snapshot;
     use hallsweep_core::snapshot::robot::RobotView;
 
@@ -147,6 +148,7 @@ mod tests {
             evacuation_m: 100.0,
             is_paused: false,
             robot: None,
+            rules: Rules::default(),
         };
         View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }

@@ -1,16 +1,16 @@
 //! Distances in the hall: how far a piece is from home in metres, and the evacuation circle round a bomb. The
 //! settings give the radius of the circle. The circle is drawn only if the size of a cell is known. People decide who
-//! must leave.
+//! must leave. The keep-out rings, which the robots respect, are drawn here too.
 
 use std::fmt::Write;
 
 use super::carriers::is_at;
-use super::drawing::CELL;
+use super::drawing::{CELL, middle};
 use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::units::Cell;
 
-/// Draws the circles round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
+/// Draws the circles and the rings round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
     if let Some(cell_m) = v.hall.cell_m {
@@ -18,6 +18,15 @@ pub(super) fn circles(v: &View<'_>) -> String {
         for bomb in v.snapshot.luggage.bombs_left() {
             let (x, y) = is_at(v.snapshot, bomb);
             let circle = format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>");
+            group.write_fmt(circle).expect("writing to a string does not fail");
+        }
+    }
+    let radius = f64::from(CELL) * v.snapshot.mission.keep_out.radius();
+    for ring in v.snapshot.mission.keep_out.rings() {
+        let said = v.say("keep-out-of").with("id", ring.luggage);
+        for (x, y) in ring.bomb.iter().copied().map(middle) {
+            let circle =
+                format_args!("<circle class=\"keep-out\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"><title>{said}</title></circle>");
             group.write_fmt(circle).expect("writing to a string does not fail");
         }
     }
@@ -75,11 +84,19 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::{TEN, idle, piece, searching};
     use hallsweep_core::command::Verdict;
+    use hallsweep_core::settings::Rules;
     use hallsweep_core::snapshot::Snapshot;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
-        let hall =
-            HallInfo { name: "airport".into(), cell_m, evacuation_m: 25.0, is_paused: false, is_reckoned: false, robot: None };
+        let hall = HallInfo {
+            name: "airport".into(),
+            cell_m,
+            evacuation_m: 25.0,
+            is_paused: false,
+            is_reckoned: false,
+            robot: None,
+            rules: Rules::default(),
+        };
         View { snapshot, hall, began: None, who: None, language: Language::English, why: None, now: TEN, line: None, then: None }
     }
 

@@ -114,11 +114,10 @@ impl Incident<'_> {
                     said.to_string()
                 };
             }
+            PhaseName::Exploring | PhaseName::Inspecting => Some("search"),
+            PhaseName::ReturningHome => Some("back"),
             PhaseName::Idle
-            | PhaseName::Exploring
-            | PhaseName::Inspecting
             | PhaseName::Driving
-            | PhaseName::ReturningHome
             | PhaseName::AtHome
             | PhaseName::BombLocated
             | PhaseName::BagSecured
@@ -162,6 +161,7 @@ mod tests {
     use crate::phrases::Language;
     use hallsweep_core::hold::Hold;
     use hallsweep_core::refused::Refused;
+    use hallsweep_core::settings::Rules;
 
     #[test]
     fn the_incident_says_what_is_halted_and_has_one_next_act() {
@@ -211,6 +211,7 @@ mod tests {
                 evacuation_m: 100.0,
                 is_paused: false,
                 robot: None,
+                rules: Rules::default(),
             };
             let (language, now) = (Language::English, TEN);
             let v = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
@@ -219,9 +220,10 @@ mod tests {
             let shown = incident.to_string();
             let (above, acts) = shown.split_once("<div class=\"acts\">").expect("the acts are there");
             let actions = acts.split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
-            let goes_on = actions.filter(|action| !action.ends_with("/acknowledge"));
+            let goes_on = actions.filter(|action| !action.ends_with("/acknowledge") && !action.ends_with("/goOn"));
             assert_eq!(goes_on.collect::<Vec<_>>(), Vec::from_iter(act), "{phase:?} {holds:?}: {shown}");
             assert!(!above.contains("action="), "the acts stand together: {shown}");
+            assert_eq!(acts.contains("action=\"./console/goOn\""), phase == BombLocated, "{shown}");
             assert_eq!(acts.matches(" loud\"").count() + acts.matches("\"loud\"").count(), 1, "one act is the next: {shown}");
             assert!(holds.is_empty() || !above.contains("is being fetched") && !above.contains("comes home"), "{shown}");
         }

@@ -195,6 +195,7 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::{TEN, idle, searching, touch};
     use crate::phrases::Language;
+    use hallsweep_core::settings::Rules;
     use hallsweep_core::units::{Cell, Revision};
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
@@ -205,8 +206,15 @@ mod tests {
 
     fn update_while(shown: &mut Shown, snapshot: Snapshot, is_paused: bool) -> Message {
         let snapshot = Arc::new(snapshot);
-        let hall =
-            HallInfo { name: "airport".into(), cell_m: None, is_reckoned: false, evacuation_m: 100.0, is_paused, robot: None };
+        let hall = HallInfo {
+            name: "airport".into(),
+            cell_m: None,
+            is_reckoned: false,
+            evacuation_m: 100.0,
+            is_paused,
+            robot: None,
+            rules: Rules::default(),
+        };
         let view = View {
             snapshot: &snapshot,
             hall,

@@ -118,7 +118,9 @@ pub(super) async fn confirm_danger(
 ) -> Response {
     let snapshot = door.handle.snapshot();
     let (button, problem) = match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok(None), |Query(typed)| typed.note())) {
-        (Some(luggage), Ok(note)) => return html(&parts::Confirm::danger(to.language, luggage, note)).into_response(),
+        (Some(luggage), Ok(note)) => {
+            return html(&parts::Confirm::danger(to.language, luggage, note, door.settings.rules)).into_response();
+        }
         (Some(_), Err(problem)) => ("verdict", problem),
         (None, _) => ("page", Problem::no_luggage(id)),
     };

@@ -11,7 +11,7 @@ use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
 use super::retrieval::{TreeRow, rows, sign, stage, stages};
-use super::view::{View, failure};
+use super::view::{View, danger_consequence, failure};
 use crate::api::luggage::photo_url;
 use crate::api::robot::ArmJson;
 use crate::api::robot_parts;
@@ -24,6 +24,7 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::{self, Parts};
+use hallsweep_core::settings::Rules;
 use hallsweep_core::snapshot::log::LogLine;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_core::snapshot::robot::RobotShown;
@@ -61,7 +62,7 @@ pub(super) const PARTS: [PagePart; 23] = [
     PagePart { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
     PagePart {
         id: "hall-evacuation",
-        shows: &[Resource::Luggage, Resource::Robot, Resource::Map, Resource::Retrieval],
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Robot, Resource::Map, Resource::Retrieval],
         render: evacuation::circles,
     },
     PagePart { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
@@ -126,11 +127,11 @@ pub(super) struct Confirm {
 }
 
 impl Confirm {
-    pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>) -> Confirm {
+    pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>, rules: Rules) -> Confirm {
         Confirm {
             language,
             question: language.say("danger-question").with("id", luggage.id).to_string(),
-            consequence: language.say("danger-consequence"),
+            consequence: danger_consequence(language, rules),
             button: language.say("danger-yes").with("id", luggage.id).to_string(),
             action: "/console/danger",
             id: Some(luggage.id),

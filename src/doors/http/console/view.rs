@@ -20,6 +20,7 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotState;
+use hallsweep_core::settings::{AfterDanger, Rules};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::state::{Conditions, Participant, Venue};
@@ -63,6 +64,8 @@ pub(super) struct HallInfo {
     pub(super) evacuation_m: f64,
     pub(super) is_paused: bool,
     pub(super) robot: Option<Participant>,
+    /// The rules of the team.
+    pub(super) rules: Rules,
 }
 
 impl HallInfo {
@@ -70,7 +73,15 @@ impl HallInfo {
         let (name, cell_m) = door.hall();
         let is_paused = door.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
         let (is_reckoned, evacuation_m) = (door.is_reckoned, door.evacuation_m);
-        HallInfo { name, cell_m, is_reckoned, evacuation_m, is_paused, robot: door.robots.first().cloned() }
+        HallInfo {
+            name,
+            cell_m,
+            is_reckoned,
+            evacuation_m,
+            is_paused,
+            robot: door.robots.first().cloned(),
+            rules: door.settings.rules,
+        }
     }
 
     /// Returns the hall as described by the recorded conditions. Without recorded conditions it returns the present
@@ -78,9 +89,9 @@ impl HallInfo {
     pub(super) fn under(door: &HttpDoor, conditions: Option<&Conditions>) -> HallInfo {
         let now = HallInfo { is_paused: false, robot: None, ..HallInfo::of(door) };
         match conditions {
-            Some(Conditions { venue: Venue { name, cell_m, is_reckoned, robots, .. }, .. }) => {
+            Some(Conditions { venue: Venue { name, cell_m, is_reckoned, robots, .. }, rules, .. }) => {
                 let robot = robots.first().cloned();
-                HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, robot, ..now }
+                HallInfo { name: Arc::clone(name), cell_m: *cell_m, is_reckoned: *is_reckoned, robot, rules: *rules, ..now }
             }
             None => now,
         }
@@ -287,7 +298,8 @@ impl View<'_> {
                     (false, true) => Some("next-retrieve"),
                     (false, false) => None,
                 };
-                let said = fetch.into_iter().chain(["next-reset"]).map(|id| self.say(id).to_string());
+                let go_on = self.offers_go_on().then_some("next-go-on");
+                let said = fetch.into_iter().chain(go_on).chain(["next-reset"]).map(|id| self.say(id).to_string());
                 Some(said.collect::<Vec<_>>().join(" "))
             }
             PhaseName::BagSecured => {
@@ -305,6 +317,18 @@ impl View<'_> {
             | PhaseName::Retrieving
             | PhaseName::Fault => None,
         }
+    }
+
+    /// Whether the search can go on from here after a find: a bomb was found, and known places are not searched.
+    pub(super) fn offers_go_on(&self) -> bool {
+        let mission = &self.snapshot.mission;
+        let is_after_find = matches!(mission.phase, PhaseName::BombLocated | PhaseName::BagSecured);
+        is_after_find && self.then.is_none() && mission.progress.unknown > 0
+    }
+
+    /// Returns what follows from the verdict DANGER.
+    pub(super) fn danger_consequence(&self) -> Phrase<'static> {
+        danger_consequence(self.language, self.hall.rules)
     }
 
     pub(super) fn mood(&self) -> Mood {
@@ -371,6 +395,13 @@ impl View<'_> {
 
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
+    }
+}
+
+pub(super) fn danger_consequence(language: Language, rules: Rules) -> Phrase<'static> {
+    match rules.after_danger {
+        AfterDanger::Return => language.say("danger-consequence"),
+        AfterDanger::GoOn => language.say("danger-consequence-goes-on"),
     }
 }
 

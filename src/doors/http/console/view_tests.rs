@@ -12,6 +12,7 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::pair::Which;
 use hallsweep_core::place::Place;
 use hallsweep_core::robot::{Part, Parts};
+use hallsweep_core::settings::Rules;
 use hallsweep_core::snapshot::retrieval::RetrievalView;
 use hallsweep_core::snapshot::robot::RobotShown;
 use hallsweep_core::snapshot::{Progress, TimeLeft};
@@ -28,6 +29,7 @@ fn view(snapshot: &Snapshot) -> View<'_> {
         evacuation_m: 100.0,
         is_paused: false,
         robot: None,
+        rules: Rules::default(),
     };
     let now = WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN };
     View { snapshot, hall, began: Some(TEN), who: None, language: Language::English, why: None, now, line: None, then: None }
@@ -155,6 +157,7 @@ fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over(
             evacuation_m: 100.0,
             is_paused: false,
             robot: None,
+            rules: Rules::default(),
         },
         ..view(&snapshot)
     };
@@ -247,8 +250,15 @@ fn the_panel_of_the_robot_says_what_it_is_what_it_has_and_what_is_done_instead()
         address: address.map(Into::into),
     });
     let panel = |snapshot: &Snapshot, robot| {
-        let hall =
-            HallInfo { name: "airport".into(), cell_m: None, is_reckoned: false, evacuation_m: 100.0, is_paused: false, robot };
+        let hall = HallInfo {
+            name: "airport".into(),
+            cell_m: None,
+            is_reckoned: false,
+            evacuation_m: 100.0,
+            is_paused: false,
+            robot,
+            rules: Rules::default(),
+        };
         let part = PARTS.iter().find(|part| part.id == "robot").expect("it is there");
         (part.render)(&View { hall, ..view(snapshot) })
     };

@@ -19,6 +19,7 @@ use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::state::{PersistentState, Phase, Retrieval, RetrievalStage};
 use hallsweep_core::units::{Cell, Celsius, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::HallMap;
+use hallsweep_core::world::keep_out::NOWHERE;
 
 /// Number of a mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
@@ -109,7 +110,17 @@ pub(super) fn retrieval() -> Vec<Happened> {
         };
         let bases = places.map(base);
         let (map, piece, others, wanted) = (&map, &piece, &[], Some(Piece(1)));
-        let view = View { map, way_out: true, others, piece, wanted, target: Place::ENTRANCE, bases, is_calling: false };
+        let view = View {
+            map,
+            way_out: true,
+            others,
+            piece,
+            wanted,
+            target: Place::ENTRANCE,
+            bases,
+            is_calling: false,
+            kept_out: &NOWHERE,
+        };
         if tick == 5 {
             team.handle_found(Some(Parcel { piece: Piece(1), place: Place::Cell(bag) }), wanted);
         }

@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn the_bare_words_are_those_of_the_buttons() {
-        assert_eq!(names(true), "start, stop, backHome, retrieve, reset");
+        assert_eq!(names(true), "start, stop, backHome, goOn, retrieve, reset");
     }
 
     #[test]

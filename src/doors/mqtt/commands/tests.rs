@@ -28,7 +28,9 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("start", "{}", Command::Start),
         ("stop", "", Command::Stop),
         ("backHome", "", Command::BackHome),
-        ("retrieve", r#"{"epoch":4}"#, Command::Retrieve),
+        ("goOn", "", Command::GoOn),
+        ("retrieve", r#"{"epoch":4}"#, Command::Retrieve(None)),
+        ("retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
         ("reset", "", Command::Reset),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
@@ -107,7 +109,7 @@ async fn a_bare_word_is_a_command_without_arguments() {
     let given = app.given().await;
     let (topic, json) = app.ask("command", "goto").await;
     assert_eq!((topic.as_str(), &json["status"], &json["code"]), ("command/goto/result", &404.into(), &"notFound".into()));
-    assert!(json["detail"].as_str().unwrap().contains("start, stop, backHome, retrieve, reset"), "{json}");
+    assert!(json["detail"].as_str().unwrap().contains("start, stop, backHome, goOn, retrieve, reset"), "{json}");
     for strange in [&b"\xff\xfe"[..], b"", b"{}", b"start stop"] {
         let (topic, json) = app.ask("command", strange).await;
         assert_eq!((topic.as_str(), &json["status"]), ("command/unknown/result", &404.into()));

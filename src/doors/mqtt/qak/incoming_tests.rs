@@ -56,8 +56,8 @@ fn every_message_of_the_original_system_is_a_command_as_event_and_as_dispatch() 
         ("modelChange", "modelChange(luggage,danger)", DANGER),
         ("startAppl", "startAppl(go)", Command::Start),
         ("stopAppl", "stopAppl(go)", Command::Stop),
-        ("reachBag", "reachBag", Command::Retrieve),
-        ("reachBag", "reachBag(X)", Command::Retrieve),
+        ("reachBag", "reachBag", Command::Retrieve(None)),
+        ("reachBag", "reachBag(X)", Command::Retrieve(None)),
     ];
     for (id, content, command) in &cases {
         assert_eq!(both(id, content), *command, "{id}");

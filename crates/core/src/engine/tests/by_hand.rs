@@ -3,14 +3,17 @@
 //! recorded.
 
 use super::*;
+use crate::settings::AfterDanger;
+use crate::state::fact::Fact;
 use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
 /// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm.
-const COLUMNS: [Input; 12] = [
+const COLUMNS: [Input; 13] = [
     Input::Start,
     Input::Stop,
     Input::BackHome,
+    Input::GoOn,
     Input::Safe,
     Input::Danger,
     Input::TemperatureTooHigh,
@@ -26,34 +29,34 @@ const COLUMNS: [Input; 12] = [
 /// name is the new phase after all records are stored, and `!` is a refusal. In `a/b`, `a` is the outcome without a
 /// hold, and `b` the outcome after STOP.
 const PENDING: &str = "
-    id  ex  .  !np .  .  .  !np !vp      dr      dr      !np .
-    ex  !vp .  rh  .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
-    in  !vp .  rh  ex ra .  !np !vp      !np     !np     .   !np
-    dr  !dr ex !dr .  .  ex !np !mv      !dr     !dr     !np !np
-    rh  .   .  .   .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
-    ah  !vp .  .   .  bl .  !np !vp      dr      dr      !np !np
-    ra  .   .  !np .  .  .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
-    bl  !np .  !np .  .  .  !nr !vp      !np     !np     !np !np
-    re  .   .  !np .  .  .  !np !mv/!vp  !np     !np     !np !np
-    bs  !vp .  !np .  bl .  !np !vp      !np     !np     !np .
-    ed  !vp .  !np .  bl .  !np !vp      !np     !np     !np .
-    fa  !vp .  !np .  .  .  !np !vp      !np     !np     !np !np
+    id ex  . !np !np .  .  .  !np !vp     dr      dr      !np .
+    ex !vp . rh  !vp .  ra .  !np !mv/!vp !ns/dr  !ns/dr  !np !np
+    in !vp . rh  !vp ex ra .  !np !vp     !np     !np     .   !np
+    dr !dr ex !dr !dr .  .  ex !np !mv     !dr     !dr     !np !np
+    rh .   . .   !np .  ra .  !np !mv/!vp !ns/dr  !ns/dr  !np !np
+    ah !vp . .   !vp .  bl .  !np !vp     dr      dr      !np !np
+    ra .   . !np !np .  .  .  !np !mv/!vp !ns/dr  !ns/dr  !np !np
+    bl !np . !np !vp .  .  .  !nr !vp     !np     !np     !np !np
+    re .   . !np !np .  .  .  !np !mv/!vp !np     !np     !np !np
+    bs !vp . !np !vp .  bl .  !np !vp     !np     !np     !np .
+    ed !vp . !np !np .  bl .  !np !vp     !np     !np     !np .
+    fa !vp . !np !np .  .  .  !np !vp     !np     !np     !np !np
 ";
 
 /// Like `PENDING`, but the verdict on this piece is safe.
 const DECIDED: &str = "
-    id  ex  .  !np .  !de .  !np .       dr      dr      !np .
-    ex  .   .  rh  .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
-    in  .   .  rh  .  !de .  !np id      !np     !np     !ni !np
-    dr  !dr ex !dr .  !de ex !np !mv     !dr     !dr     !np !np
-    rh  .   .  .   .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
-    ah  ex  .  .   .  !de .  !np id      dr      dr      !np !np
-    ra  .   .  !np .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
-    bl  !np .  !np .  !de .  !nr id      !np     !np     !np !np
-    re  .   .  !np .  !de .  !np !mv/id  !np     !np     !np !np
-    bs  ex  .  !np .  !de .  !np id      !np     !np     !np .
-    ed  ex  .  !np .  !de .  !np id      !np     !np     !np .
-    fa  ex  .  !np .  !de .  !np id      !np     !np     !np !np
+    id ex  . !np !np . !de .  !np .       dr      dr      !np .
+    ex .   . rh  .   . !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    in .   . rh  .   . !de .  !np id      !np     !np     !ni !np
+    dr !dr ex !dr !dr . !de ex !np !mv     !dr     !dr     !np !np
+    rh .   . .   !np . !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    ah ex  . .   ex  . !de .  !np id      dr      dr      !np !np
+    ra .   . !np !np . !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    bl !np . !np ex  . !de .  !nr id      !np     !np     !np !np
+    re .   . !np !np . !de .  !np !mv/id  !np     !np     !np !np
+    bs ex  . !np ex  . !de .  !np id      !np     !np     !np .
+    ed ex  . !np !np . !de .  !np id      !np     !np     !np .
+    fa ex  . !np !np . !de .  !np id      !np     !np     !np !np
 ";
 
 /// The events that lead from one phase to another. In all other phases, these events change nothing.
@@ -65,7 +68,8 @@ const EVENTS: &[(Input, &str)] = &[
     (Input::CameHome, "rh>ah ra>bl"),
     (Input::AllExplored, "ex>ed"),
     (Input::DriveEnded, "dr>ex"),
-    (Input::Secured, "re>bs"),
+    // `moment` lets the LED blink, so the search is under way.
+    (Input::Secured, "re>ah"),
     (Input::NotFetched, "re>fa"),
     (Input::NoWayHome, "ex>fa rh>fa ra>fa"),
     (Input::Unanswered, "id>fa ex>fa in>fa dr>fa rh>fa ah>fa ra>fa bl>fa re>fa bs>fa ed>fa"),
@@ -148,7 +152,7 @@ fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str
 /// refused too.
 fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
     let stopped = meant(cell(table, phase, input, true), phase);
-    let moves = [Input::Start, Input::BackHome, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
+    let moves = [Input::Start, Input::BackHome, Input::GoOn, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
     let recorded = recorded.contains(&input) || [Input::Acknowledge, Input::Strategy].contains(&input);
     let repeat = input == Input::Safe && table == DECIDED;
@@ -174,11 +178,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     engine.mark(Cell::new(1, 1), Mark::NotInspected);
     engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
     engine.watchdog.hear("roof", Duration::ZERO);
-    engine.record(crate::state::fact::Fact::AlarmRaised(
-        AlarmId(1),
-        None,
-        crate::world::alarm::AlarmCause::Other("something".to_owned()),
-    ));
+    engine.record(Fact::AlarmRaised(AlarmId(1), None, crate::world::alarm::AlarmCause::Other("something".to_owned())));
     engine.state.led_blinking = true;
     if table == DECIDED {
         let decision = crate::world::luggage::Decision {
@@ -259,7 +259,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
     let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
     let verdict = after.state.luggage.get(LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
     match input {
-        Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
+        Input::Start | Input::BackHome | Input::GoOn | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
             assert!(!waits.into_iter().any(|hold| is.contains(hold)), "{pair}: it clears what waits for it");
         }
         Input::Stop => {
@@ -360,4 +360,50 @@ fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
         engine.feed(end, &InputContext::default());
         assert_eq!((engine.phase_name(), engine.state.holds.to_vec()), (PhaseName::Idle, hold.into_iter().collect()), "{end:?}");
     }
+}
+
+/// Mission §4, rule 4: with `mission.after_danger = "go_on"`, a danger neither ends the search nor sends the robot home.
+#[test]
+fn where_the_search_goes_on_a_danger_only_alarms() {
+    for name in PhaseName::ALL {
+        let mut engine = moment(name, PENDING, &[]);
+        engine.settings.rules.after_danger = AfterDanger::GoOn;
+        engine.feed(Input::DangerRecorded, &InputContext { luggage: Some(LuggageId(1)), ..InputContext::default() });
+        let expected = match name {
+            PhaseName::Inspecting => PhaseName::Exploring,
+            PhaseName::AtHome | PhaseName::BagSecured | PhaseName::Explored => PhaseName::BombLocated,
+            PhaseName::Idle
+            | PhaseName::Exploring
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::BombLocated
+            | PhaseName::Retrieving
+            | PhaseName::Fault => name,
+        };
+        assert_eq!((engine.phase_name(), engine.state.led_blinking, engine.state.alarms.len()), (expected, true, 2), "{name:?}");
+        assert!(![PhaseName::ReturningWithAlarm].contains(&engine.state.phase.underlying().name()) || name == expected);
+    }
+}
+
+/// Mission §4, rule 7: what follows after a piece is in the container, and after the robot has come home.
+#[test]
+fn after_a_fetch_the_next_bomb_comes_first_and_then_the_rest_of_the_search() {
+    let after = |input, name, bomb: bool, searches: bool| {
+        let mut engine = moment(name, PENDING, &[]);
+        engine.state.led_blinking = searches;
+        if bomb {
+            let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Danger, who: "anna".into(), note: None };
+            engine.state.follow(&verdict, WallTime::default(), Revision(1));
+        }
+        engine.feed(input, &InputContext::default());
+        engine.phase_name()
+    };
+    let secured = |bomb, searches| after(Input::Secured, PhaseName::Retrieving, bomb, searches);
+    assert_eq!([secured(true, true), secured(true, false)], [PhaseName::BombLocated; 2]);
+    assert_eq!([secured(false, true), secured(false, false)], [PhaseName::AtHome, PhaseName::BagSecured]);
+    let explored = |bomb| after(Input::AllExplored, PhaseName::Exploring, bomb, true);
+    assert_eq!([explored(true), explored(false)], [PhaseName::BombLocated, PhaseName::Explored]);
+    let home = |bomb| after(Input::CameHome, PhaseName::ReturningHome, bomb, true);
+    assert_eq!([home(true), home(false)], [PhaseName::BombLocated, PhaseName::AtHome]);
 }

@@ -57,11 +57,12 @@ fn nothing_that_is_shown_contradicts_a_button() {
 
 fn check_buttons(engine: &mut Engine, seed: u64) {
     let state = engine.snapshot();
-    let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
+    let Refusals { start, back_home, go_on, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
     let buttons = [
         (start, Command::Start),
         (back_home, Command::BackHome),
-        (retrieve, Command::Retrieve),
+        (go_on, Command::GoOn),
+        (retrieve, Command::Retrieve(None)),
         (reset, Command::Reset),
         (drive, Command::Move(Move::TurnLeft)),
         (strategy, Command::ChooseStrategy(Strategy::Snail)),

@@ -1,6 +1,7 @@
 //! Tests of the core under the control of a simulator: paused time, and another hall.
 
 use super::*;
+use crate::settings::Rules;
 use crate::simulated::{Change, Simulated};
 use crate::state::{Conditions, Venue};
 
@@ -91,7 +92,8 @@ fn in_which_hall_it_is_goes_on_record_once_and_again_in_another() {
     let at = |begin: &str| words.iter().position(|fact| fact.starts_with(begin)).expect("it is on record");
     assert!(at("Conditions") > at("MapEmptied"), "what is of the hall before stands before: {words:?}");
     let conditions = engine.persistent_state().conditions.expect("they are on record");
-    let expect = Conditions { venue: venue("depot", Some(0.5)), threshold: Settings::default().threshold };
+    let expect =
+        Conditions { venue: venue("depot", Some(0.5)), threshold: Settings::default().threshold, rules: Rules::default() };
     assert_eq!(conditions, expect);
 }
 

@@ -4,7 +4,7 @@
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
     ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
-    RETAKE_ELSEWHERE, going_home, waiting,
+    RETAKE_ELSEWHERE, SEARCH_ON, going_home, waiting,
 };
 use crate::mission::rule::Act::{BeginRetrieval, EndRetrieval, Release, RetryBlocked};
 use crate::mission::rule::Rule::{AsInterrupted, Go, RefuseIf, When};
@@ -15,7 +15,7 @@ use crate::phase::PhaseName;
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
-        PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => going_home(event, &[Go(Phase(PhaseName::BombLocated), &[])], ANOTHER_DANGER),
@@ -25,9 +25,11 @@ pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::GoOn => SEARCH_ON,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Retrieve => &[
             RefuseIf(Guard::Held),
+            RefuseIf(Guard::NotABomb),
             RefuseIf(Guard::NoRetrievalRobot),
             RefuseIf(Guard::FetcherUnreached),
             Go(Phase(PhaseName::Retrieving), &[Release, BeginRetrieval]),
@@ -39,10 +41,16 @@ pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
-        PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::BackHome
+        | PhaseInput::GoOn
+        | PhaseInput::Retrieve
+        | PhaseInput::Move
+        | PhaseInput::Goto
+        | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(PhaseEvent::Secured) => &[
             When(Case::BombLeft, Phase(PhaseName::BombLocated), &[EndRetrieval]),
+            When(Case::SearchUnderWay, Phase(PhaseName::AtHome), &[EndRetrieval]),
             Go(Phase(PhaseName::BagSecured), &[EndRetrieval]),
         ],
         PhaseInput::Event(PhaseEvent::NotFetched) => INTO_FAULT,
@@ -53,6 +61,7 @@ pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn bag_secured(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => EXPLORE_AGAIN,
+        PhaseInput::GoOn => SEARCH_ON,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
@@ -68,7 +77,12 @@ pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
             RefuseIf(Guard::VerdictAwaited),
             Go(Interrupted, &[Release, RetryBlocked]),
         ],
-        PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::BackHome
+        | PhaseInput::GoOn
+        | PhaseInput::Retrieve
+        | PhaseInput::Move
+        | PhaseInput::Goto
+        | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(event) => match event {
             PhaseEvent::Done

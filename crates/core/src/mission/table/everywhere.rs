@@ -28,6 +28,7 @@ pub(in crate::mission) enum InputRow {
 pub(in crate::mission) enum PhaseInput {
     Start,
     BackHome,
+    GoOn,
     Retrieve,
     Move,
     Goto,
@@ -127,6 +128,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::StoreRestored => Everywhere(&[Go(Stay, &[Clear(Hold::Store)])]),
         Input::Start => ByPhase(PhaseInput::Start),
         Input::BackHome => ByPhase(PhaseInput::BackHome),
+        Input::GoOn => ByPhase(PhaseInput::GoOn),
         Input::Retrieve => ByPhase(PhaseInput::Retrieve),
         Input::Move => ByPhase(PhaseInput::Move),
         Input::Goto => ByPhase(PhaseInput::Goto),

@@ -76,7 +76,8 @@ mod tests {
         let commands = [
             Command::Start,
             Command::BackHome,
-            Command::Retrieve,
+            Command::GoOn,
+            Command::Retrieve(None),
             Command::Reset,
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),

@@ -7,7 +7,9 @@ use super::shared::{
     INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
 };
 use crate::hold::Hold;
-use crate::mission::rule::Act::{Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake};
+use crate::mission::rule::Act::{
+    AlarmDanger, Begin, EndSearch, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake,
+};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
@@ -16,7 +18,7 @@ use crate::phase::PhaseName;
 pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => &[RefuseIf(Guard::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
-        PhaseInput::BackHome | PhaseInput::Retrieve => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE,
         PhaseInput::Strategy => CHOOSE,
@@ -26,7 +28,7 @@ pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
 
 pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start => EXPLORE_ON,
+        PhaseInput::Start | PhaseInput::GoOn => EXPLORE_ON,
         PhaseInput::BackHome => GO_HOME,
         PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
@@ -44,7 +46,9 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
             PhaseEvent::AtPiece => &[Go(Phase(PhaseName::Inspecting), &[])],
             PhaseEvent::LuggageRecorded => RECORDED,
             PhaseEvent::DangerRecorded => DANGER_ON_THE_WAY,
-            PhaseEvent::AllExplored => &[Go(Phase(PhaseName::Explored), &[LedOff])],
+            PhaseEvent::AllExplored => {
+                &[When(Case::BombLeft, Phase(PhaseName::BombLocated), &[LedOff]), Go(Phase(PhaseName::Explored), &[LedOff])]
+            }
             PhaseEvent::NoWayHome | PhaseEvent::Unanswered | PhaseEvent::RobotFailed => INTO_FAULT,
         },
     }
@@ -52,7 +56,7 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
 
 pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start => &[RefuseIf(Guard::Held), RefuseIf(Guard::OperatorAsked), Go(Stay, &[Release])],
+        PhaseInput::Start | PhaseInput::GoOn => &[RefuseIf(Guard::Held), RefuseIf(Guard::OperatorAsked), Go(Stay, &[Release])],
         PhaseInput::BackHome => GO_HOME,
         PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => {
@@ -73,7 +77,11 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
             }
             PhaseEvent::LuggageRecorded => RECORDED,
             PhaseEvent::SafeRecorded => &[When(Case::ThisPiece, Phase(PhaseName::Exploring), &[]), Go(Stay, &[])],
-            PhaseEvent::DangerRecorded => DANGER_ON_THE_WAY,
+            PhaseEvent::DangerRecorded => &[
+                When(Case::GoesOnFromHere, Phase(PhaseName::Exploring), &[AlarmDanger]),
+                When(Case::GoesOn, Stay, &[AlarmDanger]),
+                Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger]),
+            ],
             PhaseEvent::Unanswered | PhaseEvent::RobotFailed => INTO_FAULT,
         },
     }
@@ -82,7 +90,9 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
 /// The rules while the robot is driven by hand. Every hold also ends the drive.
 pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto => &[Never(Guard::Driving)],
+        PhaseInput::Start | PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Move | PhaseInput::Goto => {
+            &[Never(Guard::Driving)]
+        }
         PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(event) => match event {
@@ -108,16 +118,20 @@ pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn returning_home(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome => RESUME,
-        PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
-        PhaseInput::Event(event) => going_home(event, &[Go(Phase(PhaseName::AtHome), &[])], DANGER_ON_THE_WAY),
+        PhaseInput::Event(event) => going_home(
+            event,
+            &[When(Case::BombLeft, Phase(PhaseName::BombLocated), &[]), Go(Phase(PhaseName::AtHome), &[])],
+            DANGER_ON_THE_WAY,
+        ),
     }
 }
 
 pub(super) const fn at_home(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start => {
+        PhaseInput::Start | PhaseInput::GoOn => {
             &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release])]
         }
         PhaseInput::BackHome => RESUME,
@@ -131,7 +145,7 @@ pub(super) const fn at_home(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn explored(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => EXPLORE_AGAIN,
-        PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
         PhaseInput::Event(event) => waiting(event, DANGER_AT_HOME),

@@ -2,7 +2,7 @@
 //! the cells that all phases share.
 
 use super::everywhere::PhaseEvent;
-use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
+use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, EndSearch, LedOn, Release};
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
@@ -14,6 +14,9 @@ pub(super) const NOT_HERE: &[Rule] = &[Never(Guard::NotInPhase)];
 pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Guard::UnknownLuggage), Never(Guard::NotInPhase)];
 pub(super) const RESUME: &[Rule] = &[RefuseIf(Guard::Held), Go(Stay, &[Release])];
 pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Stay, &[Release])];
+/// Searches on from home. Under `mission.after_danger = "go_on"` the LED blinks already.
+pub(super) const SEARCH_ON: &[Rule] =
+    &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release, LedOn])];
 pub(super) const EXPLORE_AGAIN: &[Rule] = &[
     RefuseIf(Guard::Held),
     RefuseIf(Guard::VerdictPending),
@@ -36,11 +39,12 @@ pub(super) const DRIVE_IF_STOPPED: &[Rule] = &[
 ];
 pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[ChooseStrategy])];
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
-pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[LedOff, AlarmDanger])];
-pub(super) const DANGER_ON_THE_WAY: &[Rule] = &[Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];
+pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[EndSearch, AlarmDanger])];
+pub(super) const DANGER_ON_THE_WAY: &[Rule] =
+    &[When(Case::GoesOn, Stay, &[AlarmDanger]), Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger])];
 pub(super) const DANGER_AT_HOME: &[Rule] = &[
-    When(Case::RobotAtHome, Phase(PhaseName::BombLocated), &[LedOff, AlarmDanger]),
-    Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger]),
+    When(Case::RobotAtHome, Phase(PhaseName::BombLocated), &[EndSearch, AlarmDanger]),
+    Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger]),
 ];
 pub(super) const INTO_FAULT: &[Rule] = &[Go(Phase(PhaseName::Fault), &[])];
 

@@ -199,7 +199,7 @@ impl<'a> Performer<'a> {
     where
         'a: 'b,
     {
-        Floor { map: self.view.map, way_out: self.view.way_out, freed, taken }
+        Floor { map: self.view.map, way_out: self.view.way_out, freed, taken, kept_out: self.view.kept_out }
     }
 
     /// Returns the train that the two bases would form if they gripped the parcel from their present places.

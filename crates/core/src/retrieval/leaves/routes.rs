@@ -7,7 +7,6 @@ use std::collections::VecDeque;
 use crate::pair::Which;
 use crate::place::Place;
 use crate::retrieval::way::{Floor, Stands, Train};
-use crate::world::hall_map::HallMap;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
@@ -36,7 +35,7 @@ impl Routes {
             way.pop_front();
         }
         let leads_on = way.front().is_some_and(|next| next.is_beside(from)) && way.back() == Some(&to);
-        if !leads_on || way.iter().any(|place| floor.taken.contains(place) || is_closed(floor.map, *place)) {
+        if !leads_on || way.iter().any(|place| floor.taken.contains(place) || is_closed(floor, *place)) {
             *way = floor.approach(from, to)?.into();
         }
         way.front().copied()
@@ -53,7 +52,7 @@ impl Routes {
             let (leader, to) = from.leader(*next);
             to.is_beside(from.bases[leader]) && next.parcel == from.bases[leader] && next.bases[1 - leader] == from.parcel
         });
-        let blocked = |train: &Train| train.bases.iter().any(|base| floor.taken.contains(base) || is_closed(floor.map, *base));
+        let blocked = |train: &Train| train.bases.iter().any(|base| floor.taken.contains(base) || is_closed(floor, *base));
         if !leads_on || way.back().is_none_or(|train| train.parcel != drop) || way.iter().any(blocked) {
             *way = floor.carry(from, drop)?.into();
         }
@@ -61,6 +60,6 @@ impl Routes {
     }
 }
 
-fn is_closed(map: &HallMap, place: Place) -> bool {
-    place.cell().is_some_and(|cell| map.at(cell).is_obstacle())
+fn is_closed(floor: &Floor<'_>, place: Place) -> bool {
+    place.cell().is_some_and(|cell| floor.map.at(cell).is_obstacle() || floor.kept_out.contains(cell))
 }

@@ -328,6 +328,7 @@ mod tests {
     use crate::api::tests::fixture::{TEN, degrees, piece};
     use hallsweep_core::command::{Issuer, LuggageRef};
     use hallsweep_core::hold::Hold;
+    use hallsweep_core::settings::Rules;
     use hallsweep_core::state::Venue;
     use hallsweep_core::state::fact::Entry;
     use hallsweep_core::units::{Cell, LuggageId};
@@ -434,7 +435,7 @@ mod tests {
     #[test]
     fn what_is_too_hot_is_so_by_the_threshold_of_then() {
         let venue = Venue { name: "depot".into(), ..Venue::default() };
-        let under = |threshold| Conditions { threshold: degrees(threshold), venue: venue.clone() };
+        let under = |threshold| Conditions { threshold: degrees(threshold), venue: venue.clone(), rules: Rules::default() };
         let facts = [
             (0, Fact::Conditions(under(30.0))),
             (1, temperature(27.0)),

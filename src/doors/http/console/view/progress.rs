@@ -30,13 +30,22 @@ impl View<'_> {
         self.say("open-places").with("count", self.snapshot.mission.progress.unknown)
     }
 
+    /// Returns the number of places that are not searched because they are inside keep-out rings, in words.
+    pub(in super::super) fn kept_out(&self) -> Option<Phrase<'static>> {
+        let count = Some(self.snapshot.mission.progress.kept_out).filter(|count| *count > 0)?;
+        Some(self.say("kept-out-places").with("count", count))
+    }
+
     /// Returns what was not searched, in words, if the phase reads like the end of the search. The page shows this
     /// text as large as the phase. Nobody knows how large the area beyond the known places is.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
         let mission = &self.snapshot.mission;
         let is_an_end =
             matches!(mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored);
-        let count = mission.progress.unknown;
+        let (count, inside) = (mission.progress.unknown + mission.progress.kept_out, mission.progress.kept_out);
+        if is_an_end && inside > 0 {
+            return Some(self.say("unsearched-kept-out").with("count", count).with("inside", inside));
+        }
         if is_an_end && count > 0 {
             return Some(self.say("unsearched").with("count", count));
         }
